@@ -1,0 +1,133 @@
+"""What every engine provides, and how it reports what it cannot do.
+
+An engine turns a `Mechanism` into motion. `prepare` builds the model and returns a `Simulation` that can be advanced piece by
+piece, so that a steady state can be approached cycle by cycle without restarting; `natural_frequencies` answers for the frozen
+crank. What an engine cannot model it refuses with a sentence (`Refusal`); a run that breaks down raises `EngineFailure` with the
+time, the cause and what to try, and carries what was computed up to then.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.settings import Settings
+from engines.start import Start
+from engines.trajectory import Trajectory
+from reference_model.mechanism import Mechanism
+
+
+class Refusal(Exception):
+    """A scene feature or setting that an engine cannot model; the text is one sentence naming the key and what is accepted."""
+
+
+class EngineFailure(Exception):
+    """A run that broke down.
+
+    Attributes:
+        time: s from the start of the simulation, the last instant known to be good.
+        cause: one clause: what happened.
+        advice: one clause: what to try.
+        partial: the trajectory up to `time`, or None.
+    """
+
+    def __init__(self, time: float, cause: str, advice: str, partial: Trajectory | None = None) -> None:
+        super().__init__(f"failed at t = {time:.6g} s: {cause}; {advice}")
+        self.time = time
+        self.cause = cause
+        self.advice = advice
+        self.partial = partial
+
+
+@dataclass(frozen=True)
+class ModelDescription:
+    """What an engine builds for a scene: one line per body and joint, and the number of degrees of freedom it integrates."""
+
+    bodies: tuple[str, ...]
+    joints: tuple[str, ...]
+    degrees_of_freedom: int
+
+
+class Simulation(ABC):
+    """A prepared model at an instant; `advance` moves it on.
+
+    Attributes:
+        setup_seconds: wall time spent building the model, without compilation.
+        time: s since the start.
+    """
+
+    setup_seconds: float
+    time: float
+
+    @abstractmethod
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        """Integrate on by `duration` (s, a multiple of `output_step`) from where the simulation stands.
+
+        Returns:
+            The trajectory on the grid `time + k output_step`, k = 0 .. duration/output_step: the first row is the present
+            instant (so consecutive pieces share one row), the last is the new one. `Trajectory.solve_seconds` is the wall time
+            from the prepared model to the finished table.
+
+        Raises:
+            EngineFailure: the run broke down; the simulation must not be advanced again.
+        """
+
+
+class Engine(ABC):
+    """One way of simulating the mechanism. Instances carry no state; everything about a run is in `Settings`."""
+
+    name: ClassVar[str]  # as typed on the command line
+    method: ClassVar[str]  # one line, for `quickreturn engines` and the report
+    default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
+    Settings: ClassVar[type[Settings]]
+
+    @abstractmethod
+    def version(self) -> str:
+        """Name and version of the library behind the engine, e.g. 'exudyn 1.13.6'."""
+
+    def unavailable(self) -> str | None:
+        """Why the engine cannot be used on this machine (a sentence), or None if it can."""
+        return None
+
+    @abstractmethod
+    def check(self, mechanism: Mechanism) -> None:
+        """Raise `Refusal` if a feature of the scene cannot be modelled. Called before anything is built."""
+
+    @abstractmethod
+    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+        """Bodies, joints and degrees of freedom that `prepare` builds for this scene with these settings."""
+
+    @abstractmethod
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> Settings:
+        """Where to start for an error of the tip deflection of `accuracy` (measured table; the run's own estimate decides)."""
+
+    @abstractmethod
+    def coarser(self, settings: Settings) -> tuple[Settings, float]:
+        """Settings of a cheaper run for the error estimate, and the factor by which their error exceeds that of `settings`.
+
+        With the difference D of the two trajectories the error of `settings` is estimated as D / (factor - 1).
+        """
+
+    @abstractmethod
+    def finer(self, settings: Settings) -> Settings | None:
+        """The next finer rung, taken when the estimate misses the accuracy asked; None at the end of the ladder."""
+
+    @abstractmethod
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+        """Build the model in the state `start` (see `Start` for its meaning).
+
+        Raises:
+            Refusal: a feature or setting that cannot be modelled.
+            EngineFailure: the start cannot be reached (time 0).
+        """
+
+    @abstractmethod
+    def natural_frequencies(
+        self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings
+    ) -> NDArray[np.float64]:
+        """Lowest natural frequencies in Hz, ascending, with the crank held at `crank_angle` (rad).
+
+        Follower straight, at rest, no gravity, undamped. Fewer than `count` if the model has fewer; shape (<= count,).
+        """

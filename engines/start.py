@@ -1,0 +1,38 @@
+"""The state in which a simulation begins, in terms that every engine can realise."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.mechanism import Mechanism
+
+
+class Field(Protocol):
+    """A function of arc length with derivatives: scipy's `PPoly` and `CubicSpline` are such functions.
+
+    `field(x, nu)` is the nu-th derivative with respect to arc length (nu = 0 .. 2) at the arc lengths x (m, shape (n,)).
+    """
+
+    def __call__(self, x: NDArray[np.float64], nu: int = 0, /) -> NDArray[np.float64]: ...
+
+
+@dataclass(frozen=True)
+class Start:
+    """Crank angle and speed, the follower's deflection W(x) along b2 at arc length x and its rate; b1 is the base tangent.
+
+    Together with the closed loop this fixes the state: arc length and the base angle q2 follow from the slider lying on the centre
+    line, their rates from the velocity loop. `None` means straight (deflection) and not changing (rate), which is the standard
+    start: the follower moves as the rigid mechanism does.
+    """
+
+    crank_angle: float  # rad
+    crank_speed: float  # rad/s
+    deflection: Field | None = None  # m, with W(0) = W'(0) = 0
+    deflection_rate: Field | None = None  # m/s, at fixed arc length
+
+
+def standard_start(mechanism: Mechanism) -> Start:
+    """The start of every case: crank at its initial angle and speed, follower straight and moving as the rigid mechanism."""
+    return Start(mechanism.crank.initial_angle, mechanism.crank.drive.initial_speed)
