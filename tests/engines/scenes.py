@@ -1,0 +1,44 @@
+"""Scenes built by hand from the thesis' numbers, so that engines can be tested without case files."""
+
+import dataclasses
+from typing import Any
+
+from reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
+
+INCH = 0.0254  # m
+POUND_FORCE = 4.4482216152605  # N
+POUND_MASS = POUND_FORCE / INCH  # kg, of lbf s²/in
+
+
+def run_24(**changes: Any) -> Mechanism:
+    """Run 24 (crank 4 in, six plates, 16.6 rad/s), SI.
+
+    A change given as a dict replaces quantities within a part, anything else replaces the part:
+    `run_24(follower={"damping": 0.0}, tip=None, gravity=(0.0, -9.81))`.
+    """
+    mechanism = Mechanism(
+        pivot_distance=18.0 * INCH,
+        crank=Crank(
+            length=4.0 * INCH,
+            drive=TorqueDrive(torque=10.0 * POUND_FORCE * INCH, damping=0.60176535 * POUND_FORCE * INCH, initial_speed=10.0 / 0.60176535),
+            mass=0.1 * POUND_MASS,
+            center_of_mass=3.0 * INCH,
+            inertia=4.0e-4 * POUND_MASS * INCH**2,
+        ),
+        base=Base(inertia=1.5e-4 * POUND_MASS * INCH**2, damping=2e-5 * POUND_FORCE * INCH),
+        follower=Follower(
+            length=25.0 * INCH,
+            mass_per_length=4.75987e-5 * POUND_MASS / INCH,
+            bending_stiffness=2128.22 * POUND_FORCE * INCH**2,
+            thickness=0.125 * INCH,
+            width=1.5 * INCH,
+            damping=2e-5 * POUND_FORCE / INCH**2,
+            strain_gauges=(6.25 * INCH, 12.5 * INCH, 18.75 * INCH),
+        ),
+        tip=Tip(mass=2.90e-4 * POUND_MASS, inertia=1.96e-5 * POUND_MASS * INCH**2),
+    )
+    for part, change in changes.items():
+        if isinstance(change, dict):
+            change = dataclasses.replace(getattr(mechanism, part), **change)
+        mechanism = dataclasses.replace(mechanism, **{part: change})
+    return mechanism
