@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.settings import Settings
+from engines.settings import Settings as AnySettings
 from engines.start import Start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
@@ -39,6 +39,9 @@ class EngineFailure(Exception):
         self.cause = cause
         self.advice = advice
         self.partial = partial
+
+    def __reduce__(self) -> tuple[type, tuple[float, str, str, Trajectory | None]]:
+        return type(self), (self.time, self.cause, self.advice, self.partial)
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ class Engine(ABC):
     name: ClassVar[str]  # as typed on the command line
     method: ClassVar[str]  # one line, for `quickreturn engines` and the report
     default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
-    Settings: ClassVar[type[Settings]]
+    Settings: ClassVar[type[AnySettings]]
 
     @abstractmethod
     def version(self) -> str:
@@ -96,26 +99,26 @@ class Engine(ABC):
         """Raise `Refusal` if a feature of the scene cannot be modelled. Called before anything is built."""
 
     @abstractmethod
-    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+    def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom that `prepare` builds for this scene with these settings."""
 
     @abstractmethod
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> Settings:
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
         """Where to start for an error of the tip deflection of `accuracy` (measured table; the run's own estimate decides)."""
 
     @abstractmethod
-    def coarser(self, settings: Settings) -> tuple[Settings, float]:
+    def coarser(self, settings: AnySettings) -> tuple[AnySettings, float]:
         """Settings of a cheaper run for the error estimate, and the factor by which their error exceeds that of `settings`.
 
         With the difference D of the two trajectories the error of `settings` is estimated as D / (factor - 1).
         """
 
     @abstractmethod
-    def finer(self, settings: Settings) -> Settings | None:
+    def finer(self, settings: AnySettings) -> AnySettings | None:
         """The next finer rung, taken when the estimate misses the accuracy asked; None at the end of the ladder."""
 
     @abstractmethod
-    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+    def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """Build the model in the state `start` (see `Start` for its meaning).
 
         Raises:
@@ -125,7 +128,7 @@ class Engine(ABC):
 
     @abstractmethod
     def natural_frequencies(
-        self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings
+        self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings
     ) -> NDArray[np.float64]:
         """Lowest natural frequencies in Hz, ascending, with the crank held at `crank_angle` (rad).
 

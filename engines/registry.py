@@ -1,0 +1,156 @@
+"""Which engines there are: the four main ones, and third-party ones found by the entry-point group `quickreturn.engines`.
+
+An engine's module is imported when the engine is asked for and not before, so that a library that is missing or broken disables
+its own engine and no other. An entry point maps the engine's name to its class:
+
+    [project.entry-points."quickreturn.engines"]
+    my_engine = "my_package.my_module:MyEngine"
+"""
+
+import difflib
+from collections.abc import Callable
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from typing import ClassVar, Final, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import Engine, ModelDescription, Refusal, Simulation
+from engines.settings import Settings as AnySettings
+from engines.start import Start
+from reference_model.mechanism import Mechanism
+
+MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
+GROUP: Final = "quickreturn.engines"
+
+_MODULES: Final = {
+    "thesis": "engines.pseudo_coordinate.engine:ThesisEngine",
+    "reference": "engines.pseudo_coordinate.engine:ReferenceEngine",
+    "exudyn": "engines.exudyn.engine:ExudynEngine",
+    "mujoco": "engines.mujoco.engine:MujocoEngine",
+}
+
+
+class UnknownEngine(ValueError):
+    """No engine has this name; the text is one sentence with the nearest known names."""
+
+
+def engine_names() -> tuple[str, ...]:
+    """Names of all engines, whether usable here or not: the main ones in their order, then third-party ones by name."""
+    return (*MAIN, *sorted(_third_party()))
+
+
+def engine(name: str) -> Engine:
+    """The engine of this name. If its code cannot be loaded, an engine that says so by `unavailable()` and refuses everything.
+
+    Raises:
+        UnknownEngine: no engine has this name.
+    """
+    if name in _MODULES:
+        module, _, attribute = _MODULES[name].partition(":")
+        return _loaded(name, lambda: getattr(import_module(module), attribute))
+    entries = _third_party().get(name)
+    if entries is None:
+        raise UnknownEngine(_unknown(name))
+    if len(entries) > 1:
+        return _missing(name, f"{len(entries)} packages provide an engine of this name: {', '.join(map(_origin, entries))}")
+    return _loaded(name, entries[0].load)
+
+
+def usable_engine(name: str) -> Engine:
+    """The engine of this name, known to be usable on this machine.
+
+    Raises:
+        UnknownEngine: no engine has this name.
+        Refusal: the engine cannot be used here; the sentence says why.
+    """
+    found = engine(name)
+    reason = found.unavailable()
+    if reason is not None:
+        raise Refusal(f"engine {name} is not available: {reason}")
+    return found
+
+
+def _third_party() -> dict[str, list[EntryPoint]]:
+    """Entry points by engine name. A package cannot replace a main engine: its entry of such a name does not count."""
+    found: dict[str, list[EntryPoint]] = {}
+    for entry in entry_points(group=GROUP):
+        if entry.name not in _MODULES:
+            found.setdefault(entry.name, []).append(entry)
+    return found
+
+
+def _loaded(name: str, load: Callable[[], object]) -> Engine:
+    try:
+        kind = load()
+        if not (isinstance(kind, type) and issubclass(kind, Engine)):
+            return _missing(name, f"{kind!r} is not a class derived from engines.base.Engine")
+        found = kind()
+        if found.name != name:
+            return _missing(name, f'its class calls itself "{found.name}"')
+    except Exception as error:  # whatever a foreign module does on import must not disable the other engines
+        return _missing(name, f"it cannot be loaded ({type(error).__name__}: {_first_line(error)})")
+    return found
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or ["no message"])[0]
+
+
+def _origin(entry: EntryPoint) -> str:
+    return f"{entry.dist.name if entry.dist else 'unknown package'} ({entry.value})"
+
+
+def _unknown(name: str) -> str:
+    known = engine_names()
+    near = difflib.get_close_matches(name, known, n=2)
+    hint = f" did you mean {' or '.join(near)}?" if near else ""
+    return f'"{name}": no such engine;{hint} accepted: {", ".join(known)}'
+
+
+class _Missing(Engine):
+    """Stands for an engine whose code cannot be loaded."""
+
+    method = "unknown"
+    default_accuracy = 1e-3
+    Settings = AnySettings
+    reason: ClassVar[str]
+
+    def version(self) -> str:
+        return "not available"
+
+    def unavailable(self) -> str:
+        return self.reason
+
+    def _refuse(self) -> NoReturn:
+        raise Refusal(f"engine {self.name} is not available: {self.reason}")
+
+    def check(self, mechanism: Mechanism) -> None:
+        self._refuse()
+
+    def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
+        self._refuse()
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
+        self._refuse()
+
+    def coarser(self, settings: AnySettings) -> tuple[AnySettings, float]:
+        self._refuse()
+
+    def finer(self, settings: AnySettings) -> AnySettings | None:
+        self._refuse()
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
+        self._refuse()
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
+        self._refuse()
+
+
+def _missing(engine_name: str, sentence: str) -> Engine:
+    class Missing(_Missing):
+        name = engine_name
+        reason = sentence
+
+    return Missing()
