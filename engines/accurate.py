@@ -1,0 +1,275 @@
+"""One trajectory to an accuracy: run, estimate the error, refine until the estimate is good enough or the ladder ends.
+
+The estimate does not know the answer. It compares the run with a coarser one of the same engine whose error is `factor` times as
+large (`Engine.coarser`), so that error = difference / (factor - 1): Richardson's estimate, Hairer, Norsett and Wanner, Solving
+Ordinary Differential Equations I, section II.4. It is as good as the factor: where the runs converge at the engine's stated order
+it is right to some ten percent; before convergence sets in it may be off by a factor of two or more. It sees the engine's own
+discretization alone: an engine that converges to a wrong model is found by comparison with other engines only.
+"""
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import Engine, EngineFailure, ModelDescription, Refusal
+from engines.settings import SettingError, Settings
+from engines.start import Start
+from engines.trajectory import Trajectory
+from reference_model.mechanism import Mechanism
+
+#: Columns with an error estimate of their own.
+ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
+
+#: A tip deflection of less than this part of the follower's length is no deflection: the follower is rigid.
+NO_DEFLECTION: Final = 1e-12
+
+
+@dataclass(frozen=True)
+class Result:
+    """A trajectory and how far it can be trusted.
+
+    Attributes:
+        trajectory: of the finest run that completed.
+        settings: of that run.
+        accuracy: error of the tip deflection that the run aimed at, None where settings were given and no accuracy was asked.
+        error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
+            follower's length; None where it could not be estimated.
+        error_estimates: the same for each of `ESTIMATED`; None where unknown or where the column is zero throughout.
+        reached: False if the estimate misses the accuracy, or if it is unknown although an accuracy was asked explicitly.
+        remark: why not reached or not estimated (a sentence), "" if all is well.
+        setup_seconds: building the model of the delivered run.
+        solve_seconds: solving the delivered run.
+        estimate_seconds: wall time of all other runs: the coarser ones and the rungs climbed.
+        description: bodies, joints and degrees of freedom of the delivered run.
+    """
+
+    trajectory: Trajectory
+    settings: Settings
+    accuracy: float | None
+    error_estimate: float | None
+    error_estimates: dict[str, float | None]
+    reached: bool
+    remark: str
+    setup_seconds: float
+    solve_seconds: float
+    estimate_seconds: float
+    description: ModelDescription
+
+
+def simulate(
+    engine: Engine,
+    mechanism: Mechanism,
+    start: Start,
+    duration: float,
+    output_step: float,
+    settings: Mapping[str, str] | None = None,
+    accuracy: float | None = None,
+) -> Result:
+    """Simulate a scene to an accuracy.
+
+    Without `settings` the engine picks where to begin, and finer rungs of its ladder are taken while the error estimate misses the
+    accuracy. A rung that breaks down is given one finer try: an unstable step is cured by that, a scene that cannot go on is not.
+
+    Args:
+        engine: a usable engine.
+        mechanism: the scene.
+        start: state at time zero.
+        duration: s, a multiple of `output_step`.
+        output_step: s.
+        settings: values by name as text; they override the engine's choice and switch the ladder off, the estimate stays.
+        accuracy: error of the tip deflection asked for; None is the engine's default.
+
+    Raises:
+        Refusal: the engine cannot model the scene.
+        SettingError: a setting is not acceptable.
+        EngineFailure: the run broke down; carries what was computed up to then.
+    """
+    engine.check(mechanism)
+    first = engine.settings_for(accuracy or engine.default_accuracy, mechanism)
+    if settings:
+        first = first.with_texts(dict(settings))
+    runs = _Runs(engine, mechanism, start, duration, output_step)
+    if settings:
+        return runs.result(runs.judged(first), accuracy, asked=accuracy is not None)
+    target = accuracy or engine.default_accuracy
+    return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
+
+
+def run_once(
+    engine: Engine, mechanism: Mechanism, start: Start, duration: float, output_step: float, settings: Settings
+) -> tuple[Trajectory, float]:
+    """One run as it comes, checked for completeness and for values that are no numbers.
+
+    Returns:
+        The trajectory and the setup time in s.
+
+    Raises:
+        Refusal, SettingError: as the engine raises them.
+        EngineFailure: the run broke down, in whatever way: an unforeseen exception of an engine is reported as this too.
+    """
+    try:
+        simulation = engine.prepare(mechanism, start, settings)
+        trajectory = simulation.advance(duration, output_step)
+    except (Refusal, SettingError, EngineFailure, MemoryError):
+        raise
+    except Exception as error:  # a third-party engine may raise anything
+        cause = f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
+        raise EngineFailure(0.0, cause, "report this to the author of the engine") from error
+    check_trajectory(trajectory, duration, output_step)
+    return trajectory, simulation.setup_seconds
+
+
+def check_trajectory(trajectory: Trajectory, duration: float, output_step: float) -> None:
+    """Raise `EngineFailure` unless the trajectory is complete, on its grid and finite.
+
+    The time grid may start anywhere; it must have `duration / output_step` steps of `output_step`.
+    """
+    lengths = {len(values) for values in trajectory.columns.values()}
+    if len(lengths) != 1:
+        raise EngineFailure(0.0, "the engine returned columns of different lengths", "report this to the author of the engine")
+    finite = np.logical_and.reduce([np.isfinite(values) for values in trajectory.columns.values()])
+    if not finite.all():
+        bad = int(np.argmin(finite))
+        name = next(name for name, values in trajectory.columns.items() if not np.isfinite(values[bad]))
+        good = float(trajectory["time"][bad - 1]) if bad else 0.0
+        partial = _head(trajectory, bad) if bad else None
+        raise EngineFailure(good, f"{name} is no longer a finite number", "try finer settings", partial)
+    times, rows = trajectory["time"], round(duration / output_step) + 1
+    # A grid built by repeated addition may drift by some rounding errors, never by a thousandth of a step.
+    on_grid = np.allclose(np.diff(times), output_step, rtol=1e-3, atol=0.0)
+    if len(times) != rows or not on_grid:
+        raise EngineFailure(
+            float(times[-1]) if len(times) else 0.0,
+            f"the engine returned {len(times)} rows that are not the {rows} of the output grid",
+            "try finer settings",
+            trajectory if len(times) and on_grid else None,
+        )
+
+
+def estimated_errors(fine: Trajectory, coarse: Trajectory, factor: float, length: float) -> tuple[float, dict[str, float | None]]:
+    """Error estimate of `fine` from a coarser run whose error is `factor` (> 1) times as large.
+
+    Args:
+        fine: the run in question.
+        coarse: the coarser run on the same output grid.
+        factor: ratio of the errors, above 1.
+        length: follower length, m.
+
+    Returns:
+        The estimate of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
+    """
+    each = {name: _relative(_rms(fine[name] - coarse[name]), _rms(fine[name])) for name in ESTIMATED}
+    estimates = {name: None if value is None else value / (factor - 1.0) for name, value in each.items()}
+    deflection = estimates["tip_deflection"]
+    if deflection is None or _rms(fine["tip_deflection"]) < NO_DEFLECTION * length:
+        distance = np.hypot(fine["tip_x"] - coarse["tip_x"], fine["tip_y"] - coarse["tip_y"])
+        return _rms(distance) / length / (factor - 1.0), estimates
+    return deflection, estimates
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """A run with its estimate; `remark` says why there is none."""
+
+    settings: Settings
+    trajectory: Trajectory
+    setup_seconds: float
+    estimate: float | None = None
+    estimates: dict[str, float | None] = field(default_factory=lambda: dict.fromkeys(ESTIMATED))
+    remark: str = ""
+
+
+class _Runs:
+    """Runs of one scene by settings: what was computed for one rung serves as the coarser run of the next."""
+
+    def __init__(self, engine: Engine, mechanism: Mechanism, start: Start, duration: float, output_step: float) -> None:
+        self.engine, self.mechanism = engine, mechanism
+        self._scene = (mechanism, start, duration, output_step)
+        self._done: dict[Settings, tuple[Trajectory, float]] = {}
+        self._begin = time.perf_counter()
+
+    def run(self, settings: Settings) -> tuple[Trajectory, float]:
+        if settings not in self._done:
+            self._done[settings] = run_once(self.engine, *self._scene, settings)
+        return self._done[settings]
+
+    def judged(self, settings: Settings) -> _Judged:
+        trajectory, setup_seconds = self.run(settings)
+        coarser, factor = self.engine.coarser(settings)
+        try:
+            coarse, _ = self.run(coarser)
+        except EngineFailure as failure:
+            remark = f"the error is unknown: the coarser run for its estimate {failure}"
+            return _Judged(settings, trajectory, setup_seconds, remark=remark)
+        estimate, estimates = estimated_errors(trajectory, coarse, factor, self.mechanism.follower.length)
+        return _Judged(settings, trajectory, setup_seconds, estimate, estimates)
+
+    def result(self, judged: _Judged, target: float | None, *, asked: bool) -> Result:
+        remark, reached = judged.remark, True
+        if target is not None and judged.estimate is None:
+            reached = not asked
+        elif target is not None and judged.estimate is not None and judged.estimate > target:
+            reached = False
+            missed = f"the estimated error {judged.estimate:.2g} misses the accuracy {target:g}"
+            remark = f"{missed}; {remark}" if remark else missed
+        total = time.perf_counter() - self._begin
+        delivered = judged.setup_seconds + judged.trajectory.solve_seconds
+        return Result(
+            trajectory=judged.trajectory,
+            settings=judged.settings,
+            accuracy=target,
+            error_estimate=judged.estimate,
+            error_estimates=judged.estimates,
+            reached=reached,
+            remark=remark,
+            setup_seconds=judged.setup_seconds,
+            solve_seconds=judged.trajectory.solve_seconds,
+            estimate_seconds=max(0.0, total - delivered),
+            description=self.engine.describe(self.mechanism, judged.settings),
+        )
+
+
+def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
+    """The first rung from `first` on whose estimate is within `target`, else the finest one that ran."""
+    best: _Judged | None = None
+    failure: EngineFailure | None = None
+    rung: Settings | None = first
+    while rung is not None:
+        try:
+            best = runs.judged(rung)
+        except EngineFailure as error:
+            if best is not None:
+                return _with_remark(best, f"the next finer settings {error}")
+            if failure is not None:
+                raise error from failure
+            failure = error
+        if best is not None and best.estimate is not None and best.estimate <= target:
+            return best
+        rung = runs.engine.finer(rung)
+    if best is not None:
+        return _with_remark(best, "these are the finest settings of the engine's ladder")
+    raise failure if failure is not None else AssertionError("a ladder has at least one rung")
+
+
+def _with_remark(judged: _Judged, remark: str) -> _Judged:
+    return replace(judged, remark=f"{judged.remark}; {remark}" if judged.remark else remark)
+
+
+def _head(trajectory: Trajectory, rows: int) -> Trajectory:
+    columns = {name: values[:rows] for name, values in trajectory.columns.items()}
+    return Trajectory(columns, trajectory.solve_seconds, trajectory.statistics)
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _relative(difference: float, size: float) -> float | None:
+    if size == 0.0 or not math.isfinite(difference / size):
+        return None
+    return difference / size

@@ -1,0 +1,138 @@
+"""The error estimate and the ladder, on an engine whose error is known in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+
+from engines.accurate import Result, run_once, simulate
+from engines.base import Engine, EngineFailure, Refusal
+from engines.settings import SettingError
+from engines.start import standard_start
+from reference_model.mechanism import Mechanism
+from tests.engines.fake_engine import FakeEngine, FakeSettings, error_of
+from tests.engines.scenes import run_24
+
+DURATION = 2.0 * math.pi * 0.999  # s: close to a whole period, so that sine and cosine have nearly the same RMS
+STEP = DURATION / 1000
+
+
+def run(settings: dict[str, str] | None = None, accuracy: float | None = None, engine: Engine | None = None) -> Result:
+    scene = run_24()
+    return simulate(engine or FakeEngine(), scene, standard_start(scene), DURATION, STEP, settings, accuracy)
+
+
+def misbehaving(behaviour: str) -> Engine:
+    """The fake engine whose own choice of settings, not the user's, misbehaves."""
+
+    class Misbehaving(FakeEngine):
+        def settings_for(self, accuracy: float, mechanism: Mechanism) -> FakeSettings:
+            return FakeSettings(step=0.1, behaviour=behaviour)
+
+    return Misbehaving()
+
+
+def step_of(result: Result) -> float:
+    assert isinstance(result.settings, FakeSettings)
+    return result.settings.step
+
+
+@pytest.mark.parametrize("step", [0.2, 0.05])
+def test_estimate_is_the_known_error(step: float) -> None:
+    result = run({"step": str(step)})
+    # The estimate divides by the RMS of the run itself, which differs from the exact one by half the error squared: < 1e-3.
+    assert result.error_estimate == pytest.approx(error_of(step), rel=2e-3)
+    assert result.error_estimates["strain_1"] == pytest.approx(error_of(step), rel=2e-3)
+    assert result.error_estimates["slider_force"] is None, "zero throughout: no relative error"
+
+
+def test_ladder_climbs_until_the_estimate_is_good_enough() -> None:
+    result = run(accuracy=4e-4)
+    # error_of: 0.005 at 0.1, 0.00125 at 0.05, 0.0003125 at 0.025
+    assert step_of(result) == pytest.approx(0.025)
+    assert result.reached
+    assert result.remark == ""
+
+
+def test_default_accuracy_is_the_engines() -> None:
+    result = run()
+    assert result.accuracy == FakeEngine.default_accuracy
+    assert step_of(result) == pytest.approx(0.1), "error_of(0.2) = 0.02 misses the default of 0.01"
+
+
+def test_end_of_the_ladder_is_kept_and_flagged() -> None:
+    result = run(accuracy=1e-4)
+    assert not result.reached
+    assert step_of(result) == pytest.approx(0.025)
+    assert len(result.trajectory) == 1001
+    assert "misses the accuracy 0.0001" in result.remark
+
+
+def test_explicit_settings_switch_the_ladder_off() -> None:
+    result = run({"step": "0.2"}, accuracy=1e-3)
+    assert step_of(result) == pytest.approx(0.2)
+    assert not result.reached
+    assert run({"step": "0.2"}).reached, "no accuracy was asked"
+
+
+def test_times_are_of_the_delivered_run_only() -> None:
+    result = run(accuracy=4e-4)
+    assert (result.setup_seconds, result.solve_seconds) == (0.25, 0.125)
+    assert result.estimate_seconds >= 0.0
+
+
+def test_failing_coarse_run_makes_the_estimate_unknown() -> None:
+    result = run({"step": "0.05", "behaviour": "coarse fails"})
+    assert result.error_estimate is None
+    assert result.reached, "nothing was asked"
+    assert "the step is too large" in result.remark
+    assert not run({"step": "0.05", "behaviour": "coarse fails"}, accuracy=1e-2).reached
+
+
+def test_ladder_gets_past_an_unstable_step() -> None:
+    result = run(engine=misbehaving("unstable"))
+    # 0.1 turns to NaN; so does the coarser run of 0.05, whose estimate is therefore unknown; 0.025 has a good one.
+    assert step_of(result) == pytest.approx(0.025)
+    assert result.reached
+
+
+def test_scene_that_cannot_go_on_fails_with_what_was_computed() -> None:
+    with pytest.raises(EngineFailure, match="the beam snapped") as caught:
+        run(engine=misbehaving("fails"))
+    assert caught.value.partial is not None
+    assert len(caught.value.partial) == 3
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "words"),
+    [("nan", "strain_2 is no longer a finite number"), ("short", "500 rows"), ("raises", "ZeroDivisionError: a bug")],
+)
+def test_wrong_trajectories_are_failures(behaviour: str, words: str) -> None:
+    scene = run_24()
+    with pytest.raises(EngineFailure, match=words):
+        run_once(FakeEngine(), scene, standard_start(scene), DURATION, STEP, FakeSettings(behaviour=behaviour))
+
+
+def test_values_that_are_no_numbers_end_the_kept_part() -> None:
+    with pytest.raises(EngineFailure) as caught:
+        run({"behaviour": "nan"})
+    assert caught.value.partial is not None
+    assert len(caught.value.partial) == 5
+    assert caught.value.time == pytest.approx(4 * STEP)
+    assert np.isfinite(caught.value.partial["strain_2"]).all()
+
+
+def test_rigid_follower_is_judged_by_the_place_of_its_tip() -> None:
+    result = run({"step": "0.1", "behaviour": "rigid"})
+    # tip_x is off by error_of(step) cos(t): RMS error_of / sqrt(2), over the follower's length; the window is 0.1 % short of a period.
+    expected = error_of(0.1) / math.sqrt(2.0) / run_24().follower.length
+    assert result.error_estimate == pytest.approx(expected, rel=2e-3)
+    assert result.error_estimates["tip_deflection"] is None
+
+
+def test_refusals_and_settings_pass_through() -> None:
+    heavy = run_24(slider={"mass": 0.5})
+    with pytest.raises(Refusal, match=r"slider\.mass"):
+        simulate(FakeEngine(), heavy, standard_start(heavy), DURATION, STEP)
+    with pytest.raises(SettingError, match=r"engine\.step"):
+        run({"step": "7"})

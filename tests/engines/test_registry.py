@@ -1,0 +1,77 @@
+"""Which engines are found, and what a broken or missing one does to the others."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from engines import registry
+from engines.base import Refusal
+from engines.registry import MAIN, UnknownEngine, engine, engine_names, usable_engine
+from tests.engines.fake_package import FAKE_ENGINE, install
+from tests.engines.scenes import run_24
+
+
+def test_main_engines_come_first_and_are_always_listed() -> None:
+    assert engine_names()[:4] == MAIN == ("thesis", "reference", "exudyn", "mujoco")
+
+
+def test_unknown_name_is_answered_with_the_nearest_known() -> None:
+    with pytest.raises(UnknownEngine, match=r'"exudin": no such engine; did you mean exudyn\? accepted: thesis, reference, exudyn'):
+        engine("exudin")
+
+
+def test_third_party_engine_is_found_by_entry_point(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    install(tmp_path, "fakes", {"registry_fake": FAKE_ENGINE}, {"fake": "registry_fake:FakeEngine"})
+    monkeypatch.syspath_prepend(tmp_path)
+    assert "fake" in engine_names()
+    assert usable_engine("fake").version() == "fake 1.0"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("crash", "registry_crash:Engine", "ZeroDivisionError"),
+        ("absent", "registry_no_such_module:Engine", "No module named 'registry_no_such_module'"),
+        ("lacks", "registry_good:Nothing", "Nothing"),
+        ("no_class", "registry_good:error_of", "not a class derived from engines.base.Engine"),
+        ("abstract", "engines.base:Engine", "abstract"),
+        ("renamed", "registry_good:FakeEngine", 'calls itself "fake"'),
+    ],
+)
+def test_broken_third_party_engine_is_listed_with_the_reason(
+    name: str, value: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install(tmp_path, "broken", {"registry_crash": "1 / 0\n", "registry_good": FAKE_ENGINE}, {name: value})
+    monkeypatch.syspath_prepend(tmp_path)
+    assert name in engine_names()
+    assert reason in str(engine(name).unavailable())
+    with pytest.raises(Refusal, match=f"engine {name} is not available"):
+        usable_engine(name)
+    with pytest.raises(Refusal, match=f"engine {name} is not available"):
+        engine(name).check(run_24())
+
+
+def test_two_packages_with_one_engine_name_are_not_chosen_between(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for package in ("first", "second"):
+        install(tmp_path, package, {f"registry_{package}": FAKE_ENGINE}, {"fake": f"registry_{package}:FakeEngine"})
+    monkeypatch.syspath_prepend(tmp_path)
+    reason = str(engine("fake").unavailable())
+    assert "2 packages" in reason
+    assert "first" in reason
+    assert "second" in reason
+
+
+def test_third_party_engine_cannot_replace_a_main_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    install(tmp_path, "thief", {"registry_thief": "1 / 0\n"}, {"reference": "registry_thief:Engine"})
+    monkeypatch.syspath_prepend(tmp_path)
+    assert engine_names().count("reference") == 1
+    engine("reference")
+    assert "registry_thief" not in sys.modules
+
+
+def test_missing_library_disables_its_own_engine_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    # An engine whose module cannot be imported because the library behind it is absent; the registry's table is what leads to it.
+    monkeypatch.setattr(registry, "_MODULES", {**registry._MODULES, "exudyn": "engines.no_such_library:ExudynEngine"})
+    assert "No module named 'engines.no_such_library'" in str(engine("exudyn").unavailable())
+    assert engine_names()[:4] == MAIN
