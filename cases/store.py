@@ -1,0 +1,196 @@
+"""Results on disk as they come: an interrupted run continues where it stopped, and nothing stale or damaged is ever shown.
+
+An entry is one file named by its key, a hash of everything that determines the result (scene, engine, settings, versions, code).
+It is written to a temporary file, forced to the disk and renamed, so that it is there in full or not at all, whoever else writes
+at the same time. A checksum over key and content finds truncated, edited or misplaced files: such an entry counts as absent, which
+makes its result be computed anew, and a notice says so.
+
+File format: one line `quickreturn-store 1 <sha256>`, then numpy's npz with the JSON document as UTF-8 bytes and the arrays.
+"""
+
+import dataclasses
+import errno
+import hashlib
+import io
+import json
+import math
+import os
+import tempfile
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Environment variable that names the folder.
+VARIABLE: Final = "QUICKRETURN_STORE"
+#: Folder under the current directory if the variable is not set.
+DEFAULT_FOLDER: Final = ".quickreturn"
+
+_MAGIC: Final = "quickreturn-store 1"
+_DOCUMENT: Final = "document"
+_ABANDONED: Final = 3600.0  # s: no write takes an hour, so an older temporary file belongs to a run that was killed
+
+
+class StoreError(Exception):
+    """The store's folder cannot be used, or a result cannot be written to it; the text is one sentence."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What is stored under a key: a JSON document and arrays by name."""
+
+    document: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+
+
+def key_of(content: Mapping[str, Any]) -> str:
+    """Key of a result: SHA-256 (hex) of the canonical JSON of all that determines it.
+
+    Accepted are mappings, lists, tuples, dataclasses (with their class name), texts, whole numbers, floats (told apart to the last
+    bit, infinities and NaN included), booleans, None and numpy arrays.
+
+    Raises:
+        TypeError: a value of another type.
+    """
+    text = json.dumps(_canonical(content), sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+    return hashlib.sha256(text.encode("ascii")).hexdigest()
+
+
+class Store:
+    """Entries by key in a folder; safe to use from several processes at once.
+
+    Attributes:
+        folder: where the entries are.
+        notices: sentences on damaged entries found so far.
+
+    Raises:
+        StoreError: the folder cannot be created or written to.
+    """
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER)
+        self.notices: list[str] = []
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._clear_abandoned()
+            with tempfile.TemporaryFile(dir=self.folder):
+                pass
+        except OSError as error:
+            raise StoreError(
+                f"store folder {self.folder}: it cannot be created or written ({_words(error)});"
+                f" set {VARIABLE} to a folder that can be written"
+            ) from error
+
+    def get(self, key: str) -> Entry | None:
+        """The entry under `key`, or None if there is none or it is damaged (then a notice says so)."""
+        try:
+            content = self._path(key).read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            self._note_damage(key, f"cannot be read ({_words(error)})")
+            return None
+        head, _, body = content.partition(b"\n")
+        if head != _head(key, body):
+            self._note_damage(key, "is truncated or was edited")
+            return None
+        try:
+            with np.load(io.BytesIO(body), allow_pickle=False) as archive:
+                arrays = {name: archive[name] for name in archive.files}
+            return Entry(json.loads(arrays.pop(_DOCUMENT).tobytes()), arrays)
+        except (ValueError, KeyError, OSError, EOFError) as error:  # a well-formed head over content that is none of ours
+            self._note_damage(key, f"cannot be read ({error})")
+            return None
+
+    def put(self, key: str, document: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]] | None = None) -> None:
+        """Store an entry, replacing one of the same key.
+
+        Raises:
+            StoreError: it cannot be written (full disk, ...); an entry that was there before stays.
+            ValueError: an array is called "document" or holds Python objects, or the document holds NaN or infinities.
+        """
+        arrays = dict(arrays or {})
+        if _DOCUMENT in arrays or any(array.dtype.hasobject for array in arrays.values()):
+            raise ValueError(f'an array must hold plain numbers and must not be called "{_DOCUMENT}"')
+        text = json.dumps(document, allow_nan=False).encode()
+        buffer = io.BytesIO()
+        np.savez(buffer, **{_DOCUMENT: np.frombuffer(text, dtype=np.uint8)}, **arrays)  # type: ignore[arg-type]
+        body = buffer.getvalue()
+        try:
+            write_atomically(self._path(key), _head(key, body) + b"\n" + body)
+        except OSError as error:
+            raise StoreError(f"store folder {self.folder}: a result cannot be written ({_words(error)})") from error
+
+    def _path(self, key: str) -> Path:
+        return self.folder / f"{key}.result"
+
+    def _note_damage(self, key: str, what: str) -> None:
+        self.notices.append(f"stored result {self._path(key)} {what}; it is computed anew")
+
+    def _clear_abandoned(self) -> None:
+        now = time.time()
+        for file in self.folder.glob("*.part"):
+            try:
+                if now - file.stat().st_mtime > _ABANDONED:
+                    file.unlink()
+            except FileNotFoundError:  # another run cleared it first
+                continue
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file so that it is there in full or, on any failure, as it was before.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _head(key: str, body: bytes) -> bytes:
+    return f"{_MAGIC} {hashlib.sha256(key.encode() + body).hexdigest()}".encode()
+
+
+def _words(error: OSError) -> str:
+    return (error.strerror or str(error)).lower() if error.errno != errno.ENOSPC else "no space left on the disk"
+
+
+def _canonical(value: Any) -> Any:
+    if value is None or isinstance(value, (bool, str, int)):
+        return value
+    if isinstance(value, (float, np.floating)):
+        return {"float": float(value).hex() if math.isfinite(value) else repr(float(value))}
+    if isinstance(value, Mapping):
+        return {str(name): _canonical(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_canonical(item) for item in value]
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return {"array": hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest(), "shape": value.shape, "type": value.dtype.str}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {field.name: _canonical(getattr(value, field.name)) for field in dataclasses.fields(value)}
+        return {"class": type(value).__qualname__, "fields": fields}
+    raise TypeError(f"{type(value).__name__} has no canonical form for a key")
