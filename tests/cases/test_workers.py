@@ -131,7 +131,8 @@ def test_cores() -> None:
 def sleeper(folder: Path) -> Job:
     """A job that writes its process id to the file `pid` in the folder and then sleeps with the GIL held, as a native solver does."""
     file = str(folder / "pid")
-    code = f"import ctypes, os; open({file + '.part'!r}, 'w').write(str(os.getpid())); os.rename({file + '.part'!r}, {file!r}); ctypes.PyDLL(None).sleep(3600)"
+    write = f"open({file + '.part'!r}, 'w').write(str(os.getpid())); os.rename({file + '.part'!r}, {file!r})"
+    code = f"import ctypes, os; {write}; ctypes.PyDLL(None).sleep(3600)"
     return Job("sleeper", exec, (code,))
 
 
