@@ -1,0 +1,25 @@
+"""What is measured in a cycle, the same for simulated and measured signals.
+
+Pre-return is the half in which the slider travels from its farthest to its nearest place, post-return the way back, whatever the
+crank's direction; a cycle starts farthest, at a crank angle of 180°. A half holds three to six oscillations of a first mode whose
+frequency drifts with the crank angle, on a large slow part: what is fitted is the drifting oscillation, on the time scale that
+the mechanism itself dictates.
+"""
+
+from cases.measures.consensus import Consensus
+from cases.measures.cycle import CycleMeasures, Measure, measure_cycle
+from cases.measures.steady_state import Cycle, Settling, cut_cycles
+from cases.measures.time_scale import CHANNELS, TimeScale, time_scale
+
+__all__ = [
+    "CHANNELS",
+    "Consensus",
+    "Cycle",
+    "CycleMeasures",
+    "Measure",
+    "Settling",
+    "TimeScale",
+    "cut_cycles",
+    "measure_cycle",
+    "time_scale",
+]

@@ -1,0 +1,147 @@
+"""All measures of one cycle: both halves, every channel, simulated and measured signals alike."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cases.measures.consensus import Consensus, consensus
+from cases.measures.extremes import extremes, low_pass
+from cases.measures.first_mode import fit_first_mode
+from cases.measures.half_cycle import HalfCycle, channel_half, half_cycle
+from cases.measures.second_mode import agreeing, second_mode_frequency
+from cases.measures.time_scale import TimeScale
+
+Array = NDArray[np.float64]
+
+HALVES = ("pre", "post")
+END_TOLERANCE = np.radians(5.0)  # by which the first and the last sample may miss the farthest place of the slider
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What is measured of one channel in one half cycle; None where not resolvable.
+
+    Attributes:
+        half: "pre" (slider from farthest to nearest) or "post".
+        channel: name of the channel.
+        first_mode_frequency: Hz, time mean over the half.
+        first_mode_frequency_uncertainty: Hz, one standard deviation.
+        first_mode_amplitude: RMS of the envelope over the half, in the channel's unit.
+        first_mode_amplitude_uncertainty: the same unit, one standard deviation.
+        second_mode_frequency: Hz, time mean over the half.
+        minimum: least value in the half, of the raw signal where simulated, of the low-passed where measured.
+        maximum: greatest value, likewise.
+        reason: why the first mode is not resolvable, empty where it is.
+    """
+
+    half: str
+    channel: str
+    first_mode_frequency: float | None
+    first_mode_frequency_uncertainty: float | None
+    first_mode_amplitude: float | None
+    first_mode_amplitude_uncertainty: float | None
+    second_mode_frequency: float | None
+    minimum: float
+    maximum: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class CycleMeasures:
+    """Measures of a cycle: per half and channel, and the consensus per half, pre-return first."""
+
+    measures: tuple[Measure, ...]
+    consensus: tuple[Consensus, ...]
+
+
+def measure_cycle(
+    scale: TimeScale | None, time: Array, crank_angle: Array, channels: Mapping[str, Array], measured: bool = False
+) -> CycleMeasures:
+    """Measure one full cycle.
+
+    Args:
+        scale: of the mechanism; None for a rigid follower, of which only the extremes are measured.
+        time: s, increasing, uniform or not, shape (n,).
+        crank_angle: rad, shape (n,), from the slider's farthest place (180° + k 360°) to the next, in either direction.
+        channels: values over the cycle, each of shape (n,); any of "tip_acceleration" (m/s²), "strain_1" to "strain_3".
+        measured: whether the extremes are taken after a zero-phase periodic low-pass at 200 Hz.
+
+    Raises:
+        ValueError: fewer than 16 samples, unequal lengths, values that are not finite, a time that does not increase, a crank that
+            turns back, or ends that are not the farthest place.
+    """
+    _check(time, crank_angle, channels)
+    boundaries = _boundaries(time, crank_angle)
+    angle = CubicSpline(time, crank_angle)
+    signals = {name: CubicSpline(time, values) for name, values in channels.items()}
+    shown = {name: low_pass(time, values) if measured else values for name, values in channels.items()}
+    measures: list[Measure] = []
+    agreed: list[Consensus] = []
+    for half, start, end in zip(HALVES, boundaries[:-1], boundaries[1:], strict=True):
+        here = [name for name in channels if scale is not None and name in scale.channels]
+        fitted = _vibrations(scale, half_cycle(scale, start, end, angle), {name: signals[name] for name in here}) if scale else {}
+        for name in channels:
+            numbers = fitted.get(name, (None, None, None, None, None, "the model has no vibration in this channel"))
+            low, high = extremes(time, shown[name], start, end)
+            measures.append(Measure(half, name, *numbers[:5], low, high, numbers[5]))
+        of_half = [measure for measure in measures if measure.half == half]
+        agreed.append(
+            consensus(
+                half,
+                [m.first_mode_frequency for m in of_half if m.first_mode_frequency is not None],
+                [m.first_mode_frequency_uncertainty for m in of_half if m.first_mode_frequency_uncertainty is not None],
+            )
+        )
+    return CycleMeasures(tuple(measures), tuple(agreed))
+
+
+Vibration = tuple[float | None, float | None, float | None, float | None, float | None, str]
+
+
+def _vibrations(scale: TimeScale, half: HalfCycle, signals: Mapping[str, CubicSpline]) -> dict[str, Vibration]:
+    """Per channel frequency, its uncertainty, amplitude, its uncertainty, second frequency, and why the first four are missing."""
+    first_modes, second_modes = {}, []
+    for name, signal in signals.items():
+        channel = channel_half(scale, half, name, signal)
+        mode = fit_first_mode(channel)
+        first_modes[name] = mode
+        second_modes.append(second_mode_frequency(channel, mode.fit) if mode.fit is not None else None)
+    vibrations: dict[str, Vibration] = {}
+    for (name, mode), second in zip(first_modes.items(), agreeing(second_modes), strict=True):
+        if mode.reason:
+            vibrations[name] = (None, None, None, None, second, mode.reason)
+        else:
+            vibrations[name] = (
+                mode.frequency, mode.frequency_uncertainty, mode.amplitude, mode.amplitude_uncertainty, second, ""
+            )  # fmt: skip
+    return vibrations
+
+
+def _check(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -> None:
+    if time.size < 16:
+        raise ValueError(f"a cycle of {time.size} samples cannot be measured; at least 16 are needed")
+    for name, values in {"time": time, "crank_angle": crank_angle, **channels}.items():
+        if values.shape != time.shape:
+            raise ValueError(f"{name} has {values.size} samples, time has {time.size}")
+        if not np.all(np.isfinite(values)):
+            raise ValueError(f"{name} holds values that are not finite")
+    if not np.all(np.diff(time) > 0.0):
+        raise ValueError("time does not increase throughout the cycle")
+
+
+def _boundaries(time: Array, crank_angle: Array) -> Array:
+    """Instants of the farthest place, the return and the next farthest place, s, shape (3,)."""
+    direction = np.sign(crank_angle[-1] - crank_angle[0])
+    progress = direction * (crank_angle - np.pi)  # 0 at the farthest place, modulo a turn
+    if not np.all(np.diff(progress) > 0.0):
+        raise ValueError("the crank turns back within the cycle")
+    first = 2.0 * np.pi * np.round(progress[0] / (2.0 * np.pi))
+    if max(abs(progress[0] - first), abs(progress[-1] - first - 2.0 * np.pi)) > END_TOLERANCE:
+        raise ValueError(
+            "a cycle must run from the slider's farthest place (crank angle 180°) to the next, not from"
+            f" {np.degrees(crank_angle[0]):.4g}° to {np.degrees(crank_angle[-1]):.4g}°"
+        )
+    return np.asarray(CubicSpline(progress, time)(first + np.pi * np.arange(3)))

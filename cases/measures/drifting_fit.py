@@ -1,0 +1,153 @@
+"""Least squares of a slow part, a drifting first mode and a second mode: variable projection with Gauss-Newton steps.
+
+The signal is modelled as  slow part + T (1 + rho sigma) [a cos phi + b sin phi] + second mode,  phi = alpha theta + beta (sigma^2 - 1),
+the second mode as T2 {1, sigma2} {cos, sin}(alpha2 theta2). Linear coefficients are eliminated by orthogonal projection (Golub and
+Pereyra, 1973), the projection's own change is neglected in the Jacobian (Kaufman, 1975), steps are damped (Levenberg, Marquardt)
+and held within bounds.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.measures.half_cycle import ChannelHalf
+
+Array = NDArray[np.float64]
+
+PRIOR_STRENGTH = 0.006  # of the signal's RMS, per scale below
+PRIOR_SCALES = np.array([np.inf, 1.5, 0.6, np.inf])  # alpha, beta, rho, alpha2
+MAXIMUM_STEPS = 25
+STEP_TOLERANCE = 1e-5  # in any parameter, a thousandth of the least uncertainty that is ever reported
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Least and greatest alpha, beta, rho, alpha2, each of shape (4,); equal bounds fix a parameter."""
+
+    low: Array
+    high: Array
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which parameters are not fixed."""
+        return self.high > self.low
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A minimum of the fit, in units of the signal's RMS.
+
+    Attributes:
+        parameters: alpha, beta, rho, alpha2.
+        weights: coefficients of the oscillating columns: a, b, then the second mode's four.
+        residual: shape (240,).
+        cost: sum of squares of the residual and the priors.
+        jacobian: projected oscillating columns, then projected derivatives with respect to the four parameters, shape (240, 10).
+    """
+
+    parameters: Array
+    weights: Array
+    residual: Array
+    cost: float
+    jacobian: Array
+
+    @property
+    def residual_rms(self) -> float:
+        """RMS of the residual, relative to the signal's."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+
+def orthonormal(columns: Array) -> Array:
+    """Orthonormal basis of the columns' span, shape as given."""
+    return np.linalg.qr(columns)[0]
+
+
+def without(basis: Array, columns: Array) -> Array:
+    """What of the columns is orthogonal to an orthonormal basis."""
+    return columns - basis @ (basis.T @ columns)
+
+
+def first_mode_columns(channel: ChannelHalf, alpha: float, beta: float, rho: float) -> Array:
+    """The two columns of the drifting first mode, shape (240, 2)."""
+    theta, sigma = channel.half.phases[0], channel.half.places[0]
+    phase = alpha * theta + beta * (sigma**2 - 1.0)
+    envelope = channel.templates[0] * (1.0 + rho * sigma)
+    return np.column_stack([envelope * np.cos(phase), envelope * np.sin(phase)])
+
+
+def second_mode_columns(channel: ChannelHalf, alpha2: float) -> Array:
+    """The four columns of the second mode, shape (240, 4)."""
+    phase = alpha2 * channel.half.phases[1]
+    cosine, sine = channel.templates[1] * np.cos(phase), channel.templates[1] * np.sin(phase)
+    sigma2 = channel.half.places[1]
+    return np.column_stack([cosine, sine, sigma2 * cosine, sigma2 * sine])
+
+
+def refine(channel: ChannelHalf, slow: Array, start: Array, bounds: Bounds) -> Fit:
+    """Descend from `start` (alpha, beta, rho, alpha2) to a minimum within the bounds.
+
+    Args:
+        channel: the signal with its templates.
+        slow: orthonormal basis of the slow part, shape (240, k).
+        start: shape (4,).
+        bounds: for the four parameters.
+    """
+    signal = without(slow, channel.signal)
+    fit = _evaluate(channel, slow, signal, np.clip(start, bounds.low, bounds.high))
+    damping = 1e-3
+    for _ in range(MAXIMUM_STEPS):
+        step = _step(fit, bounds, damping)
+        trial = np.clip(fit.parameters + step, bounds.low, bounds.high)
+        moved = np.abs(trial - fit.parameters).max()
+        if moved < STEP_TOLERANCE:
+            break
+        candidate = _evaluate(channel, slow, signal, trial)
+        if candidate.cost < fit.cost:
+            fit, damping = candidate, damping / 10.0
+        else:
+            damping *= 10.0
+    return fit
+
+
+def _step(fit: Fit, bounds: Bounds, damping: float) -> Array:
+    """Damped Gauss-Newton step; parameters that would leave their bounds at once stay where they are."""
+    derivatives = -fit.jacobian[:, 6:]
+    prior = _prior_weights(fit.residual.size)
+    normal = derivatives.T @ derivatives + np.diag(prior**2)
+    gradient = derivatives.T @ fit.residual + prior**2 * fit.parameters
+    blocked = ((fit.parameters <= bounds.low) & (gradient > 0.0)) | ((fit.parameters >= bounds.high) & (gradient < 0.0))
+    moving = bounds.free & ~blocked
+    step = np.zeros(4)
+    if moving.any():
+        block = normal[np.ix_(moving, moving)]
+        scale = np.diag(np.diag(block) + 1e-12 * fit.residual.size)
+        step[moving] = -np.linalg.solve(block + damping * scale, gradient[moving])
+    return step
+
+
+def _prior_weights(samples: int) -> Array:
+    return PRIOR_STRENGTH * np.sqrt(samples) / PRIOR_SCALES
+
+
+def _evaluate(channel: ChannelHalf, slow: Array, signal: Array, parameters: Array) -> Fit:
+    alpha, beta, rho, alpha2 = parameters
+    first, second = first_mode_columns(channel, alpha, beta, rho), second_mode_columns(channel, alpha2)
+    columns = np.hstack([first, second])
+    projected = without(slow, columns)
+    basis, triangle = np.linalg.qr(projected)
+    weights = np.linalg.lstsq(triangle, basis.T @ signal, rcond=1e-10)[0]
+    residual = signal - projected @ weights
+
+    theta, sigma = channel.half.phases[0], channel.half.places[0]
+    quarter_turned = first[:, 0] * weights[1] - first[:, 1] * weights[0]
+    envelope_change = first @ weights[:2] * sigma / (1.0 + rho * sigma)
+    second_turned = second[:, 0] * weights[3] - second[:, 1] * weights[2]
+    second_turned = second_turned + second[:, 2] * weights[5] - second[:, 3] * weights[4]
+    derivatives = np.column_stack(
+        [theta * quarter_turned, (sigma**2 - 1.0) * quarter_turned, envelope_change, channel.half.phases[1] * second_turned]
+    )
+    derivatives = without(basis, without(slow, derivatives))
+    prior = _prior_weights(signal.size) * parameters
+    cost = float(residual @ residual + prior @ prior)
+    return Fit(parameters, weights, residual, cost, np.hstack([projected, derivatives]))

@@ -1,0 +1,92 @@
+"""A half cycle on the mechanism's own time scale: 240 instants, the modes' rigidly dictated phases and the channel's templates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_simpson
+from scipy.interpolate import CubicSpline
+
+from cases.measures.time_scale import TimeScale
+
+Array = NDArray[np.float64]
+
+SAMPLES = 240
+ROUND_OFF = 1e-12  # a signal that varies less than this, relative to its size, is constant
+
+
+@dataclass(frozen=True)
+class HalfCycle:
+    """One half of a cycle, shared by its channels; arrays of shape (240,) unless stated.
+
+    Attributes:
+        time: s, uniform.
+        crank_angle: rad.
+        progress: time scaled to [-1, 1].
+        mean_frequencies: time means of f1, f2, f3 over the half, Hz, shape (3,).
+        phases: theta_i = 2 pi times the integral of f_i, zero at the middle of their ranges, rad, shape (3, 240).
+        places: sigma_i = theta_i scaled to [-1, 1], shape (3, 240).
+    """
+
+    time: Array
+    crank_angle: Array
+    progress: Array
+    mean_frequencies: Array
+    phases: Array
+    places: Array
+
+    def polynomials(self, degree: int) -> Array:
+        """Legendre polynomials of time, degrees 0 to `degree`, shape (240, degree + 1)."""
+        return np.asarray(legendre.legvander(self.progress, degree), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class ChannelHalf:
+    """One channel in a half cycle.
+
+    Attributes:
+        half: the half cycle.
+        signal: the channel less its mean, in units of `unit`, shape (240,).
+        unit: RMS of the channel's deviation from its mean, in its own unit; 0 where it does not vary.
+        templates: response to the modes at constant action, shape (3, 240).
+        slow_shape: quasi-static response to the crank's motion, shape (240,).
+    """
+
+    half: HalfCycle
+    signal: Array
+    unit: float
+    templates: Array
+    slow_shape: Array
+
+
+def half_cycle(scale: TimeScale, start: float, end: float, crank_angle: CubicSpline) -> HalfCycle:
+    """The half cycle from `start` to `end` (s); `crank_angle` gives rad over time."""
+    instants = np.linspace(start, end, SAMPLES)
+    angles = crank_angle(instants)
+    phases = 2.0 * np.pi * cumulative_simpson(scale.frequencies(angles).T, x=instants, initial=0.0)
+    span = phases[:, -1:]
+    phases = phases - span / 2.0
+    return HalfCycle(
+        time=instants,
+        crank_angle=angles,
+        progress=np.linspace(-1.0, 1.0, SAMPLES),
+        mean_frequencies=span[:, 0] / (2.0 * np.pi * (end - start)),
+        phases=phases,
+        places=phases / (span / 2.0),
+    )
+
+
+def channel_half(scale: TimeScale, half: HalfCycle, channel: str, signal: CubicSpline) -> ChannelHalf:
+    """One channel in the half cycle; `signal` gives it over time."""
+    values = signal(half.time)
+    deviation = values - values.mean()
+    unit = float(np.sqrt(np.mean(deviation**2)))
+    constant = unit <= ROUND_OFF * np.abs(values).max()
+    return ChannelHalf(
+        half=half,
+        signal=np.zeros(SAMPLES) if constant else deviation / unit,
+        unit=0.0 if constant else unit,
+        templates=scale.templates[channel](half.crank_angle).T,
+        slow_shape=scale.slow_shapes[channel](half.crank_angle),
+    )

@@ -1,0 +1,61 @@
+"""Frequency of the second mode in a half cycle, for the few halves that show one beyond doubt."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.measures.drifting_fit import Fit, first_mode_columns, orthonormal, second_mode_columns, without
+from cases.measures.half_cycle import ChannelHalf
+
+Array = NDArray[np.float64]
+
+DEGREE = 9  # of the slow part
+SCAN = np.linspace(0.80, 1.50, 71)  # factor on the mechanism's own second frequency
+NEEDED_FALL = 2.0  # of the residual sum of squares by the second mode
+NEEDED_LEAD = 1.4  # of the next best peak's residual over the best one's
+AGREEMENT = 0.06  # between two channels
+
+
+def second_mode_frequency(channel: ChannelHalf, first_mode: Fit) -> float | None:
+    """Time mean of the second mode's frequency in Hz, None where it does not stand out in this channel alone.
+
+    Slow part and first mode are fitted along with more freedom than in the first mode's own fit, so that neither passes for a
+    second mode: the first mode keeps its phase but its envelope may bend, each of its two components by itself.
+    """
+    sigma = channel.half.places[0]
+    alpha, beta, _, _ = first_mode.parameters
+    oscillation = first_mode_columns(channel, alpha, beta, 0.0)
+    along = [channel.half.polynomials(DEGREE), oscillation, oscillation * sigma[:, None], oscillation * sigma[:, None] ** 2]
+    basis = orthonormal(np.hstack(along))
+    signal = without(basis, channel.signal)
+    residuals = np.array([_residual(channel, basis, signal, factor) for factor in SCAN])
+
+    best = int(np.argmin(residuals))
+    if best in (0, SCAN.size - 1) or not signal @ signal > NEEDED_FALL * residuals[best]:
+        return None
+    minima = np.flatnonzero((residuals[1:-1] < residuals[:-2]) & (residuals[1:-1] <= residuals[2:])) + 1
+    rivals = np.concatenate([residuals[minima[minima != best]], residuals[[0, -1]]])
+    if not rivals.min() > NEEDED_LEAD * residuals[best]:
+        return None
+    return float(_vertex(SCAN[best - 1 : best + 2], residuals[best - 1 : best + 2]) * channel.half.mean_frequencies[1])
+
+
+def agreeing(frequencies: list[float | None]) -> list[float | None]:
+    """Keep the frequencies (Hz, one per channel) that at least one other channel confirms."""
+    return [
+        value
+        if value is not None
+        and any(other is not None and abs(other - value) <= AGREEMENT * value for j, other in enumerate(frequencies) if j != i)
+        else None
+        for i, value in enumerate(frequencies)
+    ]
+
+
+def _residual(channel: ChannelHalf, basis: Array, signal: Array, factor: float) -> float:
+    columns = orthonormal(without(basis, second_mode_columns(channel, factor)))
+    remaining = without(columns, signal)
+    return float(remaining @ remaining)
+
+
+def _vertex(x: Array, y: Array) -> float:
+    """Abscissa of the vertex of the parabola through three equidistant points, the middle one lowest."""
+    return float(x[1] + (x[1] - x[0]) * (y[0] - y[2]) / (2.0 * (y[0] - 2.0 * y[1] + y[2])))

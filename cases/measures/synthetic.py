@@ -1,0 +1,123 @@
+"""Half cycles with a known vibration, for measuring how far the measures can be trusted.
+
+Slow part: the quasi-static response of the channel, modulated by up to 10 %, plus 4 % low harmonics of the crank and 2 % offset. First
+mode: RMS times sqrt(2) a given ratio of the slow part's peak, at 0.85 to 1.12 times the mechanism's own frequency, with a drift
+off by up to 6 % at the ends and an envelope that slopes by up to 50 %. Second and third mode: 15 % and 7.5 % of the first. Noise:
+3 % of the signal's RMS, below 200 Hz. The crank's speed varies by up to 4 % within a turn.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_simpson
+
+from cases.measures.time_scale import TimeScale
+
+Array = NDArray[np.float64]
+
+SAMPLES = 481  # per half cycle, before the measures resample it
+NOISE_LIMIT = 200.0  # Hz
+
+
+@dataclass(frozen=True)
+class SyntheticHalf:
+    """A half cycle made to measure.
+
+    Attributes:
+        time: s, shape (481,).
+        crank_angle: rad, shape (481,).
+        signal: arbitrary unit, shape (481,).
+        first_mode_frequency: Hz, time mean over the half.
+        first_mode_amplitude: RMS of the envelope over the half.
+    """
+
+    time: Array
+    crank_angle: Array
+    signal: Array
+    first_mode_frequency: float
+    first_mode_amplitude: float
+
+
+def synthetic_half(
+    scale: TimeScale, channel: str, half: str, crank_speed: float, vibration: float, random: np.random.Generator, noise: float = 0.03
+) -> SyntheticHalf:
+    """Draw one half cycle.
+
+    Args:
+        scale: of the mechanism.
+        channel: one of the scale's channels.
+        half: "pre" or "post".
+        crank_speed: rad/s, mean.
+        vibration: amplitude of the first mode over the slow part's peak.
+        random: source of all that varies.
+        noise: RMS of the noise over the signal's.
+    """
+    crank_angle = np.pi * (np.linspace(1.0, 2.0, SAMPLES) + (half == "post"))
+    time = _time(crank_angle, crank_speed, random)
+    uniform = np.linspace(time[0], time[-1], SAMPLES)
+    crank_angle = np.interp(uniform, time, crank_angle)
+    time = uniform
+
+    slow = _slow_part(scale, channel, crank_angle, random)
+    amplitude = vibration * np.abs(slow).max()
+    factor = random.uniform(0.85, 1.12)
+    vibrations = np.zeros(SAMPLES)
+    for mode, (share, speed, drift, slope) in enumerate(
+        [
+            (1.0, factor, random.uniform(-0.06, 0.06), random.uniform(-0.5, 0.5)),
+            (0.15, random.uniform(0.9, 1.1), 0.0, random.uniform(-0.5, 0.5)),
+            (0.075, random.uniform(0.9, 1.1), 0.0, random.uniform(-0.5, 0.5)),
+        ]
+    ):
+        oscillation, envelope = _mode(scale, channel, mode, time, crank_angle, (speed, drift, slope), random)
+        vibrations += share * amplitude / np.sqrt(np.mean(envelope**2)) * oscillation
+    signal = slow + vibrations
+    signal = signal + noise * np.sqrt(np.mean(signal**2)) * _noise(time, random)
+    mean_frequency = np.trapezoid(scale.frequencies(crank_angle)[:, 0], time) / (time[-1] - time[0])
+    return SyntheticHalf(time, crank_angle, signal, factor * mean_frequency, amplitude)
+
+
+def _time(crank_angle: Array, crank_speed: float, random: np.random.Generator) -> Array:
+    variation = random.uniform(0.0, 0.04) * np.cos(2.0 * crank_angle + random.uniform(0.0, 2.0 * np.pi))
+    return np.asarray(cumulative_simpson(1.0 / (crank_speed * (1.0 + variation)), x=crank_angle, initial=0.0))
+
+
+def _slow_part(scale: TimeScale, channel: str, crank_angle: Array, random: np.random.Generator) -> Array:
+    quasi_static = scale.slow_shapes[channel](crank_angle)
+    peak = np.abs(quasi_static).max()
+    modulation = 1.0 + random.uniform(-0.1, 0.1) * np.cos(crank_angle + random.uniform(0.0, 2.0 * np.pi))
+    orders = np.arange(1, 5)
+    strengths = random.uniform(0.0, 1.0, orders.size)
+    strengths *= 0.04 * peak / strengths.sum()
+    harmonics = np.cos(orders * crank_angle[:, None] + random.uniform(0.0, 2.0 * np.pi, orders.size)) @ strengths
+    return np.asarray(quasi_static * modulation + harmonics + 0.02 * peak * random.uniform(-1.0, 1.0))
+
+
+def _mode(
+    scale: TimeScale,
+    channel: str,
+    mode: int,
+    time: Array,
+    crank_angle: Array,
+    course: tuple[float, float, float],
+    random: np.random.Generator,
+) -> tuple[Array, Array]:
+    """Oscillation and envelope of one mode; `course` is frequency factor, relative drift and slope of the envelope at the ends."""
+    factor, drift, slope = course
+    rate = 2.0 * np.pi * scale.frequencies(crank_angle)[:, mode]
+    theta = cumulative_simpson(rate, x=time, initial=0.0)
+    sigma = 2.0 * theta / theta[-1] - 1.0
+    # a rate of factor (1 + drift sigma) times the mechanism's own: its time mean is the factor times the mechanism's, exactly
+    phase = factor * theta[-1] / 2.0 * (sigma + drift * sigma**2 / 2.0) + random.uniform(0.0, 2.0 * np.pi)
+    envelope = scale.templates[channel](crank_angle)[:, mode] * (1.0 + slope * sigma)
+    return np.asarray(envelope * np.cos(phase)), np.asarray(envelope)
+
+
+def _noise(time: Array, random: np.random.Generator) -> Array:
+    """White noise below 200 Hz, unit RMS."""
+    step = (time[-1] - time[0]) / (time.size - 1)
+    spectrum = np.fft.rfft(random.standard_normal(2 * time.size))
+    spectrum[np.fft.rfftfreq(2 * time.size, step) > NOISE_LIMIT] = 0.0
+    values = np.fft.irfft(spectrum, 2 * time.size)[: time.size]
+    return np.asarray(values / np.sqrt(np.mean(values**2)))

@@ -1,0 +1,101 @@
+"""The time scale that the mechanism itself dictates: how its natural frequencies and modes change with the crank angle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
+from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import FrozenModes, frozen_crank_modes
+
+Array = NDArray[np.float64]
+
+CHANNELS = ("tip_acceleration", "strain_1", "strain_2", "strain_3")
+MODES = 3
+TEMPLATE_FLOOR = 0.15  # of its RMS, for a template that keeps its sign
+ANGLES = 181  # per half turn: the scale is symmetric about the return
+TURN = np.linspace(0.0, 2.0 * np.pi, 2 * ANGLES - 1)
+NOTHING = 1e-6  # of the curvature at the slider: a gauge that sees no more sits at an end that carries no moment
+
+
+@dataclass(frozen=True)
+class TimeScale:
+    """Periodic functions of the crank angle, the same for both directions of rotation.
+
+    Attributes:
+        frequencies: f1, f2, f3 in Hz of the crank held still, values of shape (..., 3).
+        templates: per channel the response to each mode at constant action, unit mean modulus over a turn, values (..., 3).
+        slow_shapes: per channel its quasi-static response at constant crank speed, unit RMS over a turn, values of shape (...).
+    """
+
+    frequencies: CubicSpline
+    templates: dict[str, CubicSpline]
+    slow_shapes: dict[str, CubicSpline]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels that have templates: those in which vibration shows."""
+        return tuple(self.templates)
+
+
+def time_scale(mechanism: Mechanism) -> TimeScale | None:
+    """Tabulate the scale of a scene, with its own joint stiffness (rigid unless the scene says otherwise).
+
+    With mass-normalised modes of shape phi and angular frequency omega, vibration of constant action has the modal coordinate
+    omega^(-1/2): the tip acceleration then follows omega^(3/2) phi(L), the strain omega^(-1/2) phi''.
+
+    Returns:
+        None for a rigid follower, which has no frequencies.
+    """
+    if mechanism.follower.is_rigid:
+        return None
+    angles = np.linspace(0.0, np.pi, ANGLES)
+    modes = [frozen_crank_modes(mechanism, angle, MODES) for angle in angles]
+    signs = _continuous_signs(modes, mechanism)
+    frequencies = np.array([mode.frequencies for mode in modes])
+    omega = 2.0 * np.pi * frequencies
+
+    acceleration = signs * omega**1.5 * np.array([mode.tip_displacement for mode in modes])
+    templates = {"tip_acceleration": _template(angles, acceleration)}
+    slow_shapes = {"tip_acceleration": _slow_shape(quasi_static_tip_acceleration(mechanism, TURN))}
+    at_slider = np.array([mode.curvature(np.array([mode.slider_position]))[:, 0] for mode in modes])
+    for name, gauge in zip(CHANNELS[1:], mechanism.follower.strain_gauges, strict=True):
+        curvature = np.array([mode.curvature(np.array([gauge]))[:, 0] for mode in modes])
+        if not np.abs(curvature).max() > NOTHING * np.abs(at_slider).max():
+            continue
+        templates[name] = _template(angles, signs * omega**-0.5 * curvature)
+        slow_shapes[name] = _slow_shape(quasi_static_strain(mechanism, gauge, TURN))
+    return TimeScale(_even(angles, frequencies), templates, slow_shapes)
+
+
+def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
+    """Signs that make each mode resemble its neighbour at the next angle, shape (angles, modes)."""
+    x = np.linspace(0.0, mechanism.follower.length, 41)
+    weight = np.full(x.size, mechanism.follower.mass_per_length * x[1])
+    weight[-1] += mechanism.tip.mass if mechanism.tip else 0.0
+    shapes = np.array([mode.deflection(x) for mode in modes])
+    overlaps = np.einsum("amx,amx,x->am", shapes[1:], shapes[:-1], weight)
+    return np.cumprod(np.vstack([np.ones(MODES), np.where(overlaps < 0.0, -1.0, 1.0)]), axis=0)
+
+
+def _template(angles: Array, response: Array) -> CubicSpline:
+    keeps_sign = response.min(axis=0) * response.max(axis=0) > 0.0
+    floor = TEMPLATE_FLOOR * np.sqrt(np.mean(response**2, axis=0))
+    floored = np.where(keeps_sign, np.sign(response) * np.maximum(np.abs(response), floor), response)
+    return _even(angles, floored / np.mean(np.abs(floored), axis=0))
+
+
+def _even(angles: Array, values: Array) -> CubicSpline:
+    """Periodic spline through values on 0 .. pi that are mirrored about both ends."""
+    both_halves = np.concatenate([values, values[-2::-1]])
+    both_halves[-1] = both_halves[0]
+    return CubicSpline(np.concatenate([angles, 2.0 * np.pi - angles[-2::-1]]), both_halves, bc_type="periodic")
+
+
+def _slow_shape(response: Array) -> CubicSpline:
+    """Periodic spline of unit RMS through a response at the angles `TURN`."""
+    values = response / np.sqrt(np.mean(response[:-1] ** 2))
+    values[-1] = values[0]
+    return CubicSpline(TURN, values, bc_type="periodic")

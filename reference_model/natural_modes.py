@@ -1,0 +1,206 @@
+"""Natural modes of the follower with the crank held still: converged, undamped, about the straight follower at rest.
+
+The follower turns about P with the base block, is held by the slider at arc length s and carries the tip body at its free end.
+Each of the two spans P to slider and slider to tip is one element: the four cubic Hermite shapes plus polynomials whose second
+derivatives are Legendre polynomials of degree 2 and up (Szabo and Babuska, "Finite Element Analysis", 1991, section 5.2, once
+more integrated). Those vanish with their slope at both ends, leave the stiffness matrix diagonal and converge exponentially; the
+kink of the bending moment at the slider lies between elements.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from reference_model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+SPARE_SHAPES = 8  # shapes per span beyond the number of modes asked: 1e-10 in the frequency of the last of them
+
+
+@dataclass(frozen=True)
+class FrozenModes:
+    """Mass-normalised modes at one place of the slider, in ascending order, tip displacement positive.
+
+    Attributes:
+        frequencies: Hz, shape (count,).
+        slider_position: m, s.
+        length: m, L.
+        spans: arc lengths of the ends of the elements, m, ((0, s), (s, L)), or ((0, L),) where the slider is at the tip.
+        coefficients: per span, the weights of its shapes in each mode, shape (shapes, count).
+    """
+
+    frequencies: Array
+    slider_position: float
+    length: float
+    spans: tuple[tuple[float, float], ...]
+    coefficients: tuple[Array, ...]
+
+    def __len__(self) -> int:
+        return len(self.frequencies)
+
+    def deflection(self, arc_lengths: Array, derivative: int = 0) -> Array:
+        """Deflection of each mode, or a derivative of it with respect to arc length.
+
+        Args:
+            arc_lengths: m, from P, shape (n,), within 0 .. L.
+            derivative: 0 deflection, 1 slope, 2 curvature (continuous at the slider).
+
+        Returns:
+            Shape (count, n), kg^(-1/2) m^(-derivative).
+        """
+        x = np.asarray(arc_lengths, dtype=float)
+        values = np.empty((len(self), x.size))
+        for number, (span, weights) in enumerate(zip(self.spans, self.coefficients, strict=True)):
+            here = x >= span[0] if number else np.ones(x.size, dtype=bool)
+            values[:, here] = weights.T @ _shapes(x[here], span, len(weights) - 4, derivative)
+        return values
+
+    def curvature(self, arc_lengths: Array) -> Array:
+        """Curvature of each mode at the arc lengths (m, shape (n,)), shape (count, n), kg^(-1/2) m^(-2)."""
+        return self.deflection(arc_lengths, 2)
+
+    @property
+    def tip_displacement(self) -> Array:
+        """Deflection of each mode at the flexible end x = L, shape (count,), kg^(-1/2)."""
+        return self.deflection(np.array([self.length]))[:, 0]
+
+
+def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> FrozenModes:
+    """Natural modes with the crank held at `crank_angle` (rad); the slider is at the rigid mechanism's s = |PC|.
+
+    Returns:
+        `count` modes, none where the follower is rigid.
+
+    Raises:
+        ValueError: a joint without stiffness, which leaves the follower free to turn.
+    """
+    position = abs(mechanism.crank.length * np.exp(1j * crank_angle) - mechanism.pivot_distance)
+    return supported_modes(mechanism, min(position, mechanism.follower.length), count)
+
+
+def supported_modes(mechanism: Mechanism, slider_position: float, count: int) -> FrozenModes:
+    """Natural modes of the mechanism's follower supported at arc length `slider_position` (m, above 0, at most L).
+
+    The joint's own stiffness holds the follower there (rigid unless the scene says otherwise); the slider's inertia turns with
+    the tangent, its mass rests with the crank.
+
+    Returns:
+        `count` modes, none where the follower is rigid.
+
+    Raises:
+        ValueError: the slider is not on the follower, or a joint without stiffness, which leaves the follower free to turn.
+    """
+    length, stiffness = mechanism.follower.length, mechanism.slider.joint_stiffness
+    if not 0.0 < slider_position <= length:
+        raise ValueError(f"slider_position {slider_position:.6g} m is not on the follower (0 to {length:.6g} m)")
+    if not stiffness > 0.0:
+        raise ValueError(f"slider.joint_stiffness {stiffness:.6g} N/m leaves the follower free to turn: it has no natural modes")
+    spans = _spans(slider_position, length)
+    if mechanism.follower.is_rigid:
+        shapes = 4
+        return FrozenModes(np.empty(0), slider_position, length, spans, tuple(np.empty((shapes, 0)) for _ in spans))
+
+    numbering = _numbering(len(spans), count + SPARE_SHAPES)
+    size = 1 + max(int(numbers.max()) for numbers in numbering)
+    M, K = np.zeros((size, size)), np.zeros((size, size))
+    for span, numbers in zip(spans, numbering, strict=True):
+        mass, bending = _element(span, count + SPARE_SHAPES)
+        block = np.ix_(numbers, numbers)
+        M[block] += mechanism.follower.mass_per_length * mass
+        K[block] += mechanism.follower.bending_stiffness * bending
+    _add_bodies(M, K, mechanism, numbering)
+
+    held = [0] if math.isfinite(stiffness) else [0, 2]  # deflection at the base, and at a rigid slider
+    free = np.setdiff1d(np.arange(size), held)
+    # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue, so the lowest modes stay
+    # exact however short and stiff a span is
+    inverse_squares, vectors = eigh(M[np.ix_(free, free)], K[np.ix_(free, free)])
+    inverse_squares, vectors = inverse_squares[::-1][:count], vectors[:, ::-1][:, :count] / np.sqrt(inverse_squares[::-1][:count])
+    full = np.zeros((size, count))
+    full[free] = vectors
+    frequencies = 1.0 / np.sqrt(inverse_squares) / (2.0 * np.pi)
+    modes = FrozenModes(frequencies, slider_position, length, spans, tuple(full[numbers] for numbers in numbering))
+    signs = np.where(modes.tip_displacement < 0.0, -1.0, 1.0)
+    return FrozenModes(frequencies, slider_position, length, spans, tuple(full[numbers] * signs for numbers in numbering))
+
+
+def _spans(position: float, length: float) -> tuple[tuple[float, float], ...]:
+    if length - position < 1e-9 * length:  # a span that short is round-off of a slider at the tip
+        return ((0.0, length),)
+    return ((0.0, position), (position, length))
+
+
+def _numbering(spans: int, interior: int) -> tuple[NDArray[np.intp], ...]:
+    """Global numbers of each span's shapes: deflection and slope at P, slider and tip come first, interior shapes follow."""
+    nodes = 2 * (spans + 1)
+    return tuple(
+        np.r_[2 * span : 2 * span + 4, nodes + span * interior : nodes + (span + 1) * interior].astype(np.intp) for span in range(spans)
+    )
+
+
+def _add_bodies(M: Array, K: Array, mechanism: Mechanism, numbering: tuple[NDArray[np.intp], ...]) -> None:
+    """Add base block, slider and tip body to the mass and stiffness matrices in place."""
+    slope_at_base, deflection_at_slider, slope_at_slider = 1, 2, 3
+    M[slope_at_base, slope_at_base] += mechanism.base.inertia
+    M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
+    if math.isfinite(mechanism.slider.joint_stiffness):
+        K[deflection_at_slider, deflection_at_slider] += mechanism.slider.joint_stiffness
+    if mechanism.tip is not None:
+        m, J, offset = mechanism.tip.mass, mechanism.tip.inertia, mechanism.tip.center_of_mass
+        end = numbering[-1][2:4]
+        # kinetic energy m/2 (w' + offset theta')^2 + J/2 theta'^2
+        M[np.ix_(end, end)] += np.array([[m, m * offset], [m * offset, J + m * offset**2]])
+
+
+def _element(span: tuple[float, float], interior: int) -> tuple[Array, Array]:
+    """Mass matrix for unit mass per length and stiffness matrix for unit bending stiffness of one span."""
+    _, weights = legendre.leggauss(interior + 4)  # exact for products of shapes of degree interior + 3
+    h = span[1] - span[0]
+    scale = _slope_scaling(interior, h)
+    shapes, curvatures = (_reference_shapes(interior, derivative) for derivative in (0, 2))
+    mass = scale[:, None] * ((shapes * weights) @ shapes.T) * scale * (h / 2.0)
+    bending = scale[:, None] * ((curvatures * weights) @ curvatures.T) * scale * (2.0 / h) ** 3
+    return mass, bending
+
+
+@cache
+def _reference_shapes(interior: int, derivative: int) -> Array:
+    """The shapes at the Gauss points of the element on [-1, 1], shape (4 + interior, interior + 4)."""
+    points, _ = legendre.leggauss(interior + 4)
+    return np.asarray(legendre.legval(points, _legendre_series(interior, derivative).T), dtype=np.float64)
+
+
+@cache
+def _legendre_series(interior: int, derivative: int) -> Array:
+    """Legendre coefficients of the shapes on [-1, 1], one row per shape, derived `derivative` times."""
+    series = np.zeros((4 + interior, interior + 4))
+    # cubic Hermite shapes (2 -+ 3 xi +- xi^3)/4 and (+-1 - xi -+ xi^2 + xi^3)/4 in Legendre polynomials
+    series[0, :4] = 1 / 2, -3 / 5, 0, 1 / 10
+    series[1, :4] = 1 / 6, -1 / 10, -1 / 6, 1 / 10
+    series[2, :4] = 1 / 2, 3 / 5, 0, -1 / 10
+    series[3, :4] = -1 / 6, -1 / 10, 1 / 6, 1 / 10
+    for degree in range(2, interior + 2):
+        twice_integrated = legendre.legint(np.eye(degree + 1)[degree], 2, lbnd=-1)
+        series[degree + 2, : degree + 3] = twice_integrated * math.sqrt(degree + 0.5)
+    return np.asarray(legendre.legder(series, derivative, axis=1) if derivative else series, dtype=np.float64)
+
+
+def _slope_scaling(interior: int, h: float) -> Array:
+    """Factors that make the slope shapes have unit slope on an element of length h (m)."""
+    scale = np.ones(4 + interior)
+    scale[[1, 3]] = h / 2.0
+    return scale
+
+
+def _shapes(x: Array, span: tuple[float, float], interior: int, derivative: int) -> Array:
+    """The shapes of a span at arc lengths x (m, shape (n,)), or a derivative, shape (4 + interior, n)."""
+    h = span[1] - span[0]
+    xi = (2.0 * x - span[0] - span[1]) / h
+    values = legendre.legval(xi, _legendre_series(interior, derivative).T)
+    return _slope_scaling(interior, h)[:, None] * values * (2.0 / h) ** derivative
