@@ -1,0 +1,59 @@
+"""A running simulation of the explicit model."""
+
+import time
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import EngineFailure, Simulation
+from engines.trajectory import Trajectory
+from reference_model import integrate
+from reference_model.model import ExplicitModel, ObservationFailed
+
+_CAUSES = {
+    integrate.LEFT_FOLLOWER: ("the slider has left the follower's end", "a slower crank, a stiffer or longer follower"),
+    integrate.STEP_TOO_SMALL: (
+        "the step size fell below 1e-13 s",
+        "check the scene; the follower may be bent beyond what its shapes describe",
+    ),
+    integrate.TOO_MANY_CALLS: ("the limit of right-hand side evaluations is reached", "fewer shapes or a looser engine.tolerance"),
+    integrate.NOT_A_NUMBER: ("the loop cannot close any more", "check the scene; the follower may be bent beyond what its shapes describe"),
+}
+
+
+class ExplicitSimulation(Simulation):
+    """Advances the state vector of an `ExplicitModel`."""
+
+    def __init__(
+        self, model: ExplicitModel, state: NDArray[np.float64], tolerance: float, method: Literal["DOP853", "LSODA"], setup_seconds: float
+    ) -> None:
+        self.setup_seconds = setup_seconds
+        self.time = 0.0
+        self.model = model
+        self.state = state
+        self._tolerance = tolerance
+        self._method = method
+        self._step = 0.0
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        """See `engines.base.Simulation.advance`."""
+        intervals = round(duration / output_step)
+        began = time.perf_counter()
+        result = self.model.integrate(self.state, output_step, intervals, self._tolerance, method=self._method, first_step=self._step)
+        try:
+            columns = self.model.observe(result.states)
+        except ObservationFailed as failure:
+            columns = self.model.observe(result.states[: failure.row])
+        columns["time"] = self.time + output_step * np.arange(len(columns["crank_angle"]))
+        trajectory = Trajectory(
+            columns,
+            time.perf_counter() - began,
+            {"right_hand_side_calls": float(result.calls), "degrees_of_freedom": self.model.degrees_of_freedom},
+        )
+        if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
+            cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
+            raise EngineFailure(self.time + result.end_time, cause, f"try {advice}", trajectory if len(trajectory) else None)
+        self.state, self._step = result.states[-1], result.next_step
+        self.time += duration
+        return trajectory

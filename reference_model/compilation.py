@@ -1,0 +1,21 @@
+"""How the explicit model is compiled: cached on disk, reductions vectorised, not-a-number kept meaningful."""
+
+from collections.abc import Callable
+from typing import Any, Final, TypeVar
+
+from numba import njit
+
+#: Reordering of sums and fused multiply-add, but no assumption that nan and infinity are absent: they mark states that cannot be.
+FASTMATH: Final = {"reassoc", "contract", "nsz", "arcp"}
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def compiled(function: Function) -> Function:
+    """Compile on first use and cache on disk."""
+    return njit(cache=True, error_model="numpy", fastmath=FASTMATH)(function)
+
+
+def inlined(function: Function) -> Function:
+    """Compile into each caller: passing the tuples of arrays between functions would cost more than most of these do."""
+    return njit(cache=True, error_model="numpy", fastmath=FASTMATH, inline="always")(function)

@@ -1,0 +1,246 @@
+"""Time integration of the explicit model: a compiled DOP853 loop, and LSODA as the thesis used it.
+
+DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5): order 8, error control by the embedded
+formulas of orders 5 and 3, dense output of order 7. The coefficients are those of scipy. A step that asks for a state in which the
+loop cannot close is rejected like one with too large an error.
+"""
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DOP853, ODEintWarning, odeint
+
+from reference_model.compilation import compiled
+from reference_model.dynamics import right_hand_side
+from reference_model.parameters import Parameters, Workspace, state_size
+
+STAGES: Final = 12
+_A = np.vstack([np.hstack([DOP853.A, np.zeros((STAGES, 4))]), np.zeros((1, 16)), DOP853.A_EXTRA])
+_A[STAGES, :STAGES] = DOP853.B
+_E3, _E5, _D = (np.ascontiguousarray(a) for a in (DOP853.E3, DOP853.E5, DOP853.D))
+
+REACHED_END, LEFT_FOLLOWER, STEP_TOO_SMALL, TOO_MANY_CALLS, NOT_A_NUMBER = range(5)
+MAX_CALLS: Final = 200_000_000
+
+
+@dataclass(frozen=True)
+class Integration:
+    """What an integration delivered.
+
+    Attributes:
+        states: rows of the state vector on the output grid, as far as it was reached, shape (k, 2 n + 4).
+        status: one of the module's constants.
+        end_time: s since the start of this integration, the last instant reached.
+        calls: right-hand sides evaluated.
+        next_step: step size (s) to continue with (0 for LSODA).
+    """
+
+    states: NDArray[np.float64]
+    status: int
+    end_time: float
+    calls: int
+    next_step: float
+
+
+def error_scales(p: Parameters, speed: float) -> NDArray[np.float64]:
+    """Sizes against which the relative tolerance is taken, one per controlled state (2 n + 2): fixed, so that none vanishes.
+
+    A hundredth of the length for coordinates of the shapes and that times a characteristic frequency for their rates, a tenth of a
+    radian for the crank and a tenth of its speed; energies are quadratures and not controlled.
+    """
+    frequency = 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n else 1.0
+    scales = np.empty(2 * p.n + 2)
+    scales[0] = 0.1
+    scales[1 : p.n + 1] = 0.01 * p.L
+    scales[p.n + 1] = 0.1 * max(abs(speed), 1.0)
+    scales[p.n + 2 :] = 0.01 * p.L * frequency
+    return scales
+
+
+def integrate_dop853(
+    p: Parameters, w: Workspace, y: NDArray[np.float64], output_step: float, intervals: int, tolerance: float, first_step: float = 0.0
+) -> Integration:
+    """Integrate from the state `y` over `intervals` output steps (s) with the compiled DOP853.
+
+    Args:
+        p: parameters of the model.
+        w: its workspace.
+        y: state at the start, shape (2 n + 4,); not changed.
+        output_step: grid of the output, s.
+        intervals: number of output steps.
+        tolerance: local error relative to `error_scales`.
+        first_step: step size to begin with, s; 0 chooses one.
+    """
+    size = state_size(p)
+    states = np.empty((intervals + 1, size))
+    scales = error_scales(p, y[p.n + 1]) * tolerance
+    status, rows, end_time, calls, step = _dop853(p, w, y.copy(), output_step, intervals, scales, first_step, states, np.empty((16, size)))
+    return Integration(states[:rows], status, end_time, calls, step)
+
+
+@compiled
+def _dop853(
+    p: Parameters,
+    w: Workspace,
+    y: NDArray[np.float64],
+    output_step: float,
+    intervals: int,
+    scales: NDArray[np.float64],
+    step: float,
+    states: NDArray[np.float64],
+    K: NDArray[np.float64],
+) -> tuple[int, int, float, int, float]:
+    size, controlled = len(y), len(scales)
+    end = output_step * intervals
+    t = 0.0
+    new = np.empty(size)
+    trial = np.empty(size)
+    F = np.empty((7, size))
+    states[0, :] = y
+    rows, calls = 1, 1
+    if not right_hand_side(p, w, y, K[0]):
+        return NOT_A_NUMBER, rows, t, calls, step
+    if step <= 0.0:
+        step = min(1e-5, end)
+    rejected = False
+    while t < end:
+        if step < 1e-13 or calls > MAX_CALLS:
+            return (STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS), rows, t, calls, step
+        h = min(step, end - t)
+        last = h >= end - t
+        good = True
+        for stage in range(1, STAGES + 1):
+            _stage_state(y, K, stage, h, new if stage == STAGES else trial)
+            calls += 1
+            if not right_hand_side(p, w, new if stage == STAGES else trial, K[stage]):
+                good = False
+                break
+        norm = _error_norm(K, h, scales, controlled) if good else 1e9
+        if not norm < 1.0:  # also where the norm is nan
+            step = h * (max(0.333, 0.9 * norm**-0.125) if norm < 1e8 else 0.25)
+            rejected = True
+            continue
+        left = w.slider[0] > p.L
+        if left or (rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12)):
+            for stage in range(STAGES + 1, 16):
+                _stage_state(y, K, stage, h, trial)
+                calls += 1
+                right_hand_side(p, w, trial, K[stage])
+            _dense_coefficients(y, new, K, h, F)
+            limit = _leaving_time(p, w, y, F, trial, K) * h if left else h
+            while rows <= intervals and rows * output_step <= t + limit * (1.0 + 1e-12):
+                _interpolate(y, F, min((rows * output_step - t) / h, 1.0), states[rows])
+                rows += 1
+            if left:
+                return LEFT_FOLLOWER, rows, t + limit, calls, step
+        t = end if last else t + h
+        y[:] = new
+        K[0, :] = K[STAGES]
+        growth = 5.0 if norm < 1e-12 else min(5.0, 0.9 * norm**-0.125)
+        # a step cut at the end of the interval says nothing about the next
+        step = max(step, h) if last and h < step else h * (min(growth, 1.0) if rejected else growth)
+        rejected = False
+    return REACHED_END, rows, t, calls, step
+
+
+@compiled
+def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: float, out: NDArray[np.float64]) -> None:
+    for i in range(len(y)):
+        out[i] = y[i]
+    for j in range(stage):
+        weight = h * _A[stage, j]
+        if weight != 0.0:
+            for i in range(len(y)):
+                out[i] += weight * K[j, i]
+
+
+@compiled
+def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], controlled: int) -> float:
+    error5 = error3 = 0.0
+    for i in range(controlled):
+        e5 = e3 = 0.0
+        for stage in range(STAGES + 1):
+            e5 += _E5[stage] * K[stage, i]
+            e3 += _E3[stage] * K[stage, i]
+        error5 += (e5 / scales[i]) ** 2
+        error3 += (e3 / scales[i]) ** 2
+    if error5 == 0.0 and error3 == 0.0:
+        return 0.0
+    return h * error5 / math.sqrt((error5 + 0.01 * error3) * controlled)
+
+
+@compiled
+def _dense_coefficients(y: NDArray[np.float64], new: NDArray[np.float64], K: NDArray[np.float64], h: float, F: NDArray[np.float64]) -> None:
+    for i in range(len(y)):
+        delta = new[i] - y[i]
+        F[0, i] = delta
+        F[1, i] = h * K[0, i] - delta
+        F[2, i] = 2.0 * delta - h * (K[STAGES, i] + K[0, i])
+        for m in range(4):
+            total = 0.0
+            for stage in range(16):
+                total += _D[m, stage] * K[stage, i]
+            F[3 + m, i] = h * total
+
+
+@compiled
+def _interpolate(y: NDArray[np.float64], F: NDArray[np.float64], u: float, out: NDArray[np.float64]) -> None:
+    for i in range(len(y)):
+        value = 0.0
+        for m in range(7):
+            value = (value + F[6 - m, i]) * (u if m % 2 == 0 else 1.0 - u)
+        out[i] = y[i] + value
+
+
+@compiled
+def _leaving_time(
+    p: Parameters, w: Workspace, y: NDArray[np.float64], F: NDArray[np.float64], trial: NDArray[np.float64], K: NDArray[np.float64]
+) -> float:
+    """Fraction of the step at which the slider passes the follower's end, by bisection; K[15] is scratch."""
+    low, high = 0.0, 1.0
+    for _ in range(45):
+        middle = 0.5 * (low + high)
+        _interpolate(y, F, middle, trial)
+        if right_hand_side(p, w, trial, K[15]) and w.slider[0] <= p.L:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def integrate_lsoda(
+    p: Parameters, w: Workspace, y: NDArray[np.float64], output_step: float, intervals: int, tolerance: float
+) -> Integration:
+    """The same with LSODA (thesis, section 5.2), called once per output step as there; arguments as in `integrate_dop853`."""
+    size = state_size(p)
+    rate = np.empty(size)
+
+    def fun(_: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
+        right_hand_side(p, w, state, rate)
+        return rate
+
+    scales = np.full(size, 1e3)  # energies are quadratures: not controlled
+    scales[: 2 * p.n + 2] = error_scales(p, y[p.n + 1])
+    times = output_step * np.arange(intervals + 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ODEintWarning)
+        states, info = odeint(
+            fun, y, times, tfirst=True, rtol=1e-14, atol=tolerance * scales, mxstep=100_000, full_output=True, printmessg=False
+        )
+    good, status = len(states), REACHED_END
+    for row in range(len(states)):
+        if not (np.all(np.isfinite(states[row])) and right_hand_side(p, w, states[row], rate)):
+            good, status = row, NOT_A_NUMBER
+            break
+        if w.slider[0] > p.L:
+            good, status = row, LEFT_FOLLOWER
+            break
+    else:
+        if info["message"] != "Integration successful.":
+            good = 1 + int(np.searchsorted(info["tcur"], times[1:], side="left").size and np.argmax(info["tcur"] < times[1:] - 1e-12))
+            status = STEP_TOO_SMALL
+    return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][-1]), 0.0)

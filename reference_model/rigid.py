@@ -1,0 +1,90 @@
+"""The rigid quick-return mechanism in closed form: kinematics and kinetostatics (DERIVATION.md, section 8).
+
+Everything is vectorised over the crank angle. It is the limit of infinite bending stiffness, and the start of every case.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.mechanism import Mechanism, Tip
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RigidMotion:
+    """Slider and follower for given crank angle, speed and acceleration; each array of the crank angle's shape."""
+
+    slider_position: Array  # m, |PC|
+    slider_speed: Array  # m/s
+    slider_acceleration: Array  # m/s^2, second derivative of the arc length
+    follower_angle: Array  # rad, within 90 deg of 180 deg
+    follower_speed: Array  # rad/s
+    follower_acceleration: Array  # rad/s^2
+
+
+def rigid_motion(
+    mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
+) -> RigidMotion:
+    """Kinematics of the rigid mechanism, equations 8.1 to 8.5.
+
+    Args:
+        mechanism: gives d and LA.
+        crank_angle: q1, rad.
+        crank_speed: rad/s.
+        crank_acceleration: rad/s^2.
+    """
+    d, LA = mechanism.pivot_distance, mechanism.crank.length
+    q1 = np.asarray(crank_angle, dtype=float)
+    v1, v2 = LA * np.cos(q1) - d, LA * np.sin(q1)  # P to C
+    s = np.hypot(v1, v2)
+    q2 = np.pi + np.arctan2(-v2, -v1)
+    # crank tip velocity and acceleration along and across the follower: phi is the crank's angle relative to the follower
+    along, across = np.cos(q1 - q2), np.sin(q1 - q2)
+    s_rate = -LA * crank_speed * across
+    q2_rate = LA * crank_speed * along / s
+    radial = -LA * (crank_acceleration * across + np.square(crank_speed) * along)
+    transverse = LA * (crank_acceleration * along - np.square(crank_speed) * across)
+    return RigidMotion(s, s_rate, radial + s * q2_rate**2, q2, q2_rate, (transverse - 2.0 * s_rate * q2_rate) / s)
+
+
+def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
+    """Rigid follower with base block and tip body: moment of inertia about P (kg m^2) and first moment (kg m)."""
+    beam = mechanism.follower
+    tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    arm = beam.length + tip.center_of_mass
+    inertia = mechanism.base.inertia + beam.mass_per_length * beam.length**3 / 3.0 + tip.inertia + tip.mass * arm**2
+    return inertia, 0.5 * beam.mass_per_length * beam.length**2 + tip.mass * arm
+
+
+def rigid_kinetostatics(
+    mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
+) -> tuple[Array, Array]:
+    """Slider force on the follower (N, along its normal) and drive torque on the crank (N m) for a given motion, equations 8.6 to 8.8.
+
+    The drive torque is all that the motor must give, the crank's viscous damping included (a prescribed speed has none).
+
+    Args:
+        mechanism: the scene; its bending stiffness is not used.
+        crank_angle: q1, rad.
+        crank_speed: rad/s.
+        crank_acceleration: rad/s^2.
+    """
+    motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
+    inertia, moment = follower_inertia(mechanism)
+    slider, crank = mechanism.slider, mechanism.crank
+    g1, g2 = mechanism.gravity
+    q1, q2 = np.asarray(crank_angle, dtype=float), motion.follower_angle
+    inertia += slider.inertia  # the slider turns with the follower
+    about_P = inertia * motion.follower_acceleration + mechanism.base.damping * motion.follower_speed
+    about_P -= moment * (np.cos(q2) * g2 - np.sin(q2) * g1)
+    force = about_P / motion.slider_position
+    damping = getattr(crank.drive, "damping", 0.0)
+    about_O = (crank.inertia_about_pivot + slider.mass * crank.length**2) * np.asarray(crank_acceleration) + damping * np.asarray(
+        crank_speed
+    )
+    about_O -= (crank.mass * crank.center_of_mass + slider.mass * crank.length) * (np.cos(q1) * g2 - np.sin(q1) * g1)
+    # the follower pushes back on the crank tip with -force along its normal
+    return force, about_O + force * crank.length * np.cos(q1 - q2)

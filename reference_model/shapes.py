@@ -1,0 +1,102 @@
+"""Fixed shape functions of the follower, apart from the mechanics that use them.
+
+Every family is handed over in one form: polynomials on cells. The mechanics (`tables`, `kinematics`, `dynamics`) evaluate cells and
+never ask where the shapes come from. All shapes are clamped at the base, phi(0) = phi'(0) = 0, so that q2 is the tangent there
+(DERIVATION.md, equation 1.2).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+#: Degree of the polynomials that represent a transcendental mode on one cell; with at most half a wave per cell the
+#: representation error is below 1e-9 of the mode's amplitude.
+MODE_DEGREE = 13
+
+
+@dataclass(frozen=True)
+class ShapeSet:
+    """Shape functions phi_i(x), i < n, on 0 <= x <= L.
+
+    Attributes:
+        edges: cell boundaries, m, shape (cells + 1,), from 0 to L.
+        coefficients: shape (cells, degree + 1, n): phi_i on cell c is sum_k coefficients[c, k, i] u^k, u = x - edges[c] over the cell's
+            length, 0 <= u <= 1.
+        has_continuous_curvature: whether phi'' is continuous, which a slider with rotary inertia needs.
+    """
+
+    edges: NDArray[np.float64]
+    coefficients: NDArray[np.float64]
+    has_continuous_curvature: bool
+
+    @property
+    def count(self) -> int:
+        """Number of shapes n."""
+        return self.coefficients.shape[2]
+
+    def evaluate(self, x: NDArray[np.float64], derivative: int = 0) -> NDArray[np.float64]:
+        """Values of the given derivative with respect to x at arc lengths `x` (m, shape (k,)); shape (k, n)."""
+        x = np.asarray(x, dtype=float)
+        cell = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.edges) - 2)
+        lengths = np.diff(self.edges)[cell]
+        u = (x - self.edges[cell]) / lengths
+        values = np.zeros((len(x), self.count))
+        degree = self.coefficients.shape[1] - 1
+        for power in range(degree, derivative - 1, -1):
+            factor = np.prod(np.arange(power - derivative + 1, power + 1)) if derivative else 1.0
+            values = values * u[:, None] + factor * self.coefficients[cell, power]
+        return values / lengths[:, None] ** derivative
+
+
+def hermite_elements(length: float, elements: int) -> ShapeSet:
+    """Cubic Hermite elements of equal size; coordinates are deflection (m) and slope at each node but the clamped one.
+
+    One element is the thesis' model (equations 4.2 and 4.3): tip deflection and tip slope.
+
+    Args:
+        length: L, m.
+        elements: number of elements; 2 shapes each.
+    """
+    h = length / elements
+    # rows: deflection left, slope left, deflection right, slope right; columns: powers of u
+    cubic = np.array([[1, 0, -3, 2], [0, h, -2 * h, h], [0, 0, 3, -2], [0, 0, -h, h]], dtype=float)
+    coefficients = np.zeros((elements, 4, 2 * elements + 2))
+    for e in range(elements):
+        coefficients[e, :, 2 * e : 2 * e + 4] = cubic.T
+    return ShapeSet(np.linspace(0.0, length, elements + 1), coefficients[:, :, 2:].copy(), elements == 1)
+
+
+def clamped_free_modes(length: float, count: int) -> ShapeSet:
+    """The first `count` bending modes of the uniform clamped-free beam, scaled to phi(L) = +-2 (dimensionless coordinate in m).
+
+    Args:
+        length: L, m.
+        count: number of modes, at least 1.
+    """
+    cells = max(1, count)
+    edges = np.linspace(0.0, length, cells + 1)
+    nodes = chebyshev.chebpts1(MODE_DEGREE + 1)
+    to_powers = np.linalg.inv(np.vander(0.5 * (nodes + 1.0), increasing=True))
+    x = edges[:-1, None] + 0.5 * (nodes + 1.0) * (length / cells)
+    modes = np.stack([_clamped_free_mode(k, x / length) for k in range(count)], axis=-1)
+    return ShapeSet(edges, np.einsum("kp,cpi->cki", to_powers, modes), True)
+
+
+def _clamped_free_mode(k: int, xi: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mode k of the clamped-free beam at xi = x/L, written with decaying exponentials so that high modes keep all digits."""
+    guess = (k + 0.5) * np.pi
+    b = brentq(lambda z: np.cos(z) + 1.0 / np.cosh(z), max(guess - 0.6, 1.0), guess + 0.6, xtol=1e-14, rtol=1e-14)
+    decay = np.exp(-b)
+    denominator = np.sinh(b) + np.sin(b)
+    one_minus_sigma = (np.sin(b) - np.cos(b) - decay) / denominator  # 1 - sigma without cancellation
+    sigma = 1.0 - one_minus_sigma
+    growing = 0.5 * one_minus_sigma * np.exp(b * xi)
+    return growing + 0.5 * (1.0 + sigma) * np.exp(-b * xi) - np.cos(b * xi) + sigma * np.sin(b * xi)
+
+
+def no_shapes(length: float) -> ShapeSet:
+    """The rigid follower: no shape at all."""
+    return ShapeSet(np.array([0.0, length]), np.zeros((1, 1, 0)), True)
