@@ -114,7 +114,7 @@ class _Missing(Engine):
 
     method = "unknown"
     default_accuracy = 1e-3
-    Settings = AnySettings
+    settings_type = AnySettings
     reason: ClassVar[str]
 
     def version(self) -> str:

@@ -21,7 +21,6 @@ from reference_model.parameters import UnsuitableShapes
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
 
-
 #: LSODA tolerance for an error of the tip deflection, run 24 over 2 s: tolerances 1e-4, 1e-5, 1e-6, 1e-7 gave errors 6.6e-4, 9.4e-5,
 #: 1.7e-5, 2.6e-6. The factor keeps a margin of three.
 THESIS_TOLERANCE_PER_ERROR: Final = 0.03
@@ -132,7 +131,7 @@ class ThesisEngine(_PseudoCoordinateEngine):
     name = "thesis"
     method = "pseudo-coordinate at the coupler, one cubic, second-order foreshortening, LSODA (the thesis as published)"
     default_accuracy = 1e-3
-    Settings = ThesisSettings
+    settings_type = ThesisSettings
     integrator = "LSODA"
     recovers = False
 
@@ -186,7 +185,7 @@ class ReferenceEngine(_PseudoCoordinateEngine):
     name = "reference"
     method = "pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853"
     default_accuracy = 1e-3
-    Settings = ReferenceSettings
+    settings_type = ReferenceSettings
     integrator = "DOP853"
     recovers = True
 

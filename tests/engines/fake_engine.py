@@ -85,7 +85,7 @@ class FakeEngine(Engine):
     name = "fake"
     method = "closed form"
     default_accuracy = 1e-2
-    Settings = FakeSettings
+    settings_type = FakeSettings
 
     def version(self) -> str:
         return "fake 1.0"
