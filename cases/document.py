@@ -1,0 +1,184 @@
+"""The text of a case file as raw values by dotted key, before anything is read as a quantity; and changes made to it by `--set`."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from cases.errors import CaseError, as_written, nearest
+from cases.keys import HEADER, OPTIONAL_SECTIONS, PRESCRIBED, SECTIONS, TORQUE_DRIVEN, all_paths, key_of
+
+#: A case file has some 2 kB. Lines are limited too, because one long dotted key costs the TOML parser quadratic time and memory.
+LARGEST_TEXT: Final = 64_000
+LONGEST_LINE: Final = 1_000
+
+#: Named as the source of a value that came from the command line.
+OVERRIDE: Final = "--set"
+
+
+@dataclass(frozen=True)
+class Document:
+    """Raw values of a case.
+
+    Attributes:
+        source: file or case name, for messages.
+        header: name, title and tags as read.
+        values: dotted key -> string or list, as read.
+        sections: those present.
+        overridden: dotted keys that `--set` gave.
+    """
+
+    source: str
+    header: Mapping[str, Any]
+    values: Mapping[str, Any]
+    sections: frozenset[str]
+    overridden: frozenset[str] = frozenset()
+
+    def error(self, path: str, problem: str, accepted: str = "", *, value: Any = None) -> CaseError:
+        """The mistake at a dotted key, with its value as written (or a part of it, `value`) if there is one."""
+        given = value if value is not None else self.values.get(path, self.header.get(path))
+        source = OVERRIDE if path in self.overridden else self.source
+        return CaseError(source, path, None if given is None else as_written(given), problem, accepted)
+
+    def blame(self, *paths: str) -> str:
+        """Of keys that do not fit together the one to name: the first that `--set` gave, else the first."""
+        return next((path for path in paths if path in self.overridden), paths[0])
+
+
+def read_document(text: str, source: str) -> Document:
+    """Parse TOML and check that it holds only known sections and keys of the right TOML types.
+
+    Raises:
+        CaseError: broken TOML, an unknown or misplaced key, a value that is no string.
+    """
+    if len(text) > LARGEST_TEXT:
+        raise CaseError(source, None, None, f"the text has {len(text)} characters", f"at most {LARGEST_TEXT} are accepted")
+    for number, line in enumerate(text.split("\n"), start=1):
+        if len(line) > LONGEST_LINE:
+            raise CaseError(source, None, None, f"line {number} has {len(line)} characters", f"at most {LONGEST_LINE} are accepted")
+    try:
+        content = tomllib.loads(text)
+    except RecursionError:
+        raise CaseError(source, None, None, "is nested too deeply", "sections with strings and lists of strings are accepted") from None
+    except ValueError as broken:  # also what Python raises for whole numbers of thousands of digits
+        raise CaseError(source, None, None, f"is no valid TOML: {_lower_first(str(broken))}") from None
+
+    header = {key: value for key, value in content.items() if key in HEADER}
+    values: dict[str, Any] = {}
+    for name, section in content.items():
+        if name in HEADER:
+            continue
+        _check_section(source, name, section)
+        for key, value in section.items():
+            _check_key(source, name, key, value)
+            values[f"{name}.{key}"] = value
+    return Document(source, header, values, frozenset(content) & frozenset(SECTIONS))
+
+
+def _lower_first(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _check_section(source: str, name: str, section: Any) -> None:
+    if name not in SECTIONS:
+        shown = as_written(name)[1:-1]
+        if not isinstance(section, dict) and (homes := [path for path in all_paths() if path.endswith(f".{name}")]):
+            raise CaseError(source, shown, as_written(section), "stands outside its section", f"accepted as {' or '.join(homes)}")
+        kind = "section" if isinstance(section, dict) else "key"
+        near = nearest(name, (*SECTIONS, *HEADER))
+        raise CaseError(source, shown, None, f"unknown {kind}", f"the nearest known one is {near}")
+    if not isinstance(section, dict):
+        raise CaseError(source, name, as_written(section), "is no section", f"write [{name}] with its keys below")
+
+
+def _check_key(source: str, section: str, key: str, value: Any) -> None:
+    path = f"{section}.{key}"
+    if key not in SECTIONS[section]:
+        raise unknown_key(source, path, value)
+    wanted = key_of(path)
+    example = f'"2 {wanted.dimension.examples[0]}"'
+    if wanted.count is None:
+        if not isinstance(value, str):
+            raise CaseError(source, path, as_written(value), _wrong_type(value), f"write a string with number and unit, such as {example}")
+    elif not isinstance(value, list) or len(value) != wanted.count or not all(isinstance(item, str) for item in value):
+        problem = (
+            f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
+            if isinstance(value, list) and len(value) != wanted.count
+            else "is no list of strings"
+        )
+        raise CaseError(source, path, as_written(value), problem, f"a list of exactly {wanted.count} strings such as {example} is accepted")
+
+
+def _wrong_type(value: Any) -> str:
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return "is a bare number"
+    return "is no string"
+
+
+def unknown_key(source: str, path: str, value: Any) -> CaseError:
+    """The message for a dotted key that no case file has."""
+    section, _, key = path.partition(".")
+    homes = [known for known in all_paths() if known.endswith(f".{key}")]
+    near = homes[0] if homes else nearest(path, [known for known in all_paths() if known.startswith(f"{section}.")] or all_paths())
+    return CaseError(source, as_written(path)[1:-1], as_written(value), "belongs to an unknown key", f"the nearest known one is {near}")
+
+
+def overridden(document: Document, overrides: Mapping[str, str]) -> Document:
+    """The document with values replaced.
+
+    The two ways of driving the crank replace each other as a whole: setting `crank.prescribed_speed` drops the file's torque,
+    damping and initial speed, and setting any of these drops the file's prescribed speed. Setting both is a conflict and stays one.
+
+    Args:
+        document: as read.
+        overrides: dotted key -> text as in the file, without the quotes (they are accepted, too); lists as in the file.
+
+    Raises:
+        CaseError: an unknown key, or a text that is no list where one is needed.
+    """
+    values = dict(document.values)
+    if PRESCRIBED in overrides and not any(path in overrides for path in TORQUE_DRIVEN):
+        values = {path: value for path, value in values.items() if path not in TORQUE_DRIVEN}
+    if PRESCRIBED not in overrides and any(path in overrides for path in TORQUE_DRIVEN):
+        values.pop(PRESCRIBED, None)
+    for path, text in overrides.items():
+        if path in HEADER:
+            raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")
+        if path not in all_paths():
+            raise unknown_key(OVERRIDE, path, text)
+        value = _value_of(text)
+        section, _, key = path.partition(".")
+        _check_key(OVERRIDE, section, key, value)
+        values[path] = value
+    sections = document.sections | {path.partition(".")[0] for path in overrides}
+    return replace(document, values=values, sections=frozenset(sections), overridden=frozenset(overrides))
+
+
+def _value_of(text: str) -> Any:
+    """A text of the command line as TOML reads it, or else the text itself: quotes are optional there."""
+    if len(text) <= LONGEST_LINE and re.fullmatch(r"\[.*\]|\".*\"", text):
+        try:
+            return tomllib.loads(f"value = {text}")["value"]
+        except ValueError:
+            return text
+    return text
+
+
+def check_complete(document: Document) -> None:
+    """Raise CaseError, naming it, if a section or key is missing that cannot be left out; the crank's drive is checked apart."""
+    for section, keys in SECTIONS.items():
+        if section not in document.sections:
+            if section in OPTIONAL_SECTIONS:
+                continue
+            raise CaseError(document.source, f"[{section}]", None, "this section is missing", f"its keys are {', '.join(keys)}")
+        for name, key in keys.items():
+            path = f"{section}.{name}"
+            if path not in document.values and key.default is None and path not in (PRESCRIBED, *TORQUE_DRIVEN):
+                raise missing(document, path)
+
+
+def missing(document: Document, path: str) -> CaseError:
+    """The message for a key that must be there."""
+    key = key_of(path)
+    return document.error(path, "this key is missing", f'write {key.dimension.name}, such as "2 {key.dimension.examples[0]}"')

@@ -1,0 +1,55 @@
+"""The one kind of mistake that a person can make in a case, a data file or an override, and how it is told."""
+
+from collections.abc import Iterable
+from difflib import SequenceMatcher
+from typing import Any
+
+_LONGEST_VALUE = 60
+
+
+class CaseError(Exception):
+    """Something in a case cannot be used; the text is one sentence.
+
+    Attributes:
+        source: file name, name of the case, or `--set`.
+        key: dotted key in it, or None where the file as a whole is meant.
+        value: what was given, as written, or None where nothing was.
+        problem: what is wrong with it.
+        accepted: what is accepted instead; may be empty.
+    """
+
+    def __init__(self, source: str, key: str | None, value: str | None, problem: str, accepted: str = "") -> None:
+        what = "" if key is None else f"{key}: " if value is None else f"{key}: {value} "
+        super().__init__(f"{source}: {what}{problem}" + (f"; {accepted}" if accepted else ""))
+        self.source = source
+        self.key = key
+        self.value = value
+        self.problem = problem
+        self.accepted = accepted
+
+
+def as_written(value: Any) -> str:
+    """A value of a TOML file as it would be written there, shortened, and safe to print on a terminal."""
+    if isinstance(value, str):
+        shown = "".join(_printable(character) for character in value[:_LONGEST_VALUE])
+        return f'"{shown}{"..." if len(value) > _LONGEST_VALUE else ""}"'
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list):
+        return "[" + ", ".join([as_written(item) for item in value[:4]] + ["..."] * (len(value) > 4)) + "]"
+    if isinstance(value, dict):
+        return "{ ... }" if value else "{}"
+    if isinstance(value, int) and abs(value) >= 10**_LONGEST_VALUE:
+        return "a huge whole number"
+    return str(value)
+
+
+def _printable(character: str) -> str:
+    if character in '"\\':
+        return "\\" + character
+    return character if character.isprintable() else character.encode("unicode_escape").decode("ascii")
+
+
+def nearest(given: str, known: Iterable[str]) -> str:
+    """The name in `known` (not empty) that resembles `given` most."""
+    return max(known, key=lambda name: SequenceMatcher(None, given.lower(), name.lower()).ratio())

@@ -1,0 +1,249 @@
+"""Reads quantities such as "4 in" and "0.6 lbf*in*s/rad" into SI, behind a grammar that leaves nothing to guess.
+
+A quantity is one plain decimal number (exponent allowed), one space, one unit expression. A unit expression is names joined by `*`
+and `/`, each with an optional whole exponent (`in^2`, `s**-1`). Only single names ever reach pint, so it can neither read "4,5 in"
+as 45 in nor spend hours on "m^9999999". Angles keep their radian as a dimension of its own: 180 without a unit is no angle, and
+16.6 Hz is no angular speed.
+
+Arithmetic is decimal with 50 digits and exact definitions (1 in = 0.0254 m, 1 lbf = 4.4482216152605 N): a result is the double
+nearest to the quantity written.
+"""
+
+import functools
+import math
+import re
+from dataclasses import dataclass
+from decimal import Context, Decimal
+from typing import Any, Final
+
+Exponents = tuple[int, int, int, int]  # of metre, kilogram, second, radian
+
+_NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_FACTOR: Final = re.compile(r"([^\W\d]\w*)(?:(?:\^|\*\*)(-?[1-9]))?")  # a name and, if any, its exponent
+_BASE_UNITS: Final = ("meter", "kilogram", "second", "radian")
+_LONGEST: Final = 100  # characters of a quantity
+_LARGEST_EXPONENT: Final = 400  # of ten; beyond it no double can follow
+_SMALLEST, _LARGEST = 1e-60, 1e60  # SI magnitudes whose products of a few remain ordinary doubles
+_RANGE: Final = f"magnitudes from {_SMALLEST:g} to {_LARGEST:g} in SI units and zero are accepted"
+_DECIMAL: Final = Context(prec=50)
+
+
+class QuantityError(ValueError):
+    """A text that is no acceptable quantity: what is wrong, and what is accepted."""
+
+    def __init__(self, problem: str, accepted: str) -> None:
+        super().__init__(f"{problem}; {accepted}")
+        self.problem = problem
+        self.accepted = accepted
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """What a quantity must measure.
+
+    Attributes:
+        name: with its article, as in "a length is needed".
+        exponents: of metre, kilogram, second and radian.
+        si_unit: the unit in which parsed values are given.
+        examples: accepted units, the first one to be shown with a number.
+        per_radian_optional: whether a quantity per radian may be written without "/rad".
+    """
+
+    name: str
+    exponents: Exponents
+    si_unit: str
+    examples: tuple[str, ...]
+    per_radian_optional: bool = False
+
+    def accepts(self, exponents: Exponents) -> bool:
+        """Whether a unit with these exponents measures this."""
+        with_radian = (*self.exponents[:3], self.exponents[3] - 1) if self.per_radian_optional else self.exponents
+        return exponents in (self.exponents, with_radian)
+
+
+LENGTH: Final = Dimension("a length", (1, 0, 0, 0), "m", ("in", "mm", "m"))
+MASS: Final = Dimension("a mass", (0, 1, 0, 0), "kg", ("kg", "lbf*s^2/in"))
+TIME: Final = Dimension("a time", (0, 0, 1, 0), "s", ("s", "ms"))
+ANGLE: Final = Dimension("an angle", (0, 0, 0, 1), "rad", ("deg", "rad"))
+ANGULAR_SPEED: Final = Dimension("an angular speed", (0, 0, -1, 1), "rad/s", ("rad/s", "deg/s", "rpm"))
+ACCELERATION: Final = Dimension("an acceleration", (1, 0, -2, 0), "m/s^2", ("m/s^2", "in/s^2"))
+TORQUE: Final = Dimension("a torque", (2, 1, -2, 0), "N*m", ("lbf*in", "N*m"))
+MOMENT_OF_INERTIA: Final = Dimension("a moment of inertia", (2, 1, 0, 0), "kg*m^2", ("kg*m^2", "lbf*s^2*in"))
+ROTARY_DAMPING: Final = Dimension("a rotary damping", (2, 1, -1, 0), "N*m*s/rad", ("lbf*in*s/rad", "N*m*s/rad"), True)
+MASS_PER_LENGTH: Final = Dimension("a mass per length", (-1, 1, 0, 0), "kg/m", ("kg/m", "lbf*s^2/in^2"))
+BENDING_STIFFNESS: Final = Dimension("a bending stiffness", (3, 1, -2, 0), "N*m^2", ("lbf*in^2", "N*m^2"))
+DAMPING_PER_LENGTH: Final = Dimension("a damping per length", (-1, 1, -1, 0), "N*s/m^2", ("lbf*s/in^2", "N*s/m^2"))
+STIFFNESS: Final = Dimension("a stiffness", (0, 1, -2, 0), "N/m", ("N/m", "lbf/in"))
+DAMPING: Final = Dimension("a damping", (0, 1, -1, 0), "N*s/m", ("N*s/m", "lbf*s/in"))
+
+_NEEDED: Final = (
+    LENGTH, MASS, TIME, ANGLE, ANGULAR_SPEED, ACCELERATION, TORQUE, MOMENT_OF_INERTIA, ROTARY_DAMPING, MASS_PER_LENGTH,
+    BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING,
+)  # fmt: skip
+#: Names for what is given by mistake, by exponents.
+_NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
+    (0, 0, 0, 0): "a pure number",
+    (0, 0, -1, 0): "a frequency",
+    (1, 0, -1, 0): "a velocity",
+    (2, 0, 0, 0): "an area",
+    (3, 0, 0, 0): "a volume",
+    (1, 1, -2, 0): "a force",
+    (-1, 1, -2, 0): "a pressure",
+    (-3, 1, 0, 0): "a density",
+    (2, 1, -3, 0): "a power",
+    (0, 0, -2, 1): "an angular acceleration",
+    (2, 1, -1, -1): "a rotary damping",
+}
+
+
+def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool = False) -> float:
+    """The quantity in SI units.
+
+    Args:
+        text: e.g. "4.5 in".
+        dimension: what it must measure.
+        infinity_accepted: whether "inf", without a unit, stands for a rigid part.
+
+    Raises:
+        QuantityError: not one plain number, one space and one unit expression of this dimension, or out of range.
+    """
+    accepted = _accepted(dimension, infinity_accepted)
+    if text == "inf" and infinity_accepted:
+        return math.inf
+    if len(text) > _LONGEST:
+        raise QuantityError(f"is longer than {_LONGEST} characters", accepted)
+    if text != text.strip():
+        raise QuantityError("begins or ends with white space", accepted)
+    number, space, unit = text.partition(" ")
+    if not _NUMBER.fullmatch(number):
+        raise QuantityError(_what_is_wrong(text, number, infinity_accepted), accepted)
+    if not space:
+        raise QuantityError("has no unit", accepted)
+    factor, exponents = _read_unit(unit, accepted)
+    if not dimension.accepts(exponents):
+        raise QuantityError(f"is {_name(exponents)}{_hint(unit, dimension)}, but {dimension.name} is needed", accepted)
+    return _to_si(number, factor)
+
+
+def _accepted(dimension: Dimension, infinity_accepted: bool) -> str:
+    """What to write instead, e.g. 'write ... such as "4 in" (mm and m also do)'."""
+    first, *others = dimension.examples
+    number = "180" if dimension is ANGLE else "2"
+    also = f" (or in {' or '.join(others)})"
+    return f'write one plain number, one space and a unit, such as "{number} {first}"{also}' + (', or "inf"' if infinity_accepted else "")
+
+
+def _what_is_wrong(text: str, number: str, infinity_accepted: bool) -> str:
+    """Why `text` does not begin with a plain number and a space."""
+    if not text:
+        return "is empty"
+    if number.lower().strip("+-") in ("inf", "infinity"):
+        return 'is not how a rigid part is written ("inf", nothing else)' if infinity_accepted else "is infinite"
+    if number.lower().strip("+-") == "nan":
+        return "is not a number"
+    if re.fullmatch(r"[+-]?[0-9]+,[0-9.]+(?:[eE][+-]?[0-9]+)?.*", number):
+        return "has a comma in its number (the decimal sign is a point)"
+    if _NUMBER.match(number):
+        return f'does not begin with a plain number followed by a space ("{number}")'
+    return "does not begin with a number"
+
+
+def _read_unit(unit: str, accepted: str) -> tuple[Decimal, Exponents]:
+    """Factor to SI and exponents of a unit expression."""
+    if unit != unit.strip():
+        raise QuantityError("has more than one space between number and unit", accepted)
+    factor, exponents, sign = Decimal(1), [0, 0, 0, 0], 1
+    place = 0
+    while True:
+        match = _FACTOR.match(unit, place)
+        if match is None:
+            raise QuantityError(
+                f'has an unreadable unit "{unit}" (names joined by * and /, with whole exponents from -9 to 9, as in in^2)', accepted
+            )
+        power = sign * int(match[2] or 1)
+        unit_factor, unit_exponents = _look_up(match[1], accepted)
+        factor = _DECIMAL.multiply(factor, _DECIMAL.power(unit_factor, power))
+        exponents = [total + power * one for total, one in zip(exponents, unit_exponents, strict=True)]
+        place = match.end()
+        if place == len(unit):
+            return factor, (exponents[0], exponents[1], exponents[2], exponents[3])
+        if unit[place] not in "*/" or unit.startswith("**", place):
+            raise QuantityError(
+                f'has an unreadable unit "{unit}" (names joined by * and /, with whole exponents from -9 to 9, as in in^2)', accepted
+            )
+        sign = 1 if unit[place] == "*" else -1
+        place += 1
+
+
+def _unreadable(unit: str, accepted: str) -> QuantityError:
+    return QuantityError(f'has the unreadable unit "{unit}" (names joined by * and /, whole exponents from -9 to 9 as in in^2)', accepted)
+
+
+def _look_up(name: str, accepted: str) -> tuple[Decimal, Exponents]:
+    found = _unit(name)
+    if found is None:
+        power = re.fullmatch(r"([^\W\d]+)([1-9])", name)
+        hint = f' (a power is written "{power[1]}^{power[2]}")' if power and _unit(power[1]) else ""
+        raise QuantityError(f'has the unknown unit "{name}"{hint}', accepted)
+    return found
+
+
+@functools.cache
+def _unit(name: str) -> tuple[Decimal, Exponents] | None:
+    """Factor to SI and exponents of one named unit, or None if it is no unit of a mechanical quantity."""
+    registry = _registry()
+    if not registry.parse_unit_name(name):
+        return None
+    factor, base = registry.get_base_units(name)
+    powers = {unit: int(power) for unit, power in registry.Quantity(1, base).unit_items()}
+    if not powers or not set(powers) <= set(_BASE_UNITS):
+        return None
+    length, mass, time, angle = (powers.get(unit, 0) for unit in _BASE_UNITS)
+    return Decimal(factor), (length, mass, time, angle)
+
+
+@functools.cache
+def _registry() -> Any:
+    """Pint's units with exact decimal factors; built when the first quantity is read, for it costs 0.2 s with pint's import."""
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def _name(exponents: Exponents) -> str:
+    """A dimension in words, with its SI unit."""
+    length, mass, time, angle = exponents
+    powers = {"kg": mass, "m": length, "s": time, "rad": angle}
+    numerator = "*".join(_power(unit, power) for unit, power in powers.items() if power > 0)
+    denominator = "".join(f"/{_power(unit, -power)}" for unit, power in powers.items() if power < 0)
+    si_unit = (numerator or "1") + denominator
+    return f"{_NAMES[exponents]} ({si_unit})" if exponents in _NAMES else f"a quantity in {si_unit}"
+
+
+def _power(unit: str, power: int) -> str:
+    return unit if power == 1 else f"{unit}^{power}"
+
+
+def _hint(unit: str, dimension: Dimension) -> str:
+    """The usual slip, named: pounds of mass where pounds of force are meant."""
+    with_force = re.sub(r"\b(?:lb|lbs|pound|pounds)\b", "lbf", unit)
+    if with_force != unit:
+        try:
+            _, exponents = _read_unit(with_force, "")
+        except QuantityError:
+            return ""
+        if dimension.accepts(exponents):
+            return " because lb is a pound of mass (the pound of force is lbf)"
+    return ""
+
+
+def _to_si(number: str, factor: Decimal) -> float:
+    mantissa, _, exponent = number.lower().partition("e")
+    if exponent and abs(int(exponent)) > _LARGEST_EXPONENT:
+        raise QuantityError("is out of range", _RANGE)
+    value = float(_DECIMAL.multiply(_DECIMAL.create_decimal(number), factor))
+    if value == 0.0 and not mantissa.strip("+-0."):
+        return 0.0
+    if not _SMALLEST <= abs(value) <= _LARGEST:
+        raise QuantityError("is out of range", _RANGE)
+    return value
