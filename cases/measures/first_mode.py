@@ -66,7 +66,7 @@ def fit_first_mode(channel: ChannelHalf) -> FirstMode:
     amplitude_uncertainty = float(np.sqrt(statistical_amplitude**2 + spread_amplitude**2 + (SLOW_PART_LEAKAGE * slow_peak) ** 2))
 
     reason = _why_not(channel, slow, main, amplitude, relative, amplitude_uncertainty)
-    frequency = alpha * channel.half.mean_frequencies[0]
+    frequency = float(alpha * channel.half.mean_frequencies[0])
     return FirstMode(frequency, relative * frequency, amplitude * channel.unit, amplitude_uncertainty * channel.unit, reason, main)
 
 

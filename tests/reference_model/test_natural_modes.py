@@ -1,0 +1,198 @@
+"""Frozen-crank modes against the transcendental determinant of the two-span beam and against published numbers."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from reference_model.mechanism import Base, Crank, Follower, Mechanism, Slider, Tip, TorqueDrive
+from reference_model.natural_modes import frozen_crank_modes, supported_modes
+
+INCH = 0.0254  # m
+POUND_FORCE = 4.4482216152605  # N
+
+RUN_24 = Mechanism(
+    pivot_distance=18.0 * INCH,
+    crank=Crank(length=4.0 * INCH, drive=TorqueDrive(torque=1.0, damping=1.0, initial_speed=1.0)),
+    base=Base(inertia=1.5e-4 * POUND_FORCE * INCH),
+    follower=Follower(
+        length=25.0 * INCH,
+        mass_per_length=4.75987e-5 * POUND_FORCE / INCH**2,
+        bending_stiffness=2128.22 * POUND_FORCE * INCH**2,
+        thickness=0.125 * INCH,
+        width=1.5 * INCH,
+    ),
+    tip=Tip(mass=2.9e-4 * POUND_FORCE / INCH, inertia=1.96e-5 * POUND_FORCE * INCH),
+)
+BARE = dataclasses.replace(RUN_24, base=Base(), tip=None)
+
+
+def with_tip(offset: float) -> Mechanism:
+    assert RUN_24.tip is not None
+    return dataclasses.replace(RUN_24, tip=dataclasses.replace(RUN_24.tip, center_of_mass=offset))
+
+
+def determinant(mechanism: Mechanism, s: float, frequency: float) -> float:
+    """Boundary and transition conditions of the two spans in their exact solutions, zero at a natural frequency.
+
+    Span 1, x from P: w = A sin + B sinh + C (cos - cosh), which vanishes at P. Span 2, y from the slider towards the tip:
+    w = D (cos - cosh) + E sin + F sinh, which vanishes at the slider. Unknowns A to F: w(s) = 0, moment at P, slope and moment at
+    the slider, moment and shear at the tip.
+    """
+    beam, tip, omega = mechanism.follower, mechanism.tip, 2.0 * math.pi * frequency
+    EI, L = beam.bending_stiffness, beam.length
+    k = (beam.mass_per_length * omega**2 / EI) ** 0.25
+    m, J, e = (tip.mass, tip.inertia, tip.center_of_mass) if tip else (0.0, 0.0, 0.0)
+    a, b = k * s, k * (L - s)
+    sin, cos, sinh, cosh = math.sin, math.cos, math.sinh, math.cosh
+    # per unknown: value and derivatives with respect to k x
+    at_tip = np.array(
+        [
+            [cos(b) - cosh(b), sin(b), sinh(b)],
+            [-sin(b) - sinh(b), cos(b), cosh(b)],
+            [-cos(b) - cosh(b), -sin(b), sinh(b)],
+            [sin(b) - sinh(b), -cos(b), cosh(b)],
+        ]
+    )
+    w, slope, curvature, third = (row * k**order for order, row in enumerate(at_tip))
+    # the tip body: EI w'' = omega^2 (J w' + m e (w + e w')), EI w''' = -omega^2 m (w + e w')
+    moment = EI * curvature - omega**2 * (J * slope + m * e * (w + e * slope))
+    shear = EI * third + omega**2 * m * (w + e * slope)
+    rows = np.array(
+        [
+            [sin(a), sinh(a), cos(a) - cosh(a), 0, 0, 0],
+            [mechanism.base.inertia * omega**2 / (EI * k)] * 2 + [-2.0, 0, 0, 0],  # EI w''(0) = -Jb omega^2 w'(0)
+            [cos(a), cosh(a), -sin(a) - sinh(a), 0, -1, -1],
+            [-sin(a), sinh(a), -cos(a) - cosh(a), 2, 0, 0],
+            [0, 0, 0, *moment / (EI * k**2)],
+            [0, 0, 0, *shear / (EI * k**3)],
+        ]
+    )
+    return float(np.linalg.det(rows / np.abs(rows).max(axis=1, keepdims=True)))
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.5 * INCH])
+@pytest.mark.parametrize("crank_angle", [0.0, 40.0, 90.0, 180.0])
+def test_frequencies_are_roots_of_the_transcendental_determinant(offset: float, crank_angle: float) -> None:
+    mechanism = with_tip(offset)
+    modes = frozen_crank_modes(mechanism, math.radians(crank_angle), 4)
+    for frequency in modes.frequencies:
+        near = 1e-4
+        root = brentq(
+            lambda f: determinant(mechanism, modes.slider_position, f), frequency * (1 - near), frequency * (1 + near), xtol=1e-10
+        )
+        # the shapes converge to 1e-11; the determinant's root is good to 1e-10 Hz and the cancellation in cos - cosh
+        assert frequency == pytest.approx(root, rel=1e-9)
+
+
+def test_no_frequency_is_missed() -> None:
+    modes = frozen_crank_modes(RUN_24, math.pi / 2, 4)
+    scan = np.linspace(1.0, 300.0, 3000)
+    signs = np.sign([determinant(RUN_24, modes.slider_position, f) for f in scan])
+    assert np.count_nonzero(np.diff(signs)) == 4
+
+
+@pytest.mark.parametrize(("support", "eigenvalue"), [(0.5, 3.01183092), (0.7, 3.88535145)])
+def test_uniform_pinned_beam_with_overhang(support: float, eigenvalue: float) -> None:
+    beam = BARE.follower
+    frequency = supported_modes(BARE, support * beam.length, 1).frequencies[0]
+    wave_number = (beam.mass_per_length * (2 * math.pi * frequency) ** 2 / beam.bending_stiffness) ** 0.25
+    assert wave_number * beam.length == pytest.approx(eigenvalue, abs=5.1e-9)  # all printed digits
+
+
+@pytest.mark.parametrize(
+    ("crank_angle", "expected"),
+    [
+        (180.0, ("20.354", "62.287", "112.95", "212.94")),
+        (90.0, ("17.779", "45.604", "135.26", "263.37")),
+        (0.0, ("10.925", "63.787", "123.83", "230.04")),
+    ],
+)
+def test_run_24_to_all_known_digits(crank_angle: float, expected: tuple[str, ...]) -> None:
+    for frequency, digits in zip(frozen_crank_modes(RUN_24, math.radians(crank_angle), 4).frequencies, expected, strict=True):
+        last_digit = 10.0 ** -len(digits.split(".")[1])
+        # rounding is half a last digit; the known 135.26 carries a discretization error of its own (the determinant has 135.2547)
+        assert frequency == pytest.approx(float(digits), abs=0.54 * last_digit)
+
+
+@pytest.mark.parametrize(("crank_angle", "lowered"), [(180.0, 0.020), (90.0, 0.048), (0.0, 0.034)])
+def test_center_of_mass_half_an_inch_out_lowers_the_first_mode(crank_angle: float, lowered: float) -> None:
+    angle = math.radians(crank_angle)
+    ratio = frozen_crank_modes(with_tip(0.5 * INCH), angle, 1).frequencies[0] / frozen_crank_modes(RUN_24, angle, 1).frequencies[0]
+    assert 1.0 - ratio == pytest.approx(lowered, abs=5e-4)  # half the last digit
+
+
+def test_modes_are_orthonormal_with_respect_to_all_masses_and_rest_at_the_slider() -> None:
+    mechanism = with_tip(0.5 * INCH)
+    tip = mechanism.tip
+    assert tip is not None
+    modes = supported_modes(mechanism, 0.4, 4)
+    gram = np.zeros((4, 4))
+    for start, end in ((0.0, 0.4), (0.4, modes.length)):
+        points, weights = np.polynomial.legendre.leggauss(30)
+        x = start + (end - start) * (points + 1) / 2
+        w = modes.deflection(x)
+        gram += mechanism.follower.mass_per_length * (w * weights) @ w.T * (end - start) / 2
+    end_slope = modes.deflection(np.array([modes.length]), 1)[:, 0]
+    base_slope = modes.deflection(np.array([0.0]), 1)[:, 0]
+    center = modes.tip_displacement + tip.center_of_mass * end_slope
+    gram += tip.mass * np.outer(center, center) + tip.inertia * np.outer(end_slope, end_slope)
+    gram += mechanism.base.inertia * np.outer(base_slope, base_slope)
+    assert gram == pytest.approx(np.eye(4), abs=1e-11)  # round-off of 30 shapes
+    assert modes.deflection(np.array([0.0, 0.4])) == pytest.approx(np.zeros((4, 2)), abs=1e-12)
+
+
+def test_curvature_is_that_of_the_exact_shape() -> None:
+    """At P the moment equals what turns the base block, at the tip what accelerates the body, for each mode."""
+    mechanism = with_tip(0.5 * INCH)
+    tip, EI = mechanism.tip, mechanism.follower.bending_stiffness
+    assert tip is not None
+    modes = frozen_crank_modes(mechanism, 1.0, 3)
+    omega2 = (2 * np.pi * modes.frequencies) ** 2
+    ends = np.array([0.0, modes.length])
+    slope, curvature = modes.deflection(ends, 1), modes.curvature(ends)
+    center = modes.tip_displacement + tip.center_of_mass * slope[:, 1]
+    moment = omega2 * (tip.inertia * slope[:, 1] + tip.mass * tip.center_of_mass * center)
+    peak = np.abs(modes.curvature(np.linspace(0.0, modes.length, 50))).max()
+    # a natural condition, met only in the limit: its residual measures the convergence of the curvature itself
+    assert EI * curvature[:, 0] == pytest.approx(-omega2 * mechanism.base.inertia * slope[:, 0], abs=1e-6 * EI * peak)
+    assert EI * curvature[:, 1] == pytest.approx(moment, abs=1e-6 * EI * peak)
+
+
+def test_slider_at_the_tip_is_the_limit_of_a_vanishing_overhang() -> None:
+    L = RUN_24.follower.length
+    at_the_tip, just_inside = supported_modes(RUN_24, L, 4).frequencies, supported_modes(RUN_24, L * (1 - 1e-7), 4).frequencies
+    assert just_inside == pytest.approx(at_the_tip, rel=1e-5)  # a lever of 1e-7 L changes the tip body's effect by as little
+
+
+def test_softer_joint_lowers_frequencies_and_the_rigid_one_is_its_limit_at_first_order() -> None:
+    rigid = supported_modes(RUN_24, 0.4, 3).frequencies
+    lowered = []
+    for stiffness in (1e7, 1e8):
+        soft = dataclasses.replace(RUN_24, slider=Slider(joint_stiffness=stiffness))
+        lowered.append(rigid - supported_modes(soft, 0.4, 3).frequencies)
+    assert np.all(lowered[0] > 0.0)
+    assert lowered[0] / lowered[1] == pytest.approx(np.full(3, 10.0), rel=0.01)  # second order: below 1 % from 1e7 N/m on
+
+
+def test_turning_slider_lowers_frequencies_as_rayleighs_quotient_has_it() -> None:
+    s, inertia = 0.4, 1e-9
+    plain = supported_modes(RUN_24, s, 3)
+    turning = supported_modes(dataclasses.replace(RUN_24, slider=Slider(inertia=inertia)), s, 3)
+    slope = plain.deflection(np.array([s]), 1)[:, 0]
+    # first-order perturbation of a mass-normalised mode; 1e-9 kg m² is 1e-5 of the beam's, so the second order is 1e-5 of it
+    assert 1.0 - turning.frequencies / plain.frequencies == pytest.approx(inertia * slope**2 / 2, rel=1e-3)
+
+
+def test_rigid_follower_has_no_modes() -> None:
+    rigid = dataclasses.replace(RUN_24, follower=dataclasses.replace(RUN_24.follower, bending_stiffness=math.inf))
+    assert len(frozen_crank_modes(rigid, 0.0, 4)) == 0
+
+
+def test_what_cannot_be_is_refused() -> None:
+    with pytest.raises(ValueError, match="not on the follower"):
+        supported_modes(RUN_24, 0.7, 1)
+    with pytest.raises(ValueError, match="free to turn"):
+        supported_modes(dataclasses.replace(RUN_24, slider=Slider(joint_stiffness=0.0)), 0.4, 1)
