@@ -1,0 +1,114 @@
+"""The command `quickreturn`: subcommands, exit codes, and one clear line on standard error instead of a traceback.
+
+Exit codes: 0 good; 1 a tolerance missed; 2 bad input or usage, or something that the engine cannot model; 3 an engine failed, did
+not settle or did not reach the accuracy asked; 130 Ctrl-C.
+"""
+
+import contextlib
+import difflib
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Final
+
+import click
+
+#: In the order of `--help`; each is a module of `reports.commands`.
+COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes")
+
+GOOD: Final = 0
+BAD_INPUT: Final = 2
+ENGINE_TROUBLE: Final = 3
+INTERRUPTED: Final = 130
+
+
+class CommandGroup(click.Group):
+    """Finds subcommands in `reports.commands` when they are asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the subcommands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The subcommand, or None if there is none of this name."""
+        if cmd_name not in COMMANDS:
+            return None
+        command = import_module(f"reports.commands.{cmd_name}").command
+        assert isinstance(command, click.Command)
+        return command
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+        """The subcommand that the arguments begin with; UsageError with the nearest name if there is none."""
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            near = difflib.get_close_matches(args[0], COMMANDS, n=1)
+            hint = f" did you mean {near[0]}?" if near else ""
+            raise click.UsageError(f'"{args[0]}": no such command;{hint} accepted: {", ".join(COMMANDS)}', ctx)
+        return super().resolve_command(ctx, args)
+
+
+@click.group(name="quickreturn", cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
+def quickreturn() -> None:
+    """Cross-validate flexible-multibody engines on a quick-return mechanism with a flexible follower."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        argv: arguments without the program's name; None: those of the process.
+
+    Returns:
+        The exit code. No exception leaves this function.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    for stream in (sys.stdout, sys.stderr):  # a terminal that lacks a sign gets an escape in its place
+        with contextlib.suppress(AttributeError):
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    try:
+        code = _run(arguments or ["--help"])
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader (`head`) has enough; what is still buffered must not fail again at exit
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return GOOD
+    except (KeyboardInterrupt, click.Abort):
+        return _told("interrupted", INTERRUPTED)
+    except click.ClickException as error:
+        return _told(error.format_message(), BAD_INPUT)
+    except Exception as error:  # the last line of defence: a sentence, whatever happened
+        return _told_of(error)
+    return code
+
+
+def _run(arguments: list[str]) -> int:
+    try:
+        with quickreturn.make_context("quickreturn", arguments) as context:
+            result = quickreturn.invoke(context)
+    except click.exceptions.Exit as leaving:  # --help
+        return leaving.exit_code
+    return result if isinstance(result, int) else GOOD
+
+
+def _told_of(error: Exception) -> int:
+    """Print what is wrong and choose the exit code. The classes are imported here, for importing them takes a moment."""
+    from cases.errors import CaseError
+    from cases.store import StoreError
+    from engines.base import EngineFailure, Refusal
+    from engines.registry import UnknownEngine
+    from engines.settings import SettingError
+    from reference_model.mechanism import ImpossibleMechanism
+    from reports.engine_jobs import EngineDied
+    from reports.output import OutputError
+
+    if isinstance(error, (CaseError, Refusal, SettingError, UnknownEngine, StoreError, ImpossibleMechanism, OutputError)):
+        return _told(str(error), BAD_INPUT)
+    if isinstance(error, (EngineFailure, EngineDied)):
+        return _told(str(error), ENGINE_TROUBLE)
+    return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ENGINE_TROUBLE)
+
+
+def _told(sentence: str, code: int) -> int:
+    with contextlib.suppress(BrokenPipeError):
+        print(f"quickreturn: {' '.join(sentence.split())}", file=sys.stderr)
+    return code

@@ -1,0 +1,35 @@
+"""`quickreturn modes`: natural frequencies with the crank held."""
+
+import math
+from collections.abc import Sequence
+
+import click
+
+from reports.commands.options import case_argument, crank_angle_option, engine_option, json_option, load, read_assignments, set_option
+
+
+@click.command(name="modes")
+@case_argument
+@engine_option
+@crank_angle_option
+@click.option("--count", metavar="N", type=click.IntRange(1, 100), default=4, show_default=True, help="How many at most.")
+@set_option
+@json_option
+def command(case: str, engine: str, crank_angle: float, count: int, assignments: Sequence[str], as_json: bool) -> None:
+    """Natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped."""
+    from cases.workers import Job
+    from reports import engine_jobs
+    from reports.output import print_json, print_table
+
+    overrides, settings = read_assignments(assignments)
+    loaded = load(case, overrides)
+    job = Job(engine, engine_jobs.modes, (engine, loaded.mechanism, crank_angle, count, settings))
+    document = {"case": loaded.name, "crank_angle": crank_angle, **engine_jobs.answer_of(job)}
+    if as_json:
+        print_json(document)
+        return
+    click.echo(f"{loaded.name}, crank at {math.degrees(crank_angle):g} deg, {engine} ({document['version']})")
+    if not document["frequencies"]:
+        click.echo("no natural frequency: nothing in this model can vibrate with the crank held")
+        return
+    print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(document["frequencies"], 1)])

@@ -1,0 +1,118 @@
+"""Arguments and options that several subcommands share, and how their texts are read."""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+if TYPE_CHECKING:
+    from cases.case import Case
+
+LOWEST_ACCURACY: Final = 1e-4
+HIGHEST_ACCURACY: Final = 0.05
+
+_ENGINE_PREFIX: Final = "engine."
+
+
+def _accuracy(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+    if text is None:
+        return None
+    value = _number(text)
+    if value is None or not LOWEST_ACCURACY <= value <= HIGHEST_ACCURACY:
+        raise click.UsageError(f'--accuracy "{text}": give a plain number from {LOWEST_ACCURACY:g} to {HIGHEST_ACCURACY:g}, e.g. 1e-3')
+    return value
+
+
+def _angle(context: click.Context, option: click.Parameter, text: str) -> float:
+    value = _number(text)
+    if value is None or not math.isfinite(value):
+        raise click.UsageError(f'--crank-angle "{text}": give a plain number of degrees, e.g. 180')
+    return math.radians(value)
+
+
+def _number(text: str) -> float | None:
+    """The number, or None if the text is none; Python's "1_000" is none either."""
+    try:
+        return None if "_" in text else float(text)
+    except ValueError:
+        return None
+
+
+case_argument: Final = click.argument("case", metavar="CASE")
+engine_option: Final = click.option("--engine", "engine", metavar="E", required=True, help="Engine; `quickreturn engines` lists them.")
+json_option: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
+accuracy_option: Final = click.option(
+    "--accuracy",
+    metavar="REL",
+    callback=_accuracy,
+    help=f"Relative error of the tip deflection asked for, {HIGHEST_ACCURACY:g} to {LOWEST_ACCURACY:g}; default: the engine's.",
+)
+crank_angle_option: Final = click.option(
+    "--crank-angle", "crank_angle", metavar="DEG", required=True, callback=_angle, help="Angle at which the crank is held, degrees."
+)
+set_option: Final[Callable[[Any], Any]] = click.option(
+    "--set",
+    "assignments",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help='Override a value of the case (follower.bending_stiffness="1800 lbf*in^2") or an engine setting (engine.elements=32).',
+)
+
+
+def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[str, str]]:
+    """Split `--set` texts into overrides of the case and settings of the engine, both by key.
+
+    Raises:
+        click.UsageError: not KEY=VALUE, or a key given twice.
+    """
+    case: dict[str, str] = {}
+    engine: dict[str, str] = {}
+    for text in assignments:
+        key, sign, value = text.partition("=")
+        key = key.strip()
+        if not (key and sign):
+            raise click.UsageError(f'--set "{text}": give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32')
+        target, name = (engine, key.removeprefix(_ENGINE_PREFIX)) if key.startswith(_ENGINE_PREFIX) else (case, key)
+        if name in target:
+            raise click.UsageError(f"--set {key}: this key is given twice")
+        target[name] = value.strip()
+    return case, engine
+
+
+def refuse_engine_settings(settings: dict[str, str]) -> None:
+    """For subcommands without an engine: UsageError if a setting of one was given."""
+    if settings:
+        raise click.UsageError(f"--set {_ENGINE_PREFIX}{next(iter(settings))}: engine settings have no meaning here")
+
+
+def load(case: str, overrides: dict[str, str], duration: str | None = None, output_step: str | None = None) -> "Case":
+    """The case with overrides; `duration` and `output_step` are quantities ("2 s") or plain numbers of seconds.
+
+    Raises:
+        CaseError: see `cases.case_file.load_case` and `with_times`.
+        click.UsageError: a time is given both as an option and by `--set`.
+    """
+    from cases.case_file import load_case, with_times
+
+    times = {"--duration": ("simulation.duration", duration), "--output-step": ("simulation.output_step", output_step)}
+    for option, (path, text) in times.items():
+        if text is not None and path in overrides:
+            raise click.UsageError(f"{option} and --set {path} are both given; give one of them")
+    seconds = [None if text is None else _seconds(option, text) for option, (_, text) in times.items()]
+    return with_times(load_case(case, overrides), *seconds)
+
+
+def _seconds(option: str, text: str) -> float:
+    from cases.errors import CaseError, as_written
+    from cases.units import TIME, QuantityError, parse_quantity
+
+    number = _number(text)
+    if number is not None:
+        return number
+    try:
+        return parse_quantity(text, TIME)
+    except QuantityError as wrong:
+        raise CaseError(
+            "command line", option, as_written(text), wrong.problem, f"{wrong.accepted}; a plain number means seconds"
+        ) from None

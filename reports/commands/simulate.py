@@ -1,0 +1,73 @@
+"""`quickreturn simulate`: one trajectory of one engine, from the standard start, as a CSV file."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from reports.commands.options import accuracy_option, case_argument, engine_option, json_option, load, read_assignments, set_option
+
+
+@click.command(name="simulate")
+@case_argument
+@engine_option
+@click.option("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
+@click.option("--output-step", metavar="S", help='Time between rows, "1 ms" or a number of seconds.')
+@accuracy_option
+@set_option
+@click.option("--output", metavar="FILE.csv", required=True, type=click.Path(path_type=Path), help="Where the trajectory goes.")
+@json_option
+def command(
+    case: str,
+    engine: str,
+    duration: str | None,
+    output_step: str | None,
+    accuracy: float | None,
+    assignments: Sequence[str],
+    output: Path,
+    as_json: bool,
+) -> int:
+    """Simulate CASE from the standard start and write the trajectory.
+
+    Exit code 3: the engine failed or did not reach the accuracy; what was computed is in the file.
+    """
+    from cases.workers import Job
+    from reports import engine_jobs
+    from reports.command_line import ENGINE_TROUBLE, GOOD
+    from reports.output import check_writable, print_json
+
+    overrides, settings = read_assignments(assignments)
+    loaded = load(case, overrides, duration, output_step)
+    check_writable(output)
+    document = engine_jobs.answer_of(Job(engine, engine_jobs.simulate, (engine, loaded, settings, accuracy, str(output))))
+    if as_json:
+        print_json(document)
+    else:
+        _print(document)
+    if document["reached"]:
+        return GOOD
+    click.echo(f"quickreturn: {loaded.name}: engine {engine}: {document['remark']}{_kept(document)}", err=True)
+    return ENGINE_TROUBLE
+
+
+def _kept(document: dict[str, Any]) -> str:
+    return f"; {document['rows']} rows are kept in {document['output']}" if document["rows"] else "; nothing was computed"
+
+
+def _print(document: dict[str, Any]) -> None:
+    from reports.output import print_table
+
+    asked = "" if document["accuracy"] is None else f" (asked: {document['accuracy']:g})"
+    rows = [("case", document["case"]), ("engine", f"{document['engine']} ({document['version']})")]
+    rows += [("note", note) for note in document["notes"]]
+    if document["failure"] is None:
+        estimate = document["error_estimate"]
+        times = " + ".join(f"{document[f'{part}_seconds']:.3g} s {part}" for part in ("setup", "solve", "estimate"))
+        rows += [
+            ("rows", f"{document['rows']} in {document['output']}"),
+            ("error estimate", ("unknown" if estimate is None else f"{estimate:.2g}") + asked),
+            ("times", times),
+            ("settings", ", ".join(f"{name} = {value}" for name, value in document["settings"].items())),
+        ]
+    print_table(rows)

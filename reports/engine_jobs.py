@@ -1,0 +1,147 @@
+"""What the command line asks of engines, each question in a process of its own.
+
+A library that crashes, prints or holds on to the interpreter then costs no more than its own answer: Ctrl-C works at once, and
+nothing but the command's own words gets to standard output.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cases.workers import Job, Outcome, run_jobs
+from reports.output import plain, write_file
+
+if TYPE_CHECKING:
+    from cases.case import Case
+    from engines.accurate import Result
+    from engines.trajectory import Trajectory
+    from reference_model.mechanism import Mechanism
+
+
+class EngineDied(Exception):
+    """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
+
+
+def answer_of(job: Job) -> Any:
+    """The job's value.
+
+    Raises:
+        Refusal, SettingError, UnknownEngine, EngineFailure, OutputError: as raised in the job.
+        EngineDied: it ended in any other way.
+    """
+    (outcome,) = run_jobs([job], preload=())
+    return value_of(outcome)
+
+
+def value_of(outcome: Outcome) -> Any:
+    """The value of a job that has ended; raises like `answer_of`."""
+    if outcome.completed:
+        return outcome.value
+    from engines.base import EngineFailure, Refusal
+    from engines.registry import UnknownEngine
+    from engines.settings import SettingError
+    from reports.output import OutputError
+
+    if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure, OutputError)):
+        raise outcome.error
+    raise EngineDied(f"engine {outcome.job.name}: {outcome.failure}")
+
+
+def about(name: str) -> dict[str, Any]:
+    """Name, version, method, and whether the engine can be used here or why not."""
+    from engines.registry import engine
+
+    found = engine(name)
+    reason = found.unavailable()
+    version = found.version() if reason is None else None
+    return {"name": name, "version": version, "method": found.method, "available": reason is None, "reason": reason}
+
+
+def model(name: str, mechanism: "Mechanism") -> dict[str, Any]:
+    """What the engine builds for a scene with its default settings. Raises Refusal if it cannot."""
+    from engines.registry import usable_engine
+
+    found = usable_engine(name)
+    found.check(mechanism)
+    built = found.describe(mechanism, found.settings_for(found.default_accuracy, mechanism))
+    return {"bodies": built.bodies, "joints": built.joints, "degrees_of_freedom": built.degrees_of_freedom}
+
+
+def modes(name: str, mechanism: "Mechanism", crank_angle: float, count: int, texts: Mapping[str, str]) -> dict[str, Any]:
+    """Natural frequencies (Hz) with the crank held at `crank_angle` (rad). Raises as `Engine.natural_frequencies` does."""
+    from engines.registry import usable_engine
+
+    found = usable_engine(name)
+    found.check(mechanism)
+    settings = found.settings_for(found.default_accuracy, mechanism).with_texts(dict(texts))
+    frequencies = found.natural_frequencies(mechanism, crank_angle, count, settings)
+    return plain({"engine": name, "version": found.version(), "settings": settings.as_dict(), "frequencies": frequencies[:count]})
+
+
+def simulate(name: str, case: "Case", texts: Mapping[str, str], accuracy: float | None, output: str) -> dict[str, Any]:
+    """Simulate a case from its standard start and write the trajectory, as far as it got, to the file `output`.
+
+    Returns:
+        What `quickreturn simulate --json` prints: settings, times, error estimate; after a failure "failure" tells of it.
+
+    Raises:
+        Refusal, SettingError, UnknownEngine, OutputError.
+    """
+    from engines import accurate
+    from engines.base import EngineFailure
+    from engines.registry import usable_engine
+    from engines.start import standard_start
+
+    found = usable_engine(name)
+    mechanism, start = case.mechanism, standard_start(case.mechanism)
+    document = {"case": case.name, "engine": name, "version": found.version(), "output": output, "notes": case.notes}
+    try:
+        result = accurate.simulate(found, mechanism, start, case.duration, case.output_step, texts, accuracy)
+    except EngineFailure as failure:
+        return plain({**document, **_failed(failure, output), "accuracy": accuracy or found.default_accuracy})
+    _write(result.trajectory, output)
+    return plain({**document, **_completed(result)})
+
+
+def _completed(result: "Result") -> dict[str, Any]:
+    return {
+        "rows": len(result.trajectory),
+        "accuracy": result.accuracy,
+        "reached": result.reached,
+        "error_estimate": result.error_estimate,
+        "error_estimates": result.error_estimates,
+        "remark": result.remark,
+        "settings": result.settings.as_dict(),
+        "setup_seconds": result.setup_seconds,
+        "solve_seconds": result.solve_seconds,
+        "estimate_seconds": result.estimate_seconds,
+        "statistics": result.trajectory.statistics,
+        "bodies": result.description.bodies,
+        "joints": result.description.joints,
+        "degrees_of_freedom": result.description.degrees_of_freedom,
+        "failure": None,
+    }
+
+
+def _failed(failure: Any, output: str) -> dict[str, Any]:
+    partial: Trajectory | None = failure.partial
+    if partial is not None:
+        _write(partial, output)
+    return {
+        "rows": 0 if partial is None else len(partial),
+        "reached": False,
+        "error_estimate": None,
+        "error_estimates": {},
+        "remark": str(failure),
+        "settings": None,
+        "setup_seconds": None,
+        "solve_seconds": None if partial is None else partial.solve_seconds,
+        "estimate_seconds": None,
+        "statistics": {} if partial is None else partial.statistics,
+        "failure": {"time": failure.time, "cause": failure.cause, "advice": failure.advice},
+    }
+
+
+def _write(trajectory: "Trajectory", output: str) -> None:
+    # pandas writes floats in full: the shortest text that reads back as the same number
+    write_file(Path(output), trajectory.table().to_csv(index=False, lineterminator="\n").encode("ascii"))

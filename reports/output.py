@@ -1,0 +1,102 @@
+"""What goes out: files written whole or not at all, JSON that any reader takes, and text in aligned columns."""
+
+import json
+import math
+import os
+import stat
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+class OutputError(Exception):
+    """A file cannot be written; the text is one sentence."""
+
+
+def check_writable(path: Path) -> None:
+    """Find out now whether a file can be written later.
+
+    Raises:
+        OutputError: the folder is missing or cannot be written to, or the path is a folder.
+    """
+    target = _resolved(path)
+    if target.is_dir():
+        raise OutputError(f"--output {path}: this is a folder; give the name of a file")
+    if not target.parent.is_dir():
+        raise OutputError(f"--output {path}: there is no folder {target.parent}")
+    try:
+        if _is_special(target):
+            target.open("ab").close()
+        else:
+            with tempfile.TemporaryFile(dir=target.parent):
+                pass
+    except OSError as error:
+        raise _output_error(path, error) from error
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file so that it is there in full or as it was before; devices and pipes are written to directly.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    from cases.store import write_atomically
+
+    target = _resolved(path)
+    try:
+        if _is_special(target):
+            with target.open("wb") as file:
+                file.write(content)
+        else:
+            write_atomically(target, content)
+    except OSError as error:
+        raise _output_error(path, error) from error
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document."""
+    click.echo(json.dumps(plain(document), indent=2, allow_nan=False))
+
+
+def plain(value: Any) -> Any:
+    """Only what JSON knows: numpy's numbers and arrays become plain ones, infinity the text "inf", NaN null."""
+    if isinstance(value, Mapping):
+        return {str(name): plain(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value
+
+
+def print_table(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> None:
+    """Print rows of texts in left-aligned columns two blanks apart."""
+    lines = [list(heads), *map(list, rows)] if heads else [list(row) for row in rows]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for line in lines:
+        click.echo("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+
+
+def _resolved(path: Path) -> Path:
+    """The file behind symbolic links: replacing the link instead of the file would surprise."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a null byte
+        raise OutputError(f"--output {path!s:.100}: this is no usable path ({error})") from error
+
+
+def _is_special(path: Path) -> bool:
+    """Whether this is a device or a pipe, which must be written to and not replaced."""
+    try:
+        return not stat.S_ISREG(os.stat(path).st_mode)
+    except FileNotFoundError:
+        return False
+
+
+def _output_error(path: Path, error: OSError) -> OutputError:
+    return OutputError(f"--output {path}: it cannot be written ({(error.strerror or str(error)).lower()})")
