@@ -31,5 +31,6 @@ def low_pass(time: Array, signal: Array) -> Array:
 
 def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[float, float]:
     """Minimum and maximum of the samples between two instants (s), both included."""
-    here = signal[(time >= start) & (time <= end)]
+    slack = 1e-6 * (end - start)  # a sample at an end counts, whatever the round-off
+    here = signal[(time >= start - slack) & (time <= end + slack)]
     return float(here.min()), float(here.max())

@@ -1,0 +1,136 @@
+"""Cutting cycles and judging when they have settled, on sequences whose limit is known."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from cases.measures import Cycle, Settling, cut_cycles
+
+ANGLES = np.linspace(0.0, 2.0 * np.pi, 301)
+
+
+def cycle(value: np.ndarray, direction: float = 1.0) -> Cycle:
+    return Cycle(ANGLES / 10.0, direction * (np.pi + ANGLES), {"strain_1": value})
+
+
+def approaching(ratio: complex, number: int, offset: float = 0.3) -> Cycle:
+    """Cycle `number` of a sequence that approaches sin(q) + 1 with the multiplier `ratio`; the error's shape is exp(i q)."""
+    error = offset * np.real(ratio**number * np.exp(1j * ANGLES))
+    return cycle(np.sin(ANGLES) + 1.0 + error)
+
+
+def true_error(ratio: float, number: int, offset: float = 0.3) -> float:
+    return offset * ratio ** (number - 1) * np.sqrt(0.5) / np.sqrt(1.5)  # RMS of a cosine over the RMS of sin + 1
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.77, 0.9])
+def test_error_of_a_geometric_approach_is_known_exactly(ratio: float) -> None:
+    settling = Settling()
+    for number in range(8):
+        settling.feed(approaching(ratio, number))
+    # relative to the last cycle's RMS instead of the limit's: the error itself, at most 0.2 here at 0.9^7
+    assert settling.error_estimate == pytest.approx(true_error(ratio, 8), rel=0.1)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.77])
+def test_settles_when_the_remaining_error_is_small_not_when_the_change_is(ratio: float) -> None:
+    settling = Settling()
+    while not settling.feed(approaching(ratio, settling.cycles)):
+        pass
+    assert true_error(ratio, settling.cycles) < 1e-3 * 1.001  # the last cycle's RMS for the limit's: 1e-3 of it
+    assert true_error(ratio, settling.cycles - 1) > 1e-3 * 0.999
+    if ratio == 0.77:
+        assert settling.changes[-1] < 1e-3 / 3.0  # the change alone would have been content two to four cycles earlier
+
+
+def test_beating_modes_do_not_settle_early() -> None:
+    ratio = 0.77 * np.exp(2.1j)
+    settling = Settling()
+    while not settling.feed(approaching(ratio, settling.cycles)):
+        pass
+    assert true_error(0.77, settling.cycles) < 2e-3  # the modulus is right, the ratio fluctuates with the phase
+
+
+def test_fast_transient_does_not_hide_a_slow_one() -> None:
+    settling = Settling()
+    number = 0
+    while not settling.settled:
+        slow, fast = 0.02 * 0.8**number, 1.0 if number == 0 else 0.0
+        settling.feed(cycle(np.sin(ANGLES) * (1.0 + slow) + fast))
+        number += 1
+    assert 0.02 * 0.8 ** (number - 1) < 1e-3
+
+
+def test_endless_change_is_given_up() -> None:
+    settling = Settling()
+    random = np.random.default_rng(3)
+    while not settling.given_up:
+        assert not settling.feed(cycle(np.sin(ANGLES + random.uniform(0.0, 6.0))))
+    assert settling.cycles == 60
+    assert settling.error_estimate > 1e-3
+
+
+def test_growing_sequence_never_settles() -> None:
+    settling = Settling()
+    for number in range(20):
+        assert not settling.feed(approaching(1.1, number, 1e-6))
+    assert settling.error_estimate == np.inf
+
+
+def test_repeating_cycles_are_settled_as_soon_as_a_ratio_is_known() -> None:
+    settling = Settling()
+    assert [settling.feed(cycle(np.sin(ANGLES))) for _ in range(4)] == [False, False, False, True]
+    assert settling.error_estimate == 0.0
+
+
+def test_channels_that_are_zero_do_not_disturb() -> None:
+    settling = Settling()
+    for _ in range(4):
+        settling.feed(Cycle(ANGLES, np.pi + ANGLES, {"strain_1": np.zeros(301), "tip_acceleration": np.cos(ANGLES)}))
+    assert settling.settled
+
+
+def test_changed_channels_are_refused() -> None:
+    settling = Settling()
+    settling.feed(cycle(np.sin(ANGLES)))
+    with pytest.raises(ValueError, match="channels changed"):
+        settling.feed(Cycle(ANGLES, np.pi + ANGLES, {"strain_2": np.sin(ANGLES)}))
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_cycles_are_cut_where_the_slider_is_farthest(direction: float) -> None:
+    time = np.linspace(3.0, 5.0, 1501)
+    angle = 0.4 + 11.0 * time + 0.05 * np.sin(9.0 * time)
+    cycles = cut_cycles(time, direction * angle, {"strain_1": np.cos(angle), "tip_acceleration": np.sin(3.0 * angle)})
+    expected = np.arange(np.ceil((angle[0] - np.pi) / (2 * np.pi)), np.floor((angle[-1] - np.pi) / (2 * np.pi)) + 1)
+    assert len(cycles) == len(expected) - 1 >= 2
+    for turn, whole in zip(expected, cycles, strict=False):
+        ends = np.pi + 2.0 * np.pi * np.array([turn, turn + 1])
+        # cubic interpolation over steps of 0.015 rad: error of the order of 0.015^4 / 400
+        assert direction * whole.crank_angle[[0, -1]] == pytest.approx(ends, abs=1e-8)
+        assert whole.channels["strain_1"][[0, -1]] == pytest.approx([-1.0, -1.0], abs=1e-8)
+        assert whole.channels["tip_acceleration"][[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-7)
+        assert np.all(np.diff(whole.time) > 0.0)
+    for before, after in itertools.pairwise(cycles):
+        assert before.time[-1] == after.time[0]
+
+
+def test_series_that_starts_and_ends_at_the_farthest_place_is_cut_whole() -> None:
+    time = np.linspace(0.0, 4.0 * np.pi / 7.0, 801)
+    cycles = cut_cycles(time, np.pi + 7.0 * time, {"strain_1": np.cos(7.0 * time)})
+    assert [c.time.size for c in cycles] == [401, 401]
+    assert cycles[0].time[0] == 0.0
+    assert cycles[-1].time[-1] == pytest.approx(time[-1], abs=1e-12)
+
+
+def test_less_than_a_cycle_gives_none() -> None:
+    time = np.linspace(0.0, 1.0, 200)
+    assert cut_cycles(time, np.pi + 0.1 + 6.0 * time, {"strain_1": time}) == []
+    assert cut_cycles(time[:2], time[:2], {}) == []
+
+
+def test_crank_that_turns_back_is_refused() -> None:
+    time = np.linspace(0.0, 1.0, 200)
+    with pytest.raises(ValueError, match="turns back"):
+        cut_cycles(time, 20.0 * np.sin(4.0 * time), {})

@@ -1,0 +1,112 @@
+"""The mechanism's own time scale and the quasi-static slow part, against other ways to the same numbers."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from cases.measures import time_scale
+from cases.measures.accuracy import thesis_scene
+from cases.measures.quasi_static import follower_acceleration, quasi_static_strain, quasi_static_tip_acceleration
+from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import frozen_crank_modes
+
+RUN_24: Mechanism = thesis_scene(24)[0]
+
+
+def test_frequencies_between_the_tabulated_angles() -> None:
+    scale = time_scale(RUN_24)
+    assert scale is not None
+    for angle in (0.123, 1.777, 3.0, 4.4, 100.0):
+        exact = frozen_crank_modes(RUN_24, angle, 3).frequencies
+        assert scale.frequencies(angle) == pytest.approx(exact, rel=1e-6)  # cubic interpolation over 1°
+
+
+def test_scale_is_symmetric_about_the_return_and_periodic() -> None:
+    scale = time_scale(RUN_24)
+    assert scale is not None
+    angles = np.linspace(0.0, np.pi, 50)
+    for function in (scale.frequencies, *scale.templates.values()):
+        assert function(-angles) == pytest.approx(function(angles), abs=1e-9)  # round-off
+        assert function(angles + 6.0 * np.pi) == pytest.approx(function(angles), abs=1e-9)
+
+
+def test_templates_follow_the_mode_at_constant_action_without_jumping_sign() -> None:
+    """At constant action the energy omega² a²/2 is proportional to omega; compare ratios between angles."""
+    scale = time_scale(RUN_24)
+    assert scale is not None
+    one, other = (frozen_crank_modes(RUN_24, angle, 3) for angle in (0.7, 2.4))
+    gauge = np.array([RUN_24.follower.strain_gauges[1]])
+    modal = [np.sqrt(2.0 / (2.0 * np.pi * modes.frequencies)) for modes in (one, other)]  # energy = omega
+    accelerations = [a * (2 * np.pi * m.frequencies) ** 2 * m.tip_displacement for a, m in zip(modal, (one, other), strict=True)]
+    strains = [a * m.curvature(gauge)[:, 0] for a, m in zip(modal, (one, other), strict=True)]
+    for channel, (first, second) in {"tip_acceleration": accelerations, "strain_2": strains}.items():
+        template = scale.templates[channel]
+        assert np.abs(template(2.4) / template(0.7)) == pytest.approx(np.abs(second / first), rel=1e-5)  # interpolation
+        jumps = np.abs(np.diff(template(np.linspace(0.0, 2.0 * np.pi, 721)), axis=0))
+        assert jumps.max() < 0.1  # a sign lost on the way would jump by twice a value of order 1
+
+
+def test_template_of_a_channel_that_keeps_its_sign_never_vanishes() -> None:
+    for run in (6, 10, 17, 24):
+        scale = time_scale(thesis_scene(run)[0])
+        assert scale is not None
+        for template in scale.templates.values():
+            values = template(np.linspace(0.0, 2.0 * np.pi, 721))
+            assert np.abs(values[:-1]).mean(axis=0) == pytest.approx(np.ones(3), rel=0.01)  # different grids
+            keeps = values.min(axis=0) * values.max(axis=0) > 0.0
+            rms = np.sqrt(np.mean(values**2, axis=0))
+            assert np.all(np.abs(values).min(axis=0)[keeps] > 0.14 * rms[keeps])  # floor 0.15 of the RMS before flooring
+
+
+def test_gauges_that_see_nothing_are_left_out() -> None:
+    follower = dataclasses.replace(RUN_24.follower, strain_gauges=(math.nan, 0.3, RUN_24.follower.length))
+    scale = time_scale(dataclasses.replace(RUN_24, follower=follower, tip=None))
+    assert scale is not None
+    assert scale.channels == ("tip_acceleration", "strain_2")
+
+
+def test_rigid_follower_has_no_time_scale() -> None:
+    assert time_scale(dataclasses.replace(RUN_24, follower=dataclasses.replace(RUN_24.follower, bending_stiffness=math.inf))) is None
+
+
+def test_follower_acceleration_is_the_second_derivative_of_its_angle() -> None:
+    step = 1e-4
+    q1 = np.linspace(0.0, 2.0 * np.pi, 37) + 0.01
+    d, r = RUN_24.pivot_distance, RUN_24.crank.length
+
+    def angle(q: np.ndarray) -> np.ndarray:
+        return np.asarray(np.angle(d - r * np.exp(1j * q)))  # half a turn from the follower's, without its jump
+
+    numerical = (angle(q1 + step) - 2.0 * angle(q1) + angle(q1 - step)) / step**2
+    acceleration, s = follower_acceleration(RUN_24, q1)
+    assert acceleration == pytest.approx(numerical, abs=1e-6)  # round-off 1e-16/step², truncation step²
+    assert s == pytest.approx(np.hypot(r * np.cos(q1) - d, r * np.sin(q1)), rel=1e-14)
+    assert quasi_static_tip_acceleration(RUN_24, q1) == pytest.approx(RUN_24.follower.length * numerical, abs=1e-6)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.0127])
+@pytest.mark.parametrize("gauge", [0.1, 0.3175, 0.47625, 0.6])
+def test_quasi_static_strain_from_the_inboard_side(offset: float, gauge: float) -> None:
+    """The same bending moment from what lies between P and the gauge: pin reaction, base block, beam, slider force."""
+    assert RUN_24.tip is not None
+    mechanism = dataclasses.replace(RUN_24, tip=dataclasses.replace(RUN_24.tip, center_of_mass=offset))
+    tip, beam = mechanism.tip, mechanism.follower
+    assert tip is not None
+    q1 = np.linspace(0.0, 2.0 * np.pi, 41)
+    alpha, s = follower_acceleration(mechanism, q1)
+    L, mu, center = beam.length, beam.mass_per_length, beam.length + tip.center_of_mass
+    inertia = mechanism.base.inertia + mu * L**3 / 3 + tip.inertia + tip.mass * center**2
+    slider_force = inertia * alpha / s
+    pin_force = (mu * L**2 / 2 + tip.mass * center) * alpha - slider_force
+    # about the gauge, of the inboard part: pin and slider forces, less the inertia of base block and beam
+    moment = (
+        mechanism.base.inertia * alpha
+        + pin_force * gauge
+        + np.where(s < gauge, slider_force * (gauge - s), 0.0)
+        - mu * alpha * gauge**3 / 6.0
+    )
+    strain = moment / beam.bending_stiffness * beam.thickness / 2.0
+    found = quasi_static_strain(mechanism, gauge, q1)
+    assert found == pytest.approx(strain, abs=1e-12 * np.abs(strain).max())  # round-off
