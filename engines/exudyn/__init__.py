@@ -1,0 +1,5 @@
+"""The mechanism in Exudyn: ANCF cable elements on which the slider rides through a moving ALE joint."""
+
+from engines.exudyn.engine import ExudynEngine
+
+__all__ = ["ExudynEngine"]

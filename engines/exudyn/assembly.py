@@ -1,0 +1,122 @@
+"""An Exudyn system under construction: the parts that the flexible and the rigid follower share, and the list of what was built."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import exudyn as exu
+import exudyn.itemInterface as items
+
+from engines.base import ModelDescription
+from engines.start import Start
+from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+
+exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
+exu.config.suppressWarnings = True
+
+#: kg. A pinned body needs some mass to keep the mass matrix regular; the pin carries it, so that it has no influence.
+PINNED_MASS = 1.0
+
+
+class Assembly:
+    """Adds parts to a `MainSystem` and keeps the list of bodies, joints and constraint equations.
+
+    Attributes:
+        mbs: Exudyn's system.
+        ground: object number of the ground, at O.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.container = exu.SystemContainer()  # owns `mbs`, so it must live as long
+        self.mbs = self.container.AddSystem()
+        self.ground = self.mbs.AddObject(items.ObjectGround())
+        self._ground_coordinate = self.coordinate_marker(self.mbs.AddNode(items.NodePointGround()), 0)
+        self._bodies: list[str] = []
+        self._joints: list[str] = []
+        self._constraints = 0
+
+    def listed_body(self, description: str) -> None:
+        """Enter a body (or a group of elements) in the list of what was built."""
+        self._bodies.append(description)
+
+    def add_joint(self, description: str, joint: Any, equations: int) -> Any:
+        """Add a joint with its number of independent constraint equations; returns its object number."""
+        self._joints.append(description)
+        self._constraints += equations
+        return self.mbs.AddObject(joint)
+
+    def describe(self) -> ModelDescription:
+        """What was built; call after `mbs.Assemble()`."""
+        return ModelDescription(tuple(self._bodies), tuple(self._joints), self.mbs.systemData.ODE2Size() - self._constraints)
+
+    def coordinate_marker(self, node: Any, coordinate: int) -> Any:
+        """Marker on one coordinate of a node."""
+        return self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+
+    def point_marker(self, body: Any, x: float, y: float = 0.0) -> Any:
+        """Marker on a point of a body, in the body's frame."""
+        return self.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=[x, y, 0.0]))
+
+    def frame_marker(self, body: Any, x: float = 0.0) -> Any:
+        """Marker on a point of a rigid body together with the body's rotation."""
+        return self.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[x, 0.0, 0.0]))
+
+    def rigid_body(
+        self, place: Sequence[float], angle: float, velocity: Sequence[float], rate: float, mass: float, inertia: float
+    ) -> tuple[Any, Any]:
+        """Add a planar rigid body with its centre of mass at `place`; returns node and object number."""
+        node = self.mbs.AddNode(
+            items.NodeRigidBody2D(referenceCoordinates=[*place, angle], initialVelocities=[*velocity, rate])
+        )
+        return node, self.mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
+
+    def pinned_body(self, name: str, pivot: float, angle: float, rate: float, inertia: float) -> tuple[Any, Any]:
+        """Add a body that turns about the point (`pivot`, 0); `inertia` is about it. Returns node and object number."""
+        node, body = self.rigid_body([pivot, 0.0], angle, [0.0, 0.0], rate, PINNED_MASS, inertia)
+        self.listed_body(name)
+        markers = [self.point_marker(self.ground, pivot), self.point_marker(body, 0.0)]
+        self.add_joint(f"pin of the {name.split(':')[0]}", items.ObjectJointRevolute2D(markerNumbers=markers), 2)
+        return node, body
+
+    def rotary_damper(self, node: Any, damping: float) -> None:
+        """Viscous torque on the rotation of a rigid body's node; nothing is built where there is no damping."""
+        if damping > 0.0:
+            markers = [self._ground_coordinate, self.coordinate_marker(node, 2)]
+            self.mbs.AddObject(items.ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, damping=damping))
+
+    def weight(self, body: Any, x: float, mass: float) -> None:
+        """Gravity on a `mass` at distance `x` along a body's axis; nothing is built without gravity or mass."""
+        if self.mechanism.has_gravity and mass > 0.0:
+            force = [mass * g for g in self.mechanism.gravity]
+            self.mbs.AddLoad(items.LoadForceVector(markerNumber=self.point_marker(body, x), loadVector=[*force, 0.0]))
+
+    def crank(self, start: Start) -> tuple[Any, Any, Any]:
+        """Add the crank with its drive; a slider's mass turns with the crank tip.
+
+        Returns:
+            Node and object number, and the object number of the constraint that prescribes the speed (None if it is free).
+        """
+        crank, slider = self.mechanism.crank, self.mechanism.slider
+        name = "crank" if slider.mass == 0.0 else "crank: with the slider's mass at its tip"
+        inertia = crank.inertia_about_pivot + slider.mass * crank.length**2
+        node, body = self.pinned_body(name, 0.0, start.crank_angle, start.crank_speed, inertia)
+        self.weight(body, crank.center_of_mass, crank.mass)
+        self.weight(body, crank.length, slider.mass)
+        match crank.drive:
+            case TorqueDrive(torque=torque, damping=damping):
+                if torque != 0.0:
+                    self.mbs.AddLoad(items.LoadTorqueVector(markerNumber=self.frame_marker(body), loadVector=[0.0, 0.0, torque]))
+                self.rotary_damper(node, damping)
+                return node, body, None
+            case PrescribedSpeed(speed=speed):
+                if not math.isclose(start.crank_speed, speed, rel_tol=1e-9, abs_tol=1e-12):
+                    raise ValueError(f"start.crank_speed {start.crank_speed!r} differs from the prescribed {speed!r}")
+                constraint = self.add_joint(
+                    "prescribed crank speed",
+                    items.ObjectConnectorCoordinate(
+                        markerNumbers=[self._ground_coordinate, self.coordinate_marker(node, 2)], offset=speed, velocityLevel=True
+                    ),
+                    1,
+                )
+                return node, body, constraint

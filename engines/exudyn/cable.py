@@ -1,0 +1,166 @@
+"""Mechanics of a chain of planar ANCF cable elements in numpy: what is needed to read observables off recorded coordinates.
+
+Nodal coordinates are (x, y, x', y'), place and its derivative with respect to arc length; between nodes the centre line is the cubic
+Hermite polynomial (Gerstmayr and Irschik, Journal of Sound and Vibration 318, 2008). All elements have the same length h.
+Arrays of nodal coordinates have shape (rows, nodes, 4), one row per instant.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_POINTS_3, _WEIGHTS_3 = np.polynomial.legendre.leggauss(3)
+_POINTS_5, _WEIGHTS_5 = np.polynomial.legendre.leggauss(5)
+
+
+@dataclass(frozen=True)
+class Cable:
+    """A uniform cable of equal elements.
+
+    Attributes:
+        length: m.
+        elements: number of elements.
+        mass_per_length: kg/m.
+        bending_stiffness: N m^2.
+        axial_stiffness: N.
+    """
+
+    length: float
+    elements: int
+    mass_per_length: float
+    bending_stiffness: float
+    axial_stiffness: float
+
+    @property
+    def element_length(self) -> float:
+        """Length h of one element, m."""
+        return self.length / self.elements
+
+    @property
+    def nodes(self) -> Array:
+        """Arc lengths of the nodes, m, shape (elements + 1,)."""
+        return np.linspace(0.0, self.length, self.elements + 1)
+
+    def evaluate(self, q: Array, x: Array, nu: int = 0) -> Array:
+        """The `nu`-th derivative (0, 1) of the centre line at one arc length per row.
+
+        Args:
+            q: nodal coordinates or their rates, shape (rows, nodes, 4).
+            x: arc lengths, m, shape (rows,).
+            nu: order of the derivative.
+
+        Returns:
+            Shape (rows, 2).
+        """
+        h = self.element_length
+        element = np.clip((x / h).astype(int), 0, self.elements - 1)
+        rows = np.arange(len(x))
+        shapes = _hermite((x - element * h) / h, h, nu)
+        ends = np.concatenate([q[rows, element], q[rows, element + 1]], axis=1).reshape(len(x), 4, 2)
+        return np.einsum("rs,rsc->rc", shapes, ends)
+
+    def curvature(self, q: Array, x: float) -> Array:
+        """Curvature at the arc length `x` (m), 1/m, shape (rows,).
+
+        An element's own second derivative jumps at nodes and is only of second order there. r'' at a node is therefore taken from
+        places and slopes of the two neighbours, 2 (r₊ - 2 r + r₋)/h² - (r'₊ - r'₋)/2h, which is of fourth order, and r'' between
+        nodes from the quintic polynomial through places, slopes and these.
+        """
+        h = self.element_length
+        left = min(int(x / h * (1.0 + 1e-12)), self.elements - 1)
+        xi = x / h - left
+        second = [self._nodal_second_derivative(q, node) for node in (left, left + 1)]
+        coordinates = np.stack([q[:, left, :2], q[:, left, 2:], second[0], q[:, left + 1, :2], q[:, left + 1, 2:], second[1]], axis=1)
+        bent = np.einsum("s,rsc->rc", _quintic_second_derivative(xi, h), coordinates)
+        slope = self.evaluate(q, np.full(len(q), x), 1)
+        return _cross(slope, bent) / np.sum(slope**2, axis=1)
+
+    def _nodal_second_derivative(self, q: Array, node: int) -> Array:
+        h = self.element_length
+        inner = min(max(node, 1), self.elements - 1)
+        place, slope = q[..., :2], q[..., 2:]
+        second = (
+            2.0 * (place[:, inner + 1] - 2.0 * place[:, inner] + place[:, inner - 1]) / h**2
+            - (slope[:, inner + 1] - slope[:, inner - 1]) / (2.0 * h)
+        )
+        if node == inner:
+            return second
+        # At an end of the cable: the quintic through the neighbour's r'' and the element's own four coordinates is not determined;
+        # the cubic's r'' at the neighbour errs as much as at the end, with the same sign.
+        ends = q[:, [min(node, inner), max(node, inner)]].reshape(len(q), 4, 2)
+        own = [np.einsum("s,rsc->rc", _hermite(np.array([float(n > min(node, inner))]), h, 2)[0], ends) for n in (node, inner)]
+        return own[0] + second - own[1]
+
+    def kinetic_energy(self, rates: Array) -> Array:
+        """Kinetic energy for nodal rates, J, shape (rows,)."""
+        h = self.element_length
+        mass = (
+            self.mass_per_length
+            * h
+            / 420.0
+            * np.array(
+                [
+                    [156.0, 22.0 * h, 54.0, -13.0 * h],
+                    [22.0 * h, 4.0 * h**2, 13.0 * h, -3.0 * h**2],
+                    [54.0, 13.0 * h, 156.0, -22.0 * h],
+                    [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
+                ]
+            )
+        )
+        ends = self._ends(rates)
+        return 0.5 * np.einsum("resc,st,retc->r", ends, mass, ends, optimize=True)
+
+    def strain_energy(self, q: Array) -> Array:
+        """Bending and stretching energy, with the quadrature rules of the element's forces, J, shape (rows,)."""
+        h = self.element_length
+        ends = self._ends(q)
+        bending = _WEIGHTS_3 * h / 2.0 * self.bending_stiffness
+        stretching = _WEIGHTS_5 * h / 2.0 * self.axial_stiffness
+        slope, bent = (np.einsum("ps,resc->repc", _hermite((1.0 + _POINTS_3) / 2.0, h, nu), ends) for nu in (1, 2))
+        curvature = _cross(slope, bent) / np.sum(slope**2, axis=-1)
+        slope = np.einsum("ps,resc->repc", _hermite((1.0 + _POINTS_5) / 2.0, h, 1), ends)
+        strain = np.sqrt(np.sum(slope**2, axis=-1)) - 1.0
+        return 0.5 * (np.einsum("rep,p->r", curvature**2, bending) + np.einsum("rep,p->r", strain**2, stretching))
+
+    def first_moment(self, q: Array) -> Array:
+        """∫ ρA r dx, kg m, shape (rows, 2)."""
+        h = self.element_length
+        weights = self.mass_per_length * h * np.array([0.5, h / 12.0, 0.5, -h / 12.0])
+        return np.einsum("s,resc->rc", weights, self._ends(q))
+
+    def _ends(self, q: Array) -> Array:
+        """Coordinates of both nodes of every element, shape (rows, elements, 4 shapes, 2 components)."""
+        return np.concatenate([q[:, :-1], q[:, 1:]], axis=2).reshape(len(q), self.elements, 4, 2)
+
+
+def _hermite(xi: Array, h: float, nu: int) -> Array:
+    """Cubic Hermite shapes (place, slope, place, slope) at xi = x/h in [0, 1] or their derivatives in x, shape (n, 4)."""
+    one = np.ones_like(xi)
+    if nu == 0:
+        columns = [1 - 3 * xi**2 + 2 * xi**3, h * (xi - 2 * xi**2 + xi**3), 3 * xi**2 - 2 * xi**3, h * (xi**3 - xi**2)]
+    elif nu == 1:
+        columns = [6 * (xi**2 - xi) / h, 1 - 4 * xi + 3 * xi**2, 6 * (xi - xi**2) / h, 3 * xi**2 - 2 * xi]
+    else:
+        columns = [(12 * xi - 6) / h**2, (6 * xi - 4) / h, (6 * one - 12 * xi) / h**2, (6 * xi - 2) / h]
+    return np.stack(columns, axis=-1)
+
+
+def _quintic_second_derivative(xi: float, h: float) -> Array:
+    """r''(xi h) from (r, r', r'') at both ends of an element, weights of shape (6,)."""
+    return np.array(
+        [
+            (-60 * xi + 180 * xi**2 - 120 * xi**3) / h**2,
+            (-36 * xi + 96 * xi**2 - 60 * xi**3) / h,
+            1 - 9 * xi + 18 * xi**2 - 10 * xi**3,
+            (60 * xi - 180 * xi**2 + 120 * xi**3) / h**2,
+            (-24 * xi + 84 * xi**2 - 60 * xi**3) / h,
+            3 * xi - 12 * xi**2 + 10 * xi**3,
+        ]
+    )
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

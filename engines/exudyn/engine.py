@@ -1,0 +1,93 @@
+"""The `exudyn` engine: what it accepts, which settings it starts from, and how a simulation is prepared."""
+
+import math
+import time
+from typing import ClassVar
+
+import exudyn as exu
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import Engine, ModelDescription, Refusal, Simulation
+from engines.exudyn import modes
+from engines.exudyn.flexible import FlexibleModel
+from engines.exudyn.record import Model
+from engines.exudyn.rigid import RigidModel
+from engines.exudyn.settings import FEWEST_ELEMENTS, LARGEST_STEP, ExudynSettings, settings_for
+from engines.exudyn.simulation import ExudynSimulation
+from engines.settings import Settings, SettingError
+from engines.start import Start, standard_start
+from engines.start_state import reconstruct
+from reference_model.mechanism import Mechanism
+
+
+class ExudynEngine(Engine):
+    """Absolute nodal coordinates, the slider as a joint that moves along the cable, generalized-alpha in time."""
+
+    name: ClassVar[str] = "exudyn"
+    method: ClassVar[str] = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
+    default_accuracy: ClassVar[float] = 3e-3
+    Settings: ClassVar[type[ExudynSettings]] = ExudynSettings
+
+    def version(self) -> str:
+        """Name and version of the library behind the engine."""
+        return f"exudyn {exu.__version__}"
+
+    def check(self, mechanism: Mechanism) -> None:
+        """Refuse a slider with inertia of rotation or a compliant joint: the joint passes a force, no moment, and is rigid."""
+        slider = mechanism.slider
+        if slider.inertia > 0.0:
+            raise Refusal(f"slider.inertia = {slider.inertia:g} kg*m^2: exudyn's joint passes no moment; it accepts 0 only")
+        if not math.isinf(slider.joint_stiffness):
+            raise Refusal(f"slider.joint_stiffness = {slider.joint_stiffness:g} N/m: exudyn's joint is rigid; it accepts inf only")
+
+    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+        """Bodies, joints and degrees of freedom, read off the assembled system."""
+        self.check(mechanism)
+        return self._model(mechanism, standard_start(mechanism), settings).assembly.describe()
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ExudynSettings:
+        """The measured ladder of run 24; the run's own estimate decides about other scenes."""
+        return settings_for(accuracy)
+
+    def coarser(self, settings: Settings) -> tuple[ExudynSettings, float]:
+        """Half the elements at twice the step; both errors are of second order."""
+        chosen = _own(settings)
+        coarse = chosen.replaced(elements=max(FEWEST_ELEMENTS, chosen.elements // 2), step=min(LARGEST_STEP, 2.0 * chosen.step))
+        return coarse, 4.0
+
+    def finer(self, settings: Settings) -> ExudynSettings | None:
+        """Twice the elements at half the step, as long as both are accepted."""
+        chosen = _own(settings)
+        try:
+            return chosen.replaced(elements=2 * chosen.elements, step=chosen.step / 2.0)
+        except SettingError:
+            return None
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+        """Build the system in the state `start`; see `Engine.prepare`."""
+        self.check(mechanism)
+        begun = time.perf_counter()
+        simulation = ExudynSimulation(self._model(mechanism, start, settings), _own(settings))
+        simulation.setup_seconds = time.perf_counter() - begun
+        return simulation
+
+    def natural_frequencies(
+        self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings
+    ) -> NDArray[np.float64]:
+        """Frozen-crank frequencies in Hz; none for a rigid follower. See `Engine.natural_frequencies`."""
+        self.check(mechanism)
+        return modes.natural_frequencies(mechanism, crank_angle, count, _own(settings).elements)
+
+    @staticmethod
+    def _model(mechanism: Mechanism, start: Start, settings: Settings) -> Model:
+        state = reconstruct(mechanism, start)
+        if mechanism.follower.is_rigid:
+            return RigidModel(mechanism, start, state)
+        return FlexibleModel(mechanism, start, state, _own(settings).elements)
+
+
+def _own(settings: Settings) -> ExudynSettings:
+    if not isinstance(settings, ExudynSettings):
+        raise TypeError(f"exudyn needs ExudynSettings, not {type(settings).__name__}")
+    return settings

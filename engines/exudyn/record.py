@@ -1,0 +1,64 @@
+"""What is recorded of a run, and the bookkeeping of energy that both followers share."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.exudyn.assembly import Assembly
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Record:
+    """The system's state on the output grid, one row per instant.
+
+    Attributes:
+        time: s since the start, shape (rows,).
+        coordinates: total second-order coordinates, shape (rows, coordinates); `rates` and `accelerations` alike.
+        multipliers: Lagrange multipliers, shape (rows, equations).
+    """
+
+    time: Array
+    coordinates: Array
+    rates: Array
+    accelerations: Array
+    multipliers: Array
+
+
+class Model(Protocol):
+    """An assembled system that knows how to read the observables off its coordinates."""
+
+    assembly: Assembly
+
+    def slider_position(self, coordinates: Array) -> float:
+        """Arc length of the slider for one row of coordinates, m."""
+
+    def columns(self, record: Record) -> dict[str, Array]:
+        """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""
+
+
+def index(assembly: Assembly, node: Any) -> int:
+    """Place of a node's first coordinate among the system's second-order coordinates."""
+    return int(assembly.mbs.GetNodeODE2Index(node))
+
+
+def accumulated(time: Array, power: Array, power_rate: Array) -> Array:
+    """∫ power dt from the first row on, by the trapezoidal rule with its end correction (fourth order, additive over pieces)."""
+    h = np.diff(time)
+    parts = h / 2.0 * (power[1:] + power[:-1]) + h**2 / 12.0 * (power_rate[:-1] - power_rate[1:])
+    return np.concatenate([[0.0], np.cumsum(parts)])
+
+
+def drive_columns(assembly: Assembly, record: Record, crank: int, constraint: Any | None) -> dict[str, Array]:
+    """Torque and work of the crank's drive; `crank` is the index of the crank angle."""
+    angle = record.coordinates[:, crank]
+    if constraint is None:
+        torque = assembly.mechanism.crank.drive.torque  # type: ignore[union-attr]  # a free crank has a torque
+        return {"crank_torque": np.full_like(angle, torque), "drive_work": torque * (angle - angle[0])}
+    (equation,) = assembly.mbs.systemData.GetObjectLTGAE(constraint)
+    taken = -record.multipliers[:, equation]
+    work = np.concatenate([[0.0], np.cumsum((taken[1:] + taken[:-1]) / 2.0 * np.diff(angle))])
+    return {"crank_torque": taken, "drive_work": work}

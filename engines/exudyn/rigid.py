@@ -1,0 +1,109 @@
+"""The mechanism with a rigid follower: base, beam and tip are one body, on whose axis the crank tip slides."""
+
+from typing import Any
+
+import exudyn.itemInterface as items
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.exudyn.assembly import Assembly
+from engines.exudyn.record import Record, accumulated, drive_columns, index
+from engines.start import Start
+from engines.start_state import StartState
+from reference_model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+
+class RigidModel:
+    """The assembled system with a rigid follower, in the state `state`."""
+
+    def __init__(self, mechanism: Mechanism, start: Start, state: StartState) -> None:
+        self.assembly = assembly = Assembly(mechanism)
+        self._mechanism = mechanism
+        follower, tip = mechanism.follower, mechanism.tip
+        mass = follower.mass_per_length * follower.length
+        self._inertia = mechanism.base.inertia + mass * follower.length**2 / 3.0
+        self._moment = mass * follower.length / 2.0  # kg m, first moment of mass about P
+        if tip is not None:
+            reach = follower.length + tip.center_of_mass
+            self._inertia += tip.inertia + tip.mass * reach**2
+            self._moment += tip.mass * reach
+
+        crank_node, crank, self._speed_constraint = assembly.crank(start)
+        name = "follower: rigid, with the base" + ("" if tip is None else " and the tip")
+        node, body = assembly.pinned_body(name, mechanism.pivot_distance, state.follower_angle, state.follower_rate, self._inertia)
+        assembly.rotary_damper(node, mechanism.base.damping)
+        assembly.weight(body, follower.length / 2.0, mass)
+        if tip is not None:
+            assembly.weight(body, reach, tip.mass)
+        self._joint = assembly.add_joint("slider on the follower", self._slider(crank, body), 1)
+        assembly.mbs.Assemble()
+        self._crank_index = index(assembly, crank_node) + 2
+        self._follower_index = index(assembly, node) + 2
+
+    def _slider(self, crank: Any, follower: Any) -> Any:
+        """The point of the crank tip on the axis of the follower; the joint's second equation is idle."""
+        markers = [self.assembly.frame_marker(crank, self._mechanism.crank.length), self.assembly.frame_marker(follower)]
+        return items.ObjectJointPrismatic2D(
+            markerNumbers=markers, axisMarker0=[1.0, 0.0, 0.0], normalMarker1=[0.0, 1.0, 0.0], constrainRotation=False
+        )
+
+    def slider_position(self, coordinates: Array) -> float:
+        """Arc length of the slider for one row of coordinates, m."""
+        return float(self._slider_in_frame(coordinates[None])[0, 0])
+
+    def columns(self, record: Record) -> dict[str, Array]:
+        """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""
+        mechanism = self._mechanism
+        crank, length = mechanism.crank, mechanism.follower.length
+        q1, q2 = record.coordinates[:, self._crank_index], record.coordinates[:, self._follower_index]
+        q1_rate, q2_rate = record.rates[:, self._crank_index], record.rates[:, self._follower_index]
+        q1_acceleration, q2_acceleration = (record.accelerations[:, i] for i in (self._crank_index, self._follower_index))
+        slider = self._slider_in_frame(record.coordinates)
+        crank_inertia = crank.inertia_about_pivot + mechanism.slider.mass * crank.length**2
+        crank_moment = crank.mass * crank.center_of_mass + mechanism.slider.mass * crank.length
+        crank_damping, base_damping = getattr(crank.drive, "damping", 0.0), mechanism.base.damping
+        straight = np.zeros_like(q1)
+        gx, gy = mechanism.gravity
+        return {
+            "time": record.time,
+            "crank_angle": q1,
+            "crank_speed": q1_rate,
+            "follower_angle": q2,
+            "slider_position": slider[:, 0],
+            "tip_x": mechanism.pivot_distance + length * np.cos(q2),
+            "tip_y": length * np.sin(q2),
+            "tip_deflection": straight,
+            "tip_acceleration": length * q2_acceleration,
+            "strain_1": straight,
+            "strain_2": straight,
+            "strain_3": straight,
+            "slider_force": self._slider_force(record),
+            **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),
+            "kinetic_energy": 0.5 * (crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
+            "strain_energy": straight,
+            "dissipated_energy": accumulated(
+                record.time,
+                crank_damping * q1_rate**2 + base_damping * q2_rate**2,
+                2.0 * (crank_damping * q1_rate * q1_acceleration + base_damping * q2_rate * q2_acceleration),
+            ),
+            "constraint_gap": np.abs(slider[:, 1]),
+            "gravity_energy": -crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))
+            - self._moment * (gx * np.cos(q2) + gy * np.sin(q2))
+            - (self._moment_free_mass() * gx * mechanism.pivot_distance),
+        }
+
+    def _moment_free_mass(self) -> float:
+        follower, tip = self._mechanism.follower, self._mechanism.tip
+        return follower.mass_per_length * follower.length + (0.0 if tip is None else tip.mass)
+
+    def _slider_in_frame(self, coordinates: Array) -> Array:
+        """The crank tip in frame B, along and across the follower, shape (rows, 2)."""
+        q1, q2 = coordinates[:, self._crank_index], coordinates[:, self._follower_index]
+        LA, d = self._mechanism.crank.length, self._mechanism.pivot_distance
+        return np.column_stack([LA * np.cos(q1 - q2) - d * np.cos(q2), LA * np.sin(q1 - q2) + d * np.sin(q2)])
+
+    def _slider_force(self, record: Record) -> Array:
+        equation = self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)[0]
+        return -record.multipliers[:, equation]

@@ -1,0 +1,128 @@
+"""Stepping an assembled system on the output grid, with every way of failing turned into an `EngineFailure`."""
+
+import math
+import time
+
+import exudyn as exu
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import EngineFailure, Simulation
+from engines.exudyn.record import Model, Record
+from engines.exudyn.settings import ExudynSettings
+from engines.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+_Row = tuple[Array, Array, Array, Array]
+
+#: Up to this number of coordinates Exudyn's dense solver is faster than the sparse one.
+_LARGEST_DENSE_SYSTEM = 100
+_ACCUMULATED = ("dissipated_energy", "drive_work")
+
+
+class ExudynSimulation(Simulation):
+    """A prepared system and its solver, kept alive between calls of `advance` so that its internal accelerations carry over.
+
+    Exudyn's `SolveSteps` restarts its clock at `it.startTime` but continues from the present state. It is therefore called once
+    per output step, always from 0 to the output step: the steps are the same whether a time is covered in one call or in many.
+    """
+
+    def __init__(self, model: Model, settings: ExudynSettings) -> None:
+        self.time = 0.0
+        self._model = model
+        self._mbs = model.assembly.mbs
+        self._step = settings.step
+        self._solver_settings = _solver_settings(settings, self._mbs.systemData.ODE2Size())
+        self._solver = exu.MainSolverImplicitSecondOrder()
+        self._totals = dict.fromkeys(_ACCUMULATED, 0.0)
+        self._length = model.assembly.mechanism.follower.length
+        try:
+            ready = self._solver.InitializeSolver(self._mbs, self._solver_settings)
+        except exu.ExudynError as error:
+            raise EngineFailure(0.0, f"Exudyn refused the start: {_one_line(str(error))}", "check the scene's parameters") from error
+        if not ready:
+            raise EngineFailure(0.0, "Exudyn could not find the accelerations of the start", "check the scene's parameters")
+        # GetODE2CoordinatesTotal corrupts memory beyond 100 coordinates (Exudyn 1.13.6), so the sum is taken here.
+        self._reference = self._mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
+        self._last = self._row()
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        """See `Simulation.advance`; a slider that reaches an end of the follower is a failure too."""
+        count = round(duration / output_step)
+        if count < 1 or not math.isclose(count * output_step, duration, rel_tol=1e-6):
+            raise ValueError(f"duration {duration!r} s is not a multiple of output_step {output_step!r} s")
+        begun = time.perf_counter()
+        steps_each = max(1, math.ceil(output_step / self._step - 1e-9))
+        self._set_step(output_step, steps_each)
+        newton_before = self._solver.it.newtonStepsCount
+        rows, failure = [self._last], None
+        for _ in range(count):
+            failure = self._output_step()
+            if failure is not None:
+                break
+            rows.append(self._row())
+        done = len(rows) - 1
+        at = self.time + output_step * np.arange(done + 1)
+        columns = self._model.columns(Record(at, *(np.array(values) for values in zip(*rows, strict=True))))
+        for name in _ACCUMULATED:
+            columns[name] = columns[name] + self._totals[name]
+            self._totals[name] = float(columns[name][-1])
+        statistics = {"steps": float(done * steps_each), "newton_iterations": float(self._solver.it.newtonStepsCount - newton_before)}
+        self.time, self._last = float(at[-1]), rows[-1]
+        trajectory = Trajectory(columns, time.perf_counter() - begun, statistics)
+        if failure is not None:
+            raise EngineFailure(self.time, *failure, trajectory)
+        return trajectory
+
+    def _set_step(self, output_step: float, steps: int) -> None:
+        integration, iteration = self._solver_settings.timeIntegration, self._solver.it
+        integration.endTime = iteration.endTime = output_step
+        integration.numberOfSteps = iteration.numberOfSteps = steps
+        iteration.maxStepSize = iteration.initialStepSize = iteration.currentStepSize = output_step / steps
+
+    def _output_step(self) -> tuple[str, str] | None:
+        """Solve up to the next output instant; cause and advice if that fails."""
+        smaller = "try a smaller engine.step"
+        try:
+            solved = self._solver.SolveSteps(self._mbs, self._solver_settings)
+        except exu.ExudynError as error:
+            return f"Exudyn gave up ({_one_line(str(error))})", smaller
+        if not solved:
+            return f"Newton's iteration did not converge ({_one_line(self._solver.GetErrorString())})", smaller
+        if not math.isclose(self._solver.it.currentTime, self._solver.it.endTime, rel_tol=1e-9):
+            return "Exudyn stopped before the end of the output step", smaller
+        coordinates = self._coordinates()
+        if not np.all(np.isfinite(coordinates)):
+            return "the solution is not finite", smaller
+        s = self._model.slider_position(coordinates)
+        if not 0.0 <= s <= self._length:
+            return f"the slider left the follower (s = {s:.6g} m of {self._length:.6g} m)", "use a longer follower or a slower crank"
+        return None
+
+    def _row(self) -> _Row:
+        data = self._mbs.systemData
+        return self._coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt(), data.GetAECoordinates()
+
+    def _coordinates(self) -> Array:
+        return self._reference + self._mbs.systemData.GetODE2Coordinates()
+
+
+def _solver_settings(settings: ExudynSettings, coordinates: int) -> exu.SimulationSettings:
+    result = exu.SimulationSettings()
+    integration = result.timeIntegration
+    integration.startTime, integration.endTime, integration.numberOfSteps = 0.0, settings.step, 1
+    integration.adaptiveStep = False  # would hide a failure behind ever smaller steps for a minute
+    integration.verboseMode = 0
+    integration.generalizedAlpha.spectralRadius = settings.spectral_radius
+    integration.newton.useModifiedNewton = True
+    integration.newton.relativeTolerance = settings.newton_tolerance
+    integration.newton.absoluteTolerance = 1e-2 * settings.newton_tolerance  # the default lies below the round-off of EA
+    dense = coordinates <= _LARGEST_DENSE_SYSTEM
+    result.linearSolver.solverType = exu.LinearSolverType.EXUdense if dense else exu.LinearSolverType.EigenSparse
+    result.solution.file.write = False
+    result.solution.sensors.active = False
+    return result
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())[:200]
