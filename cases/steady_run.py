@@ -1,0 +1,142 @@
+"""One engine on one scene, brought to its steady state, with an error estimate of its own.
+
+First the standard start is simulated over the case's duration, to the accuracy asked (`engines.accurate`): that fixes the settings
+and their error estimate. With these settings the simulation then runs cycle after cycle until it has settled
+(`cases.measures.steady_state`). What is kept is the last cycle, with every column of the trajectory.
+"""
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.measures import CHANNELS, Cycle, Settling, cut_cycles
+from engines.accurate import check_trajectory, simulate
+from engines.base import Engine, EngineFailure, Refusal
+from engines.registry import engine as engine_of_name
+from engines.settings import SettingError, Settings
+from engines.start import Start, standard_start
+from engines.trajectory import Trajectory, join
+from reference_model.mechanism import Mechanism
+
+#: Grid on which cycles are recorded, s: fifteen samples in a period of the third mode (132 Hz), so that extremes are met to 1 %.
+OUTPUT_STEP: Final = 5e-4
+
+SETTLED: Final = "settled"  # and the accuracy reached by the engine's own estimate
+INACCURATE: Final = "inaccurate"  # settled, but the estimate misses the accuracy asked
+NOT_SETTLED: Final = "not settled"
+FAILED: Final = "failed"
+REFUSED: Final = "refused"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What a run is asked to do; everything in it determines the result."""
+
+    mechanism: Mechanism
+    duration: float  # s, the stretch on which the error is estimated
+    engine: str
+    accuracy: float | None = None  # error of the tip deflection; None: the engine's default
+    settings: dict[str, str] = field(default_factory=dict)
+    start: Start | None = None  # None: the standard start
+
+
+@dataclass(frozen=True)
+class SteadyRun:
+    """How it went: a JSON document and the last cycle, column by column (shape (n,), from farthest to farthest)."""
+
+    document: dict[str, Any]
+    cycle: dict[str, NDArray[np.float64]]
+
+
+def steady_run(task: Task) -> SteadyRun:
+    """Carry out a task. What an engine does wrong becomes part of the document; nothing is raised for it."""
+    engine = engine_of_name(task.engine)
+    began = time.perf_counter()
+    document: dict[str, Any] = {
+        "engine": engine.name,
+        "method": engine.method,
+        "accuracy": task.accuracy or engine.default_accuracy,
+        "status": REFUSED,
+        "remark": "",
+        "settled": False,
+        "cycles": 0,
+        "settling_error": None,
+        "solve_seconds": None,
+    }
+    cycle: dict[str, NDArray[np.float64]] = {}
+    try:
+        reason = engine.unavailable()
+        if reason:
+            raise Refusal(reason)
+        document["version"] = engine.version()
+        settings, start = _settle_settings(engine, task, document)
+        cycle = _march(engine, task.mechanism, start, settings, document)
+    except (Refusal, SettingError) as refusal:
+        document["remark"] = str(refusal)
+    except EngineFailure as failure:
+        document.update(status=FAILED, remark=str(failure), failure_time=failure.time, cause=failure.cause, advice=failure.advice)
+        cycle = dict(failure.partial.columns) if failure.partial is not None else {}
+    except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
+        cause = f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
+        document.update(status=FAILED, remark=cause, cause=cause)
+    document["wall_seconds"] = time.perf_counter() - began
+    return SteadyRun(document, cycle)
+
+
+def _settle_settings(engine: Engine, task: Task, document: dict[str, Any]) -> tuple[Settings, Start]:
+    """The settings that reach the accuracy from the task's start, with their estimate in the document."""
+    start = task.start or standard_start(task.mechanism)
+    duration = OUTPUT_STEP * round(task.duration / OUTPUT_STEP)
+    result = simulate(engine, task.mechanism, start, duration, OUTPUT_STEP, task.settings, task.accuracy)
+    document.update(
+        settings=result.settings.as_dict(),
+        remark=result.remark,
+        reached=result.reached,
+        error_estimate=result.error_estimate,
+        error_estimates=result.error_estimates,
+        setup_seconds=result.setup_seconds,
+        estimate_seconds=result.estimate_seconds + result.solve_seconds,
+        degrees_of_freedom=result.description.degrees_of_freedom,
+    )
+    return result.settings, start
+
+
+def _march(
+    engine: Engine, mechanism: Mechanism, start: Start, settings: Settings, document: dict[str, Any]
+) -> dict[str, NDArray[np.float64]]:
+    """Cycle after cycle until settled or given up; the last whole cycle."""
+    simulation = engine.prepare(mechanism, start, settings)
+    settling = Settling()
+    solve_seconds = 0.0
+    speed = start.crank_speed
+    rows: Trajectory | None = None
+    last: Cycle | None = None
+    while not (settling.settled or settling.given_up):
+        turn = OUTPUT_STEP * math.ceil(2.0 * math.pi / abs(speed) / OUTPUT_STEP)
+        piece = simulation.advance(turn, OUTPUT_STEP)
+        check_trajectory(piece, turn, OUTPUT_STEP)
+        solve_seconds += piece.solve_seconds
+        document.update(solve_seconds=solve_seconds, simulated_seconds=simulation.time)
+        rows = join([rows, piece]) if rows else piece
+        speed = float(np.mean(piece["crank_speed"]))
+        columns = dict(rows.columns)
+        cycles = cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)
+        for cycle in cycles:
+            last = cycle
+            if settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in CHANNELS})):
+                break
+        if last is not None and cycles:
+            # the next cycle begins where this one ended; a few rows before that keep the interpolation whole
+            first = max(0, int(np.searchsorted(rows["time"], last.time[-1])) - 4)
+            rows = Trajectory({name: values[first:] for name, values in rows.columns.items()}, 0.0)
+    error = settling.error_estimate
+    document.update(settled=settling.settled, cycles=settling.cycles, settling_error=error if math.isfinite(error) else None)
+    if not settling.settled:
+        document.update(status=NOT_SETTLED, remark=f"not settled after {settling.cycles} cycles")
+    else:
+        document["status"] = SETTLED if document["reached"] else INACCURATE
+    return {"time": last.time, "crank_angle": last.crank_angle, **last.channels} if last else {}
