@@ -1,0 +1,141 @@
+"""The follower as a chain of rigid links: MuJoCo's model of a scene, and what is in it.
+
+N hinges stand at (j - 1/2) h, h = L/N; between them N - 1 links of length h, half a link on the base and half a link with the tip body
+at the end. Links are uniform rods and hinges have the stiffness EI/h: with both, the errors of order h² of the inertia and of the
+stiffness cancel in the interior, what is left is of order h⁴ (see the centre line in kernels.py for the last term of order h²).
+"""
+
+from collections.abc import Iterator
+
+import mujoco
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from engines.base import ModelDescription
+from reference_model.mechanism import Mechanism, TorqueDrive
+
+_LEAST = 1e-12  # kg and kg m^2: MuJoCo accepts no body without mass and inertia
+_AXIS = (0.0, 0.0, 1.0)
+
+
+def hinge_count(mechanism: Mechanism, links: int) -> int:
+    """N, or none if the follower is rigid."""
+    return 0 if mechanism.follower.is_rigid else links
+
+
+def build(mechanism: Mechanism, hinges: int, armature: float) -> mujoco.MjModel:
+    """MuJoCo's model. Coordinates: the crank's angle if it is free, the angle of the follower's first piece, the hinges' angles.
+
+    Args:
+        mechanism: the scene.
+        hinges: N, 0 for a rigid follower.
+        armature: inertia added to the rate of every hinge, kg m^2.
+    """
+    spec = mujoco.MjSpec()
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.gravity = (*mechanism.gravity, 0.0)
+    # A reset after a bad acceleration would carry on from the start without a word.
+    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    spec.nuserdata = 1  # where the control hook finds its simulation
+    if isinstance(mechanism.crank.drive, TorqueDrive):
+        _add_crank(spec, mechanism, mechanism.crank.drive)
+    _add_follower(spec, mechanism, hinges, armature)
+    return spec.compile()
+
+
+def _add_crank(spec: mujoco.MjSpec, mechanism: Mechanism, drive: TorqueDrive) -> None:
+    part = mechanism.crank
+    crank = _add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
+    crank.add_joint(name="crank", type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS, damping=_polynomial(drive.damping))
+    if mechanism.slider.mass > 0.0:
+        _add_body(crank, "slider", part.length, mechanism.slider.mass, 0.0, 0.0)
+
+
+def _add_follower(spec: mujoco.MjSpec, mechanism: Mechanism, hinges: int, armature: float) -> None:
+    follower, base, tip = mechanism.follower, mechanism.base, mechanism.tip
+    body, place = spec.worldbody, mechanism.pivot_distance
+    for number, piece in enumerate(pieces(follower.length, hinges)):
+        mass = follower.mass_per_length * piece
+        rod = mass * piece**2 / 12.0
+        body = _add_body(
+            body, "base" if number == 0 else f"link {number}", place, mass, piece / 2.0, rod + (base.inertia if number == 0 else 0.0)
+        )
+        joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS)
+        if number == 0:
+            joint.damping = _polynomial(base.damping)
+        else:
+            joint.stiffness = _polynomial(follower.bending_stiffness * hinges / follower.length)
+            joint.armature = armature
+        place = piece
+    if tip is not None:
+        _add_body(body, "tip", place, tip.mass, tip.center_of_mass, tip.inertia)
+
+
+def pieces(length: float, hinges: int) -> Iterator[float]:
+    """Lengths of the rigid pieces from the base to the end, m: half a link, N - 1 links, half a link."""
+    if hinges == 0:
+        yield length
+        return
+    link = length / hinges
+    yield link / 2.0
+    yield from [link] * (hinges - 1)
+    yield link / 2.0
+
+
+def _add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, center: float, inertia: float) -> mujoco.MjsBody:
+    turning = max(inertia, _LEAST)
+    return parent.add_body(
+        name=name,
+        pos=(place, 0.0, 0.0),
+        explicitinertial=True,
+        mass=max(mass, _LEAST),
+        ipos=(center, 0.0, 0.0),
+        inertia=(turning, turning, turning),
+    )
+
+
+def _polynomial(linear: float) -> tuple[float, float, float]:
+    return (linear, 0.0, 0.0)
+
+
+def describe(mechanism: Mechanism, hinges: int) -> ModelDescription:
+    """What `build` makes of the scene, and the constraint that the hook adds."""
+    bodies, joints = [], []
+    if mechanism.crank_is_free:
+        bodies.append("crank: rigid arm about O")
+        joints.append("crank hinge at O, driven by a torque against viscous damping")
+        if mechanism.slider.mass > 0.0:
+            bodies.append("slider: point mass fixed to the crank tip")
+    if hinges == 0:
+        bodies.append("base and rigid follower: one body about P")
+    else:
+        bodies.append("base: block and half a link about P")
+        bodies += [f"link {j}: rigid rod" for j in range(1, hinges)]
+        bodies.append(f"link {hinges}: half a link at the end")
+    joints.append("base hinge at P")
+    joints += [f"hinge {j}: spring EI/h" for j in range(1, hinges + 1)]
+    if mechanism.tip is not None:
+        bodies.append("tip: rigid body fixed to the end")
+    moving = "crank tip" if mechanism.crank_is_free else "crank tip, moved at the prescribed speed,"
+    joints.append(f"{moving} on the follower's smooth centre line: one constraint, exact multiplier")
+    return ModelDescription(tuple(bodies), tuple(joints), hinges + 1 + int(mechanism.crank_is_free) - 1)
+
+
+def follower_matrices(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mass (kg m^2) and stiffness (N m) matrices of the straight follower in base and hinge angles, crank held; (N + 1, N + 1)."""
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    first = model.nv - hinges - 1
+    stiffness = np.zeros(hinges + 1)
+    if hinges:
+        stiffness[1:] = mechanism.follower.bending_stiffness * hinges / mechanism.follower.length
+    return mass[first:, first:], np.diag(stiffness)
+
+
+def highest_frequency(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) -> float:
+    """Highest angular frequency of the straight chain, rad/s: what an explicit integrator must keep up with."""
+    mass, stiffness = follower_matrices(model, mechanism, hinges)
+    return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))

@@ -1,0 +1,107 @@
+"""Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
+
+import math
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import Engine, ModelDescription, Refusal, Simulation
+from engines.mujoco import settings as ladder
+from engines.mujoco.settings import ChainSettings
+from engines.settings import Settings as AnySettings
+from engines.start import Start
+from reference_model.mechanism import Mechanism
+
+_DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
+_OLDEST = (4, 0, 1)
+
+
+class MujocoEngine(Engine):
+    """Rigid links with hinge springs; the slider is an exact multiplier on a smooth centre line, closed after every step."""
+
+    name: ClassVar[str] = "mujoco"
+    method: ClassVar[str] = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, Runge-Kutta of order 4"
+    default_accuracy: ClassVar[float] = 7e-3
+    Settings: ClassVar[type[AnySettings]] = ChainSettings
+
+    def version(self) -> str:
+        """See `Engine.version`."""
+        return f"mujoco {_installed() or 'not installed'}"
+
+    def unavailable(self) -> str | None:
+        """See `Engine.unavailable`."""
+        found = _installed()
+        if found is None or find_spec("mujoco") is None:
+            return "the package mujoco is not installed (distribution mujoco-core)"
+        if tuple(int(part) for part in found.split(".")[:3] if part.isdigit()) < _OLDEST:
+            return f"mujoco {found} is installed, {'.'.join(map(str, _OLDEST))} or later is needed"
+        return None
+
+    def check(self, mechanism: Mechanism) -> None:
+        """See `Engine.check`."""
+        slider, crank, follower = mechanism.slider, mechanism.crank, mechanism.follower
+        if math.isfinite(slider.joint_stiffness):
+            raise Refusal(f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m cannot be modelled by engine mujoco; accepted: inf")
+        if slider.inertia > 0.0:
+            raise Refusal(
+                f"slider.inertia: {slider.inertia:g} kg m^2 cannot be modelled by engine mujoco, its joint passes no moment; accepted: 0"
+            )
+        if follower.mass_per_length <= 0.0:
+            raise Refusal(
+                f"follower.mass_per_length: {follower.mass_per_length:g} kg/m cannot be modelled by engine mujoco; accepted: above 0"
+            )
+        if mechanism.crank_is_free and crank.inertia_about_pivot + slider.mass * crank.length**2 <= 0.0:
+            raise Refusal(
+                f"crank.inertia: {crank.inertia:g} kg m^2 cannot be modelled by engine mujoco on a crank without any mass, as it stands"
+                " in dead centre with the slider; accepted: above 0, or crank.mass or slider.mass above 0"
+            )
+
+    def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
+        """See `Engine.describe`."""
+        from engines.mujoco import chain
+
+        return chain.describe(mechanism, chain.hinge_count(mechanism, _own(settings).links))
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
+        """See `Engine.settings_for`."""
+        return ladder.for_accuracy(accuracy)
+
+    def coarser(self, settings: AnySettings) -> tuple[AnySettings, float]:
+        """See `Engine.coarser`."""
+        return ladder.coarser(_own(settings))
+
+    def finer(self, settings: AnySettings) -> AnySettings | None:
+        """See `Engine.finer`."""
+        return ladder.finer(_own(settings))
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
+        """See `Engine.prepare`."""
+        self.check(mechanism)
+        from engines.mujoco.simulation import ChainSimulation
+
+        return ChainSimulation(mechanism, start, _own(settings))
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
+        """See `Engine.natural_frequencies`."""
+        self.check(mechanism)
+        from engines.mujoco import modes
+
+        return modes.natural_frequencies(mechanism, crank_angle, count, _own(settings).links)
+
+
+def _own(settings: AnySettings) -> ChainSettings:
+    if not isinstance(settings, ChainSettings):
+        raise TypeError(f"engine mujoco takes ChainSettings, not {type(settings).__name__}")
+    return settings
+
+
+def _installed() -> str | None:
+    for distribution in _DISTRIBUTIONS:
+        try:
+            return version(distribution)
+        except PackageNotFoundError:
+            continue
+    return None

@@ -1,0 +1,447 @@
+"""Everything that runs compiled: the smooth centre line, the sliding constraint in MuJoCo's control hook, and the time loop.
+
+One file on purpose: numba's cache notices a change of the file that a function is in, not of the files whose functions it calls.
+
+Points of the plane are complex numbers seen from P; link i = 0 .. N has the direction e_i = exp(i α_i), link 0 is the base.
+
+The centre line is the quadratic B-spline (C1, uniform) whose control points lie beside the hinges V_j,
+    Ṽ_j = V_j - h/24 (e_j - e_{j-1}),
+    p(x) = Σ c_i(x) e_i, control points mirrored at P and at the end so that the line begins and ends there.
+With Ṽ = V the line would lie h²/24 W'' beside the beam that the chain stands for: hinges of stiffness EI/h and rods of inertia
+ρA h³/12 make angles α(1 + k²h²/24) and link centres W(1 - k²h²/24) of a beam bent with wave number k.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+import numpy as np
+from numba import carray, cfunc, njit, types  # type: ignore[attr-defined]
+from numpy.typing import NDArray
+
+from engines.mujoco.native import (
+    mj_energy_position,
+    mj_energy_velocity,
+    mj_forward,
+    mj_get_state,
+    mj_solve_mass,
+    mj_step,
+    pointer,
+)
+
+#: One simulation as compiled code sees it. Lengths in m, angles in rad.
+CONTEXT = np.dtype(
+    [
+        # addresses of arrays of MjData, and the number of its coordinates
+        ("qpos", "i8"),
+        ("qvel", "i8"),
+        ("qacc", "i8"),
+        ("force_bias", "i8"),
+        ("force_passive", "i8"),
+        ("force_applied", "i8"),
+        ("energy", "i8"),
+        ("coordinates", "i8"),
+        # the scene
+        ("hinges", "i8"),
+        ("link_length", "f8"),
+        ("follower_length", "f8"),
+        ("bending_stiffness", "f8"),  # N m^2, 0 for a rigid follower
+        ("half_thickness", "f8"),
+        ("beam_damping", "f8"),  # N s/m^2
+        ("base_damping", "f8"),  # N m s/rad
+        ("pivot_distance", "f8"),
+        ("crank_length", "f8"),
+        ("crank_is_free", "i8"),
+        ("crank_torque", "f8"),  # N m
+        ("crank_damping", "f8"),  # N m s/rad
+        ("prescribed_angle", "f8"),  # at time 0
+        ("prescribed_speed", "f8"),
+        ("prescribed_inertia", "f8"),  # kg m^2 about O, crank and slider
+        ("prescribed_weight_1", "f8"),  # N m, gravity's potential energy of crank and slider is w1 cos q1 + w2 sin q1
+        ("prescribed_weight_2", "f8"),
+        # the slider now
+        ("slider_position", "f8"),
+        ("slider_speed", "f8"),
+        ("slider_force", "f8"),  # N, on the follower
+        ("gap", "f8"),
+        # the crank's motor and the dampings: now, and integrated with the weights of the Runge-Kutta stages
+        ("drive_torque", "f8"),
+        ("stage", "i8"),
+        ("mean_drive_power", "f8"),
+        ("mean_dissipation", "f8"),
+        ("drive_work", "f8"),
+        ("dissipated", "f8"),
+    ]
+)
+
+#: Columns of the table that `advance` fills, in its order.
+COLUMNS = (
+    "crank_angle",
+    "crank_speed",
+    "follower_angle",
+    "slider_position",
+    "tip_x",
+    "tip_y",
+    "tip_deflection",
+    "tip_acceleration",
+    "strain_1",
+    "strain_2",
+    "strain_3",
+    "slider_force",
+    "crank_torque",
+    "kinetic_energy",
+    "strain_energy",
+    "dissipated_energy",
+    "constraint_gap",
+    "gravity_energy",
+    "drive_work",
+)
+
+GOOD, SLIDER_LEFT, NOT_FINITE = 0, 1, 2
+
+_TIME_AND_USERDATA = (1 << 0) | (1 << 12)  # mjSTATE_TIME | mjSTATE_USERDATA
+_STAGE_WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
+_LARGEST_RATE = 1e7  # rad/s: beyond, nothing is a motion any more; MuJoCo itself warns at 1e10
+
+_context_record = numba.from_dtype(CONTEXT)
+
+Context = Any  # a record of CONTEXT: numba gives its fields as attributes
+Array = NDArray[np.float64]
+Points = NDArray[np.complex128]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_address, _vector, _matrix = types.intp, types.float64[::1], types.float64[:, ::1]
+_contexts = _context_record[::1]
+
+
+def _compiled(function: Function) -> Function:
+    """Compile into callers."""
+    return njit(function)
+
+
+def _entry(signature: Any) -> Callable[[Function], Function]:
+    """Compile at import, or load what an earlier process compiled: no first call is slower than the next."""
+    return njit(signature, cache=True)
+
+
+@_compiled
+def _array(address: int, length: int) -> Array:
+    """MuJoCo's numbers in place."""
+    return carray(pointer(address), length, np.float64)
+
+
+@_compiled
+def _dot(a: complex, b: complex) -> float:
+    return a.real * b.real + a.imag * b.imag
+
+
+@_entry(_vector(types.float64, types.intp, types.float64, types.intp))
+def centre_line_coefficients(x: float, hinges: int, link_length: float, order: int) -> Array:
+    """c_i (order 0) or its derivative by x (order 1 or 2), i = 0 .. N, for p(x) = Σ c_i(x) e_i; shape (N + 1,)."""
+    h, c = link_length, np.zeros(hinges + 1)
+    if hinges == 0:
+        c[0] = (x, 1.0, 0.0)[order]
+        return c
+    segment = min(max(int(x / h), 0), hinges - 1)  # [segment h, (segment + 1) h] around hinge segment + 1
+    u = x / h - segment
+    if order == 0:
+        before, at, after = 0.5 * (1.0 - u) ** 2, 0.5 + u - u**2, 0.5 * u**2
+        c[0] = 0.5 * h
+        c[1 : segment + 1] = h
+        c[segment] -= h * before
+        c[segment + 1] += h * after
+    elif order == 1:
+        before, at, after = u - 1.0, 1.0 - 2.0 * u, u
+        c[segment], c[segment + 1] = -before, after
+        h = 1.0
+    else:
+        before, at, after = 1.0, -2.0, 1.0
+        c[segment], c[segment + 1] = -1.0 / h, 1.0 / h
+        h = 1.0 / h
+    for offset, weight in ((0, before), (1, at), (2, after)):
+        j, sign = segment + offset, 1.0
+        if j == 0:
+            j, sign = 1, -1.0
+        elif j == hinges + 1:
+            j, sign = hinges, -1.0
+        c[j] -= sign * weight * h / 24.0
+        c[j - 1] += sign * weight * h / 24.0
+    return c
+
+
+@_compiled
+def _directions(ctx: Context, qpos: Array) -> Points:
+    """e_0 .. e_N."""
+    e = np.empty(ctx.hinges + 1, np.complex128)
+    angle = 0.0
+    for i in range(ctx.hinges + 1):
+        angle += qpos[ctx.coordinates - ctx.hinges - 1 + i]
+        e[i] = complex(math.cos(angle), math.sin(angle))
+    return e
+
+
+@_compiled
+def _rates(ctx: Context, qvel: Array) -> Array:
+    """Rates of α_0 .. α_N."""
+    return np.cumsum(qvel[ctx.coordinates - ctx.hinges - 1 :])
+
+
+@_compiled
+def _find_slider(ctx: Context, e: Points, crank_arm: complex) -> tuple[Array, Array, Array, complex, float]:
+    """The foot of the crank tip on the centre line: (c, c', c'', tangent, gap) there; moves `ctx.slider_position`."""
+    place = crank_arm - ctx.pivot_distance
+    x = ctx.slider_position
+    for _ in range(20):
+        c0 = centre_line_coefficients(x, ctx.hinges, ctx.link_length, 0)
+        c1 = centre_line_coefficients(x, ctx.hinges, ctx.link_length, 1)
+        c2 = centre_line_coefficients(x, ctx.hinges, ctx.link_length, 2)
+        away, slope, bend = place - (c0 * e).sum(), (c1 * e).sum(), (c2 * e).sum()
+        change = _dot(away, slope) / (_dot(slope, slope) - _dot(away, bend))
+        if not abs(change) > 1e-14 * ctx.follower_length:
+            break
+        x += change
+    ctx.slider_position = x
+    tangent = slope / abs(slope)
+    return c0, c1, c2, tangent, _dot(1j * tangent, away)
+
+
+@_compiled
+def _constraint_row(ctx: Context, e: Points, c0: Array, tangent: complex, crank_arm: complex) -> tuple[Array, float]:
+    """(G, G_crank): rate of the gap is G q̇ + G_crank q̇1; in G, too, if the crank is free. G has shape (coordinates,)."""
+    crank = _dot(1j * tangent, 1j * crank_arm)
+    row = np.empty(ctx.coordinates)
+    if ctx.crank_is_free:
+        row[0] = crank
+    outboard = 0.0
+    for i in range(ctx.hinges, -1, -1):
+        outboard -= c0[i] * _dot(tangent, e[i])
+        row[ctx.coordinates - ctx.hinges - 1 + i] = outboard
+    return row, crank
+
+
+@_compiled
+def _crank(ctx: Context, time: float, qpos: Array, qvel: Array) -> tuple[complex, float, float]:
+    """(arm from O to the slider, angle, speed)."""
+    if ctx.crank_is_free:
+        angle, speed = qpos[0], qvel[0]
+    else:
+        angle, speed = ctx.prescribed_angle + ctx.prescribed_speed * time, ctx.prescribed_speed
+    return ctx.crank_length * complex(math.cos(angle), math.sin(angle)), angle, speed
+
+
+@_compiled
+def _damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
+    """Add the forces of the distributed damping to the hinges' share of `force`; returns the power taken, W.
+
+    It acts on the link centres' velocity relative to the base frame, so it does no work on a turn of the whole follower.
+    """
+    n, h = ctx.hinges, ctx.link_length
+    first = ctx.coordinates - n - 1
+    resistance = np.empty(n + 1, np.complex128)  # on each link centre
+    velocity, power = 0j, 0.0
+    for i in range(1, n + 1):
+        turning = 1j * (rates[i] - rates[0]) * e[i]
+        length = h if i < n else 0.5 * h
+        center = velocity + 0.5 * length * turning
+        resistance[i] = -ctx.beam_damping * length * center
+        power += ctx.beam_damping * length * _dot(center, center)
+        velocity += length * turning
+    outboard, moment = 0j, 0.0
+    for i in range(n, 0, -1):
+        length = h if i < n else 0.5 * h
+        moment += _dot(1j * e[i], length * (0.5 * resistance[i] + outboard))
+        outboard += resistance[i]
+        force[first + i] += moment
+    return power
+
+
+@_compiled
+def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
+    """The hook's work: drive and damping, and the slider force that keeps the gap's acceleration zero, into `force_applied`."""
+    n = ctx.coordinates
+    qpos, qvel, applied = _array(ctx.qpos, n), _array(ctx.qvel, n), _array(ctx.force_applied, n)
+
+    e, rates = _directions(ctx, qpos), _rates(ctx, qvel)
+    crank_arm, angle, crank_speed = _crank(ctx, time, qpos, qvel)
+    c0, c1, c2, tangent, ctx.gap = _find_slider(ctx, e, crank_arm)
+    normal = 1j * tangent
+    row, crank_row = _constraint_row(ctx, e, c0, tangent, crank_arm)
+
+    turning = 1j * rates * e
+    slope = (c1 * e).sum()
+    ctx.slider_speed = _dot(tangent, 1j * crank_arm * crank_speed - (c0 * turning).sum()) / abs(slope)
+    follower = -(c0 * rates**2 * e).sum() + 2.0 * ctx.slider_speed * (c1 * turning).sum() + ctx.slider_speed**2 * (c2 * e).sum()
+    remaining = _dot(normal, -crank_arm * crank_speed**2 - follower)
+
+    applied[:] = 0.0
+    if ctx.crank_is_free:
+        applied[0] = ctx.crank_torque
+    dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
+    dissipation += _damp_beam(ctx, e, rates, applied)
+
+    known, solved = np.empty((2, n)), np.empty((2, n))
+    known[0] = _array(ctx.force_passive, n) - _array(ctx.force_bias, n) + applied
+    known[1] = row
+    mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
+    multiplier = -(np.dot(row, solved[0]) + remaining) / np.dot(row, solved[1])
+    applied += multiplier * row
+    ctx.slider_force = -multiplier
+
+    ctx.drive_torque = ctx.crank_torque
+    if not ctx.crank_is_free:
+        weight = ctx.prescribed_weight_2 * math.cos(angle) - ctx.prescribed_weight_1 * math.sin(angle)
+        ctx.drive_torque = weight - multiplier * crank_row
+    if ctx.stage < 4:
+        ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
+        ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * ctx.drive_torque * crank_speed
+        ctx.stage += 1
+
+
+@cfunc(types.void(types.intp, types.intp), cache=True)
+def control_hook(model: int, data: int) -> None:
+    """MuJoCo's `mjcb_control`: called in every stage of a step, when the mass matrix and all other forces are known."""
+    time_and_context = np.empty(2)
+    mj_get_state(model, data, time_and_context.ctypes.data, _TIME_AND_USERDATA)
+    context = carray(pointer(int(time_and_context[1])), 1, CONTEXT)
+    _constrain(model, data, context[0], time_and_context[0])
+
+
+@_compiled
+def _project(model: int, data: int, ctx: Context) -> None:
+    """Close the gap that the step left, and its rate, along M⁻¹Gᵀ (M of the last stage)."""
+    n = ctx.coordinates
+    qpos, qvel = _array(ctx.qpos, n), _array(ctx.qvel, n)
+    time_and_context = np.empty(2)
+    mj_get_state(model, data, time_and_context.ctypes.data, _TIME_AND_USERDATA)
+    direction = np.empty(n)
+    for iteration in range(6):
+        crank_arm, _, crank_speed = _crank(ctx, time_and_context[0], qpos, qvel)
+        e = _directions(ctx, qpos)
+        c0, _, _, tangent, gap = _find_slider(ctx, e, crank_arm)
+        row, crank_row = _constraint_row(ctx, e, c0, tangent, crank_arm)
+        if iteration == 0:
+            mj_solve_mass(model, data, direction.ctypes.data, row.ctypes.data, 1)
+        elif not abs(gap) > 1e-15 * ctx.follower_length:
+            break
+        qpos -= direction * (gap / np.dot(row, direction))
+    gap_rate = np.dot(row, qvel)
+    if not ctx.crank_is_free:
+        gap_rate += crank_row * crank_speed
+    qvel -= direction * (gap_rate / np.dot(row, direction))
+
+
+@_compiled
+def _curvatures(ctx: Context, qpos: Array, gauges: Array, gauge_weights: Array) -> Array:
+    """Curvature at the gauges, 1/m, shape (3,): the hinges' interpolated, without and then with the kink at the slider.
+
+    The slider force F bends hinge j by F b_j, b_j = Σ_{i >= j} c_i; the beam by the ramp F (s - x) inboard of the slider.
+    """
+    smooth = np.empty(ctx.hinges)
+    kink = ctx.slider_force / ctx.bending_stiffness
+    c0 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 0)
+    lever = 0.0
+    for j in range(ctx.hinges, 0, -1):
+        lever += c0[j]
+        smooth[j - 1] = qpos[ctx.coordinates - ctx.hinges - 1 + j] / ctx.link_length - kink * lever
+    return gauge_weights @ smooth + kink * np.maximum(0.0, ctx.slider_position - gauges)
+
+
+@_compiled
+def _record(model: int, data: int, ctx: Context, gauges: Array, gauge_weights: Array, out: Array) -> None:
+    """One row of the table, `COLUMNS`, from the present state. Gauges: arc lengths, (3,), and a weight per hinge, (3, N)."""
+    n, hinges = ctx.coordinates, ctx.hinges
+    qpos, qvel = _array(ctx.qpos, n), _array(ctx.qvel, n)
+    qacc, energy = _array(ctx.qacc, n), _array(ctx.energy, 2)
+    ctx.stage = 4  # no stage of a step
+    mj_forward(model, data)
+    mj_energy_position(model, data)
+    mj_energy_velocity(model, data)
+
+    time_and_context = np.empty(2)
+    mj_get_state(model, data, time_and_context.ctypes.data, _TIME_AND_USERDATA)
+    _, angle, crank_speed = _crank(ctx, time_and_context[0], qpos, qvel)
+    first = n - hinges - 1
+    e, rates, accelerations = _directions(ctx, qpos), _rates(ctx, qvel), np.cumsum(qacc[first:])
+    at_tip = centre_line_coefficients(ctx.follower_length, hinges, ctx.link_length, 0)
+    tip = (at_tip * e).sum()
+    tip_acceleration = (at_tip * (1j * accelerations - rates**2) * e).sum()
+    base_angle = qpos[first]
+    if hinges >= 2:
+        base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent, h²/24 dκ/dx beside the link's
+    strain_energy = 0.0
+    curvature = np.zeros(3)
+    if hinges:
+        strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
+        curvature = _curvatures(ctx, qpos, gauges, gauge_weights)
+    gravity = energy[0] - strain_energy
+    gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
+
+    out[0], out[1], out[2], out[3] = angle, crank_speed, base_angle, ctx.slider_position
+    out[4], out[5] = ctx.pivot_distance + tip.real, tip.imag
+    out[6] = _dot(1j * complex(math.cos(base_angle), math.sin(base_angle)), tip)
+    out[7] = _dot(1j * e[hinges], tip_acceleration)
+    out[8:11] = ctx.half_thickness * curvature
+    out[11], out[12] = ctx.slider_force, ctx.drive_torque
+    out[13] = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
+    out[14], out[15], out[16] = strain_energy, ctx.dissipated, ctx.gap
+    out[17], out[18] = gravity, ctx.drive_work
+
+
+@_compiled
+def _state(ctx: Context) -> int:
+    """GOOD, or what is wrong with the present state."""
+    qvel = _array(ctx.qvel, ctx.coordinates)
+    if not np.max(np.abs(qvel)) < _LARGEST_RATE or not math.isfinite(ctx.slider_position):
+        return NOT_FINITE
+    if not 0.0 <= ctx.slider_position <= ctx.follower_length:
+        return SLIDER_LEFT
+    return GOOD
+
+
+@_entry(types.UniTuple(types.intp, 2)(_address, _address, _contexts, types.float64, types.intp, _vector, _matrix, _matrix))
+def advance(
+    model: int, data: int, context: Any, step: float, steps: int, gauges: Array, gauge_weights: Array, table: Array
+) -> tuple[int, int]:
+    """Fill `table` (shape (rows, len(COLUMNS))): the present state, then one row after every `steps` steps of `step` (s).
+
+    Returns:
+        (rows filled, GOOD or why it ended early). Good rows only.
+    """
+    ctx = context[0]
+    for k in range(len(table)):
+        for _ in range(steps if k > 0 else 0):
+            ctx.stage, ctx.mean_dissipation, ctx.mean_drive_power = 0, 0.0, 0.0
+            mj_step(model, data)
+            _project(model, data, ctx)
+            ctx.dissipated += step * ctx.mean_dissipation
+            ctx.drive_work += step * ctx.mean_drive_power
+            state = _state(ctx)
+            if state != GOOD:
+                return k, state
+        _record(model, data, ctx, gauges, gauge_weights, table[k])
+        if not np.all(np.isfinite(table[k, :8])):  # strains of a scene without gauges are no numbers
+            return k, NOT_FINITE
+    return len(table), GOOD
+
+
+@_entry(types.float64(_contexts, _vector, _vector, types.float64, types.float64))
+def assemble(context: Any, qpos: Array, qvel: Array, crank_angle: float, crank_speed: float) -> float:
+    """Turn the base until the slider lies on the centre line, and set its rate likewise; hinges and crank stay as they are.
+
+    Returns:
+        The gap that is left, m.
+    """
+    ctx = context[0]
+    base = ctx.coordinates - ctx.hinges - 1
+    crank_arm = ctx.crank_length * complex(math.cos(crank_angle), math.sin(crank_angle))
+    gap = 0.0
+    for _ in range(30):
+        e = _directions(ctx, qpos)
+        c0, _, _, tangent, gap = _find_slider(ctx, e, crank_arm)
+        row, crank_row = _constraint_row(ctx, e, c0, tangent, crank_arm)
+        if not abs(gap) > 1e-15 * ctx.follower_length:
+            break
+        qpos[base] -= gap / row[base]
+    qvel[base] = -(crank_row * crank_speed + np.dot(row[base + 1 :], qvel[base + 1 :])) / row[base]
+    return gap

@@ -1,0 +1,203 @@
+"""A link chain in MuJoCo, ready to be advanced."""
+
+import math
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import EngineFailure, Simulation
+from engines.mujoco import chain, kernels
+from engines.mujoco.settings import ChainSettings
+from engines.start import Start
+from engines.start_state import StartState, reconstruct
+from engines.trajectory import Trajectory
+from reference_model.mechanism import Mechanism, TorqueDrive
+
+Array = NDArray[np.float64]
+
+_STABILITY_LIMIT = 2.0 * math.sqrt(2.0)  # step x angular frequency of an undamped oscillation, classical Runge-Kutta method
+_SAFETY = 0.9  # a bent chain and a moving constraint shift the highest frequency
+_STEPS_PER_TURN = 400  # of the crank, where stability asks for less
+_ROWS_AT_ONCE = 250  # so that an interrupt from the keyboard is heard between
+
+
+class ChainSimulation(Simulation):
+    """See `Simulation`. The state is MuJoCo's; `kernels.CONTEXT` holds the constraint's."""
+
+    def __init__(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> None:
+        begun = time.perf_counter()
+        self.time = 0.0
+        self._mechanism = mechanism
+        self._hinges = chain.hinge_count(mechanism, settings.links)
+        self._model = chain.build(mechanism, self._hinges, _armature(mechanism, settings))
+        self._largest_step = settings.step if settings.step > 0.0 else self._stable_step()
+        self._data = mujoco.MjData(self._model)
+        self._context = _context(mechanism, self._hinges, self._data)
+        self._data.userdata[0] = self._context.ctypes.data
+        self._gauges = np.array(mechanism.follower.strain_gauges)
+        self._gauge_weights = _interpolation(self._gauges, mechanism.follower.length, self._hinges)
+        self._place(reconstruct(mechanism, start), start)
+        self.setup_seconds = time.perf_counter() - begun
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        """See `Simulation.advance`."""
+        begun = time.perf_counter()
+        table = np.empty((round(duration / output_step) + 1, len(kernels.COLUMNS)))
+        times = self.time + output_step * np.arange(len(table), dtype=np.float64)
+        steps = math.ceil(output_step / self._largest_step * (1.0 - 1e-9))
+        self._model.opt.timestep = output_step / steps
+        self._data.time = self.time
+        rows = 1
+        with _hooks():
+            while True:
+                first = rows - 1  # a piece begins with the last row of the one before
+                piece = table[first : first + _ROWS_AT_ONCE + 1]
+                filled, state = kernels.advance(
+                    self._model._address,
+                    self._data._address,
+                    self._context,
+                    output_step / steps,
+                    steps,
+                    self._gauges,
+                    self._gauge_weights,
+                    piece,
+                )
+                rows = first + filled
+                if state != kernels.GOOD or rows == len(table):
+                    break
+        columns = {"time": times[:rows]} | dict(zip(kernels.COLUMNS, table[:rows].T.copy(), strict=True))
+        statistics = {"steps": float(steps * max(rows - 1, 0))}
+        trajectory = Trajectory(columns, time.perf_counter() - begun, statistics)
+        if state != kernels.GOOD:
+            good = times[max(rows - 1, 0)]
+            raise EngineFailure(float(good), *self._reason(state), trajectory if rows else None)
+        self.time = float(times[-1])
+        return trajectory
+
+    def _reason(self, state: int) -> tuple[str, str]:
+        """Cause and advice."""
+        if state == kernels.SLIDER_LEFT:
+            place, length = float(self._context["slider_position"][0]), self._mechanism.follower.length
+            return (
+                f"the slider left the follower (arc length {place:.6g} m, follower.length {length:.6g} m)",
+                "lengthen the follower or slow the crank",
+            )
+        return "the motion grew beyond all bounds", f"try a step below {self._model.opt.timestep:.3g} s (engine.step) or more links"
+
+    def _stable_step(self) -> float:
+        """The largest step that keeps up with the chain's highest frequency and with the crank, s."""
+        drive = self._mechanism.crank.drive
+        speed = abs(drive.initial_speed)
+        if isinstance(drive, TorqueDrive) and drive.damping > 0.0:
+            speed = max(speed, abs(drive.torque / drive.damping))
+        step = 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf
+        if self._hinges:
+            highest = chain.highest_frequency(self._model, self._mechanism, self._hinges)
+            step = min(step, _SAFETY * _STABILITY_LIMIT / highest)
+        return step
+
+    def _place(self, state: StartState, start: Start) -> None:
+        """Bend the chain into the start's shape; the base turns until the slider lies on its centre line, and moves accordingly."""
+        qpos, qvel = self._data.qpos, self._data.qvel
+        first = self._model.nv - self._hinges - 1
+        if first:
+            qpos[0], qvel[0] = start.crank_angle, start.crank_speed
+        link_centers = np.linspace(0.0, self._mechanism.follower.length, self._hinges + 1)
+        qpos[first], qvel[first] = state.follower_angle, state.follower_rate
+        qpos[first + 1 :] = _hinge_angles(state.tangent(link_centers))
+        qvel[first + 1 :] = _hinge_angles(state.tangent_rate(link_centers))
+        self._context["slider_position"] = state.slider_position
+        self._context["prescribed_angle"] = start.crank_angle
+        gap = kernels.assemble(self._context, qpos, qvel, start.crank_angle, start.crank_speed)
+        if not abs(gap) < 1e-12 * self._mechanism.follower.length:
+            raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {gap:.3g} m is left", "try more links (engine.links)")
+
+
+def _armature(mechanism: Mechanism, settings: ChainSettings) -> float:
+    """Inertia added to a hinge's rate, kg m^2. The power 1.5 lets its error fall with the links as fast as the chain's own."""
+    follower = mechanism.follower
+    return settings.armature * follower.mass_per_length * (follower.length**2 / settings.links) ** 1.5
+
+
+def _hinge_angles(tangents: Array) -> Array:
+    """Hinge angles of the chain whose beam has these tangent angles at the link centres; shape (N + 1,) to (N,).
+
+    A hinge's angle stands for h times the beam's curvature *at* the hinge: the tangents' difference less its own second
+    difference / 24, up to order h⁴.
+    """
+    angles = np.diff(tangents)
+    corrected = angles.copy()
+    if len(angles) > 2:
+        corrected[1:-1] -= np.diff(angles, 2) / 24.0
+    return corrected
+
+
+def _interpolation(gauges: Array, length: float, hinges: int) -> Array:
+    """Weights of the hinges' curvatures at the gauges, by the cubic through the four nearest hinges; shape (3, N)."""
+    weights = np.zeros((len(gauges), hinges))
+    points = min(4, hinges)
+    for row, gauge in zip(weights, gauges, strict=True):
+        if not math.isfinite(gauge):
+            row[:] = math.nan
+        elif points:
+            place = gauge * hinges / length - 0.5  # in links from the first hinge
+            left = min(max(math.floor(place) - 1, 0), hinges - points)
+            nodes = np.arange(left, left + points)
+            row[nodes] = [np.prod([(place - k) / (j - k) for k in nodes if k != j]) for j in nodes]
+    return weights
+
+
+def _context(mechanism: Mechanism, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
+    """What compiled code needs to know, `kernels.CONTEXT`, shape (1,)."""
+    crank, follower, slider, drive = mechanism.crank, mechanism.follower, mechanism.slider, mechanism.crank.drive
+    context = np.zeros(1, kernels.CONTEXT)
+    values: dict[str, float] = {
+        "qpos": data.qpos.ctypes.data,
+        "qvel": data.qvel.ctypes.data,
+        "qacc": data.qacc.ctypes.data,
+        "force_bias": data.qfrc_bias.ctypes.data,
+        "force_passive": data.qfrc_passive.ctypes.data,
+        "force_applied": data.qfrc_applied.ctypes.data,
+        "energy": data.energy.ctypes.data,
+        "coordinates": len(data.qpos),
+        "hinges": hinges,
+        "link_length": follower.length / max(hinges, 1),
+        "follower_length": follower.length,
+        "bending_stiffness": follower.bending_stiffness if hinges else 0.0,
+        "half_thickness": follower.thickness / 2.0,
+        "beam_damping": follower.damping,
+        "base_damping": mechanism.base.damping,
+        "pivot_distance": mechanism.pivot_distance,
+        "crank_length": crank.length,
+        "crank_is_free": int(mechanism.crank_is_free),
+    }
+    if isinstance(drive, TorqueDrive):
+        values |= {"crank_torque": drive.torque, "crank_damping": drive.damping}
+    else:
+        moment = crank.mass * crank.center_of_mass + slider.mass * crank.length
+        values |= {
+            "prescribed_speed": drive.speed,
+            "prescribed_inertia": crank.inertia_about_pivot + slider.mass * crank.length**2,
+            "prescribed_weight_1": -moment * mechanism.gravity[0],
+            "prescribed_weight_2": -moment * mechanism.gravity[1],
+        }
+    for name, value in values.items():
+        context[name] = value
+    return context
+
+
+@contextmanager
+def _hooks() -> Iterator[None]:
+    """Install the constraint for one call of `advance`; MuJoCo's callbacks are global. Its warnings would go to a file of their own."""
+    previous = mujoco.get_mjcb_control(), mujoco.get_mju_user_warning()
+    mujoco.set_mjcb_control(kernels.control_hook.ctypes)
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mjcb_control(previous[0])
+        mujoco.set_mju_user_warning(previous[1])

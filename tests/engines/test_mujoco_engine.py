@@ -1,0 +1,173 @@
+"""What the engine builds, refuses and reports, and the chain's natural frequencies."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from engines.base import EngineFailure, Refusal
+from engines.mujoco import chain
+from engines.mujoco.engine import MujocoEngine
+from engines.mujoco.settings import LADDER, ChainSettings
+from engines.registry import engine
+from engines.start import standard_start
+from reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from tests.engines.scenes import INCH, run_24
+
+ENGINE = MujocoEngine()
+
+#: Frozen-crank frequencies of run 24, Hz, from converged models of other kinds.
+CONVERGED = {
+    180: (20.354, 62.287, 112.95, 212.94),
+    90: (17.779, 45.604, 135.26, 263.37),
+    0: (10.925, 63.787, 123.83, 230.04),
+}
+
+
+@pytest.mark.parametrize("degrees", CONVERGED)
+def test_frequencies_of_run_24(degrees: int) -> None:
+    found = ENGINE.natural_frequencies(run_24(), math.radians(degrees), 4, ChainSettings())
+    np.testing.assert_allclose(found, CONVERGED[degrees], rtol=5e-3)  # twelve links: the fourth mode is the worst, 0.4 %
+    fine = ENGINE.natural_frequencies(run_24(), math.radians(degrees), 4, ChainSettings(links=60))
+    np.testing.assert_allclose(fine, CONVERGED[degrees], rtol=2e-4)  # the fourth of 60 links: 1.2e-4
+
+
+@pytest.mark.parametrize(("place", "root"), [(0.5, 3.01183092), (0.7, 3.88535145)])
+def test_frequency_of_a_pinned_and_supported_uniform_beam(place: float, root: float) -> None:
+    bare = run_24(tip=None, base=Base())
+    beam = bare.follower
+    mechanism = dataclasses.replace(bare, pivot_distance=place * beam.length - bare.crank.length)
+    exact = root**2 / beam.length**2 * math.sqrt(beam.bending_stiffness / beam.mass_per_length) / (2.0 * math.pi)
+    for links, tolerance in ((12, 2e-3), (48, 1e-4)):  # falls at least with the square of the links
+        found = ENGINE.natural_frequencies(mechanism, math.pi, 1, ChainSettings(links=links))  # slider at d + LA
+        assert found[0] == pytest.approx(exact, rel=tolerance)
+
+
+def test_tip_mass_half_an_inch_out_lowers_the_first_frequency() -> None:
+    for degrees, lowered in ((180, 0.020), (90, 0.048), (0, 0.034)):
+        at_end, beyond = (
+            ENGINE.natural_frequencies(run_24(tip={"center_of_mass": offset}), math.radians(degrees), 1, ChainSettings())[0]
+            for offset in (0.0, 0.5 * INCH)
+        )
+        assert 1.0 - beyond / at_end == pytest.approx(lowered, abs=6e-4)  # known to 0.05 %
+
+
+def test_a_rigid_follower_has_no_natural_frequency() -> None:
+    rigid = run_24(follower={"bending_stiffness": math.inf})
+    assert ENGINE.natural_frequencies(rigid, 1.0, 4, ChainSettings()).shape == (0,)
+    assert ENGINE.natural_frequencies(run_24(), 1.0, 99, ChainSettings(links=6)).shape == (6,)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "bodies", "coordinates"),
+    [
+        (run_24(), 2 + 12 + 1, 14),
+        (run_24(tip=None), 2 + 12, 14),
+        (run_24(slider=Slider(mass=0.1)), 2 + 12 + 2, 14),
+        (run_24(crank={"drive": PrescribedSpeed(speed=16.0)}), 1 + 12 + 1, 13),
+        (run_24(crank={"drive": PrescribedSpeed(speed=16.0)}, slider=Slider(mass=0.1)), 1 + 12 + 1, 13),
+        (run_24(follower={"bending_stiffness": math.inf}), 3, 2),
+        (run_24(follower={"bending_stiffness": math.inf}, tip=None), 2, 2),
+    ],
+)
+def test_description_lists_what_is_built(mechanism: Mechanism, bodies: int, coordinates: int) -> None:
+    settings = ChainSettings(links=12)
+    description = ENGINE.describe(mechanism, settings)
+    model = chain.build(mechanism, chain.hinge_count(mechanism, settings.links), 0.0)
+    assert len(description.bodies) == bodies == model.nbody - 1  # MuJoCo counts the world
+    assert len(description.joints) - 1 == coordinates == model.njnt == model.nv  # the slider's constraint is not MuJoCo's
+    assert description.degrees_of_freedom == coordinates - 1
+
+
+def test_model_has_the_mass_and_inertia_of_the_scene() -> None:
+    mechanism = run_24(tip={"center_of_mass": 0.5 * INCH})
+    mass, _ = chain.follower_matrices(chain.build(mechanism, 12, 0.0), mechanism, 12)
+    beam, tip = mechanism.follower, mechanism.tip
+    assert tip is not None
+    about_pivot = mechanism.base.inertia + beam.mass_per_length * beam.length**3 / 3.0
+    about_pivot += tip.inertia + tip.mass * (beam.length + tip.center_of_mass) ** 2
+    assert mass[0, 0] == pytest.approx(about_pivot, rel=1e-9)  # MuJoCo pads nothing here that matters
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "key"),
+    [
+        (run_24(slider=Slider(joint_stiffness=2e4)), "slider.joint_stiffness: 20000 N/m"),
+        (run_24(slider=Slider(inertia=1e-6)), "slider.inertia: 1e-06 kg m^2"),
+        (run_24(follower={"mass_per_length": 0.0}), "follower.mass_per_length: 0 kg/m"),
+        (run_24(crank={"mass": 0.0, "inertia": 0.0}), "crank.inertia: 0 kg m^2"),
+    ],
+)
+def test_refuses_what_it_cannot_model(mechanism: Mechanism, key: str) -> None:
+    with pytest.raises(Refusal, match="accepted: ") as refusal:
+        ENGINE.prepare(mechanism, standard_start(mechanism), ChainSettings())
+    assert str(refusal.value).startswith(key)
+
+
+def test_slider_leaving_the_follower_is_a_failure_with_its_time() -> None:
+    soft = run_24(follower={"bending_stiffness": run_24().follower.bending_stiffness / 100.0})
+    with pytest.raises(EngineFailure, match="slider left the follower") as failure:
+        ENGINE.prepare(soft, standard_start(soft), ChainSettings()).advance(2.0, 1e-3)
+    partial = failure.value.partial
+    assert partial is not None
+    assert partial["time"][-1] == failure.value.time
+    assert 0.0 < failure.value.time < 1.0
+    assert partial["slider_position"].max() <= soft.follower.length
+
+
+def test_an_unstable_step_is_a_failure_and_nothing_is_printed_or_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mechanism = run_24()
+    with pytest.raises(EngineFailure, match=r"engine\.step") as failure:
+        ENGINE.prepare(mechanism, standard_start(mechanism), ChainSettings(links=16, armature=0.0, step=5e-4)).advance(1.0, 1e-3)
+    assert failure.value.partial is not None
+    assert np.all(np.isfinite(failure.value.partial["tip_deflection"]))
+    assert list(tmp_path.iterdir()) == []
+    assert capfd.readouterr() == ("", "")
+
+
+def test_no_hook_is_left_behind() -> None:
+    import mujoco
+
+    mechanism = run_24()
+    ENGINE.prepare(mechanism, standard_start(mechanism), ChainSettings()).advance(0.01, 1e-3)
+    assert mujoco.get_mjcb_control() is None
+    assert mujoco.get_mju_user_warning() is None
+
+
+def test_simulations_do_not_disturb_each_other() -> None:
+    slow = run_24(crank={"drive": TorqueDrive(torque=1.0, damping=0.1, initial_speed=5.0)})
+    alone = ENGINE.prepare(slow, standard_start(slow), ChainSettings(links=8)).advance(0.02, 1e-3)
+    first, second = (ENGINE.prepare(m, standard_start(m), ChainSettings(links=8)) for m in (slow, run_24()))
+    pieces = []
+    for _ in range(2):
+        pieces.append(first.advance(0.01, 1e-3))
+        second.advance(0.01, 1e-3)
+    assert pieces[1]["crank_angle"][-1] == pytest.approx(alone["crank_angle"][-1], rel=1e-14)
+
+
+def test_settings_follow_the_ladder() -> None:
+    mechanism = run_24()
+    chosen = [ENGINE.settings_for(accuracy, mechanism) for accuracy in (0.05, 7e-3, 1e-3, 1e-4)]
+    assert [s.as_dict()["links"] for s in chosen] == [8, 12, 27, 60]
+    coarser, factor = ENGINE.coarser(chosen[1])
+    assert coarser.as_dict()["links"] == 8
+    assert factor > 1.0
+    rung, climbed = chosen[1], []
+    while (finer := ENGINE.finer(rung)) is not None:
+        climbed.append(finer.as_dict()["links"])
+        rung = finer
+    assert climbed == [links for links, _ in LADDER if links > 12]
+    with pytest.raises(Refusal, match=r"engine\.links"):
+        ENGINE.coarser(ChainSettings(links=1))
+
+
+def test_is_registered_and_available() -> None:
+    found = engine("mujoco")
+    assert isinstance(found, MujocoEngine)
+    assert found.unavailable() is None
+    assert found.version().startswith("mujoco 4.")
