@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 class EngineDied(Exception):
     """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
 
+    def __init__(self, sentence: str, outcome: Outcome) -> None:
+        super().__init__(sentence)
+        self.outcome = outcome
+
 
 def answer_of(job: Job) -> Any:
     """The job's value.
@@ -44,7 +48,13 @@ def value_of(outcome: Outcome) -> Any:
 
     if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure, OutputError)):
         raise outcome.error
-    raise EngineDied(f"engine {outcome.job.name}: {outcome.failure}")
+    raise EngineDied(f"engine {outcome.job.name}: {outcome.failure}{_last_words(outcome)}", outcome)
+
+
+def _last_words(outcome: Outcome) -> str:
+    """The last line that a process printed before a signal ended it: native libraries tell the cause there if anywhere."""
+    lines = outcome.output.splitlines()
+    return f' (its last words: "{lines[-1].strip()[:200]}")' if lines and outcome.error is None else ""
 
 
 def about(name: str) -> dict[str, Any]:
@@ -87,6 +97,15 @@ def simulate(name: str, case: "Case", texts: Mapping[str, str], accuracy: float 
     Raises:
         Refusal, SettingError, UnknownEngine, OutputError.
     """
+    document = {"case": case.name, "engine": name, "output": output, "notes": case.notes, "accuracy": accuracy}
+    try:
+        return document | answer_of(Job(name, _simulated, (name, case, texts, accuracy, output)))
+    except EngineDied as death:
+        return document | _failed(None, death.outcome.failure + _last_words(death.outcome), "report this to the author of the engine")
+
+
+def _simulated(name: str, case: "Case", texts: Mapping[str, str], accuracy: float | None, output: str) -> dict[str, Any]:
+    """The part of `simulate` that happens in the worker."""
     from engines import accurate
     from engines.base import EngineFailure
     from engines.registry import usable_engine
@@ -94,13 +113,16 @@ def simulate(name: str, case: "Case", texts: Mapping[str, str], accuracy: float 
 
     found = usable_engine(name)
     mechanism, start = case.mechanism, standard_start(case.mechanism)
-    document = {"case": case.name, "engine": name, "version": found.version(), "output": output, "notes": case.notes}
     try:
         result = accurate.simulate(found, mechanism, start, case.duration, case.output_step, texts, accuracy)
     except EngineFailure as failure:
-        return plain({**document, **_failed(failure, output), "accuracy": accuracy or found.default_accuracy})
-    _write(result.trajectory, output)
-    return plain({**document, **_completed(result)})
+        document = _failed(failure.time, failure.cause, failure.advice, failure.partial)
+        if failure.partial is not None:
+            _write(failure.partial, output)
+    else:
+        document = _completed(result)
+        _write(result.trajectory, output)
+    return plain({"version": found.version(), **document})
 
 
 def _completed(result: "Result") -> dict[str, Any]:
@@ -123,22 +145,20 @@ def _completed(result: "Result") -> dict[str, Any]:
     }
 
 
-def _failed(failure: Any, output: str) -> dict[str, Any]:
-    partial: Trajectory | None = failure.partial
-    if partial is not None:
-        _write(partial, output)
+def _failed(time: float | None, cause: str, advice: str, partial: "Trajectory | None" = None) -> dict[str, Any]:
+    when = "" if time is None else f"failed at t = {time:.6g} s: "
     return {
         "rows": 0 if partial is None else len(partial),
         "reached": False,
         "error_estimate": None,
         "error_estimates": {},
-        "remark": str(failure),
+        "remark": f"{when}{cause}; {advice}",
         "settings": None,
         "setup_seconds": None,
         "solve_seconds": None if partial is None else partial.solve_seconds,
         "estimate_seconds": None,
         "statistics": {} if partial is None else partial.statistics,
-        "failure": {"time": failure.time, "cause": failure.cause, "advice": failure.advice},
+        "failure": {"time": time, "cause": cause, "advice": advice},
     }
 
 

@@ -32,7 +32,6 @@ def command(
 
     Exit code 3: the engine failed or did not reach the accuracy; what was computed is in the file.
     """
-    from cases.workers import Job
     from reports import engine_jobs
     from reports.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import check_writable, print_json
@@ -40,7 +39,7 @@ def command(
     overrides, settings = read_assignments(assignments)
     loaded = load(case, overrides, duration, output_step)
     check_writable(output)
-    document = engine_jobs.answer_of(Job(engine, engine_jobs.simulate, (engine, loaded, settings, accuracy, str(output))))
+    document = engine_jobs.simulate(engine, loaded, settings, accuracy, str(output))
     if as_json:
         print_json(document)
     else:
@@ -59,8 +58,9 @@ def _print(document: dict[str, Any]) -> None:
     from reports.output import print_table
 
     asked = "" if document["accuracy"] is None else f" (asked: {document['accuracy']:g})"
-    rows = [("case", document["case"]), ("engine", f"{document['engine']} ({document['version']})")]
-    rows += [("note", note) for note in document["notes"]]
+    rows = [("case", document["case"]), ("engine", f"{document['engine']} ({document.get('version', 'version unknown')})")]
+    if document["notes"]:
+        rows.append(("notes", f"{len(document['notes'])} on this case: see `quickreturn show {document['case']}`"))
     if document["failure"] is None:
         estimate = document["error_estimate"]
         times = " + ".join(f"{document[f'{part}_seconds']:.3g} s {part}" for part in ("setup", "solve", "estimate"))

@@ -154,9 +154,9 @@ def test_simulate_json(call: Call) -> None:
     assert (found["case"], found["engine"], found["rows"]) == ("small", "fake", 101)
     assert (found["setup_seconds"], found["solve_seconds"]) == (0.25, 0.125)
     assert found["settings"] == {"step": 0.025, "behaviour": "good"}
-    # sin t + e cos t over 0.1 s, where sin t is small: the relative error is far above e = 0.005, so the ladder runs to its end.
-    assert found["error_estimate"] > 1e-2
-    assert found["reached"] is False
+    # sin t + e cos t with e = 0.5 x 0.025^2: over 0.1 s the sine has an RMS of 0.1 / sqrt(3), the cosine one of nearly 1 (to 0.2 %).
+    assert found["error_estimate"] == pytest.approx(0.5 * 0.025**2 * math.sqrt(3.0) / 0.1, rel=0.01)
+    assert found["reached"] is True
 
 
 def test_accuracy_missed_is_exit_3_and_the_file_is_kept(call: Call, tmp_path: Path) -> None:
@@ -186,8 +186,9 @@ def test_failure_is_exit_3_and_keeps_what_was_computed(call: Call, tmp_path: Pat
     ],
 )
 def test_misbehaving_engine_is_exit_3_with_one_line(call: Call, behaviour: str, words: str) -> None:
-    answer = simulated(call, "--set", f"engine.behaviour={behaviour}")
+    answer = simulated(call, "--set", f"engine.behaviour={behaviour}", "--json")
     assert answer.code == 3
+    assert document(answer)["failure"]["cause"] in answer.errors
     assert words in answer.errors
     assert answer.errors.count("\n") == 1
 
