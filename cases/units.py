@@ -157,9 +157,7 @@ def _read_unit(unit: str, accepted: str) -> tuple[Decimal, Exponents]:
     while True:
         match = _FACTOR.match(unit, place)
         if match is None:
-            raise QuantityError(
-                f'has an unreadable unit "{unit}" (names joined by * and /, with whole exponents from -9 to 9, as in in^2)', accepted
-            )
+            raise _unreadable(unit, accepted)
         power = sign * int(match[2] or 1)
         unit_factor, unit_exponents = _look_up(match[1], accepted)
         factor = _DECIMAL.multiply(factor, _DECIMAL.power(unit_factor, power))
@@ -168,9 +166,7 @@ def _read_unit(unit: str, accepted: str) -> tuple[Decimal, Exponents]:
         if place == len(unit):
             return factor, (exponents[0], exponents[1], exponents[2], exponents[3])
         if unit[place] not in "*/" or unit.startswith("**", place):
-            raise QuantityError(
-                f'has an unreadable unit "{unit}" (names joined by * and /, with whole exponents from -9 to 9, as in in^2)', accepted
-            )
+            raise _unreadable(unit, accepted)
         sign = 1 if unit[place] == "*" else -1
         place += 1
 
@@ -195,10 +191,10 @@ def _unit(name: str) -> tuple[Decimal, Exponents] | None:
     if not registry.parse_unit_name(name):
         return None
     factor, base = registry.get_base_units(name)
-    powers = {unit: int(power) for unit, power in registry.Quantity(1, base).unit_items()}
-    if not powers or not set(powers) <= set(_BASE_UNITS):
+    powers = dict(registry.Quantity(1, base).unit_items())
+    if not powers or not set(powers) <= set(_BASE_UNITS) or any(power != int(power) for power in powers.values()):
         return None
-    length, mass, time, angle = (powers.get(unit, 0) for unit in _BASE_UNITS)
+    length, mass, time, angle = (int(powers.get(unit, 0)) for unit in _BASE_UNITS)
     return Decimal(factor), (length, mass, time, angle)
 
 

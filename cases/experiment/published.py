@@ -1,0 +1,67 @@
+"""Numbers of the experiment that the thesis prints: crank speeds, which channels are valid, and the axes of its figures."""
+
+import functools
+from dataclasses import dataclass
+from typing import Final
+
+from cases.data import read_table
+from cases.library.thesis import RUNS
+
+INCH: Final = 0.0254  # m
+PERCENT: Final = 0.01  # the unit of printed strain, see cases.library.inconsistencies
+
+
+@dataclass(frozen=True)
+class AxisLabels:
+    """Legible labels of one figure's axis, in SI units.
+
+    Attributes:
+        figure: e.g. "A.24".
+        run: number of the run.
+        channel: "tip_acceleration" (m/s^2) or "strain" (1; one axis for the three gauges).
+        values: in the order printed.
+        has_experiment: whether the figure shows measured curves.
+    """
+
+    figure: str
+    run: int
+    channel: str
+    values: tuple[float, ...]
+    has_experiment: bool
+
+    @property
+    def largest(self) -> float:
+        """Largest magnitude among the labels."""
+        return max(abs(value) for value in self.values)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest legible label; the axis itself may reach further, for labels are missing."""
+        return min(self.values), max(self.values)
+
+
+@functools.cache
+def axis_labels(run: int | None = None) -> tuple[AxisLabels, ...]:
+    """All legible axes, or those of one run, figures in the appendix first."""
+    found = []
+    for row in read_table("thesis_figure_axes.csv"):
+        axes = (
+            ("tip_acceleration", row["tip_acceleration_labels_in_s2"], INCH),
+            ("strain", row["strain_labels_as_printed"], PERCENT),
+        )
+        for channel, labels, unit in axes:
+            if labels and run in (None, int(row["run"])):
+                values = tuple(float(label) * unit for label in labels.split())
+                found.append(AxisLabels(row["figure"], int(row["run"]), channel, values, "experiment" in row["curves"]))
+    return tuple(found)
+
+
+def measured_crank_speed(run: int) -> float | None:
+    """Mean crank speed of an experiment in rad/s (table 3.1); None for run 1, where none is printed. Raises KeyError."""
+    speed = RUNS[run].measured_speed
+    return None if speed is None else float(speed)
+
+
+def channel_is_usable(run: int, channel: str) -> bool:
+    """Whether section 3.5 calls the measurement of a channel valid: none of run 1, strain alone in runs 2 to 8. Raises KeyError."""
+    return RUNS[run].acceleration_usable if channel == "tip_acceleration" else RUNS[run].strain_usable

@@ -1,0 +1,63 @@
+"""What the thesis says in words about simulation and experiment, in a form that numbers can confirm or contradict."""
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from cases.data import read_toml
+from cases.library.thesis import RUNS
+
+Kind = Literal["relation", "frequency", "observation", "cause"]
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One statement and how it is read.
+
+    Attributes:
+        id: short name.
+        section: of the thesis.
+        words: the statement in our words.
+        kind: "relation" (a ratio per run), "frequency" (a range in Hz), "observation" or "cause" (words only).
+        quantity: what is compared.
+        runs: numbers of the runs that it speaks of.
+        low: smallest value that the words mean, -inf if there is none.
+        high: largest value that the words mean, inf if there is none.
+        share: of the runs that must show it.
+    """
+
+    id: str
+    section: str
+    words: str
+    kind: Kind
+    quantity: str
+    runs: tuple[int, ...]
+    low: float = -math.inf
+    high: float = math.inf
+    share: float = 1.0
+
+    def share_of(self, values: Mapping[int, float]) -> float | None:
+        """Which share of the runs shows it, counting runs with a value only; None if no run has one.
+
+        Args:
+            values: number of the run -> ratio simulation / experiment (kind "relation") or frequency in Hz (kind "frequency").
+        """
+        known = [values[run] for run in self.runs if run in values and not math.isnan(values[run])]
+        return sum(self.low <= value <= self.high for value in known) / len(known) if known else None
+
+    def holds(self, values: Mapping[int, float]) -> bool | None:
+        """Whether enough runs show it; None if no run has a value, or if the statement has no numbers to check."""
+        share = self.share_of(values) if self.kind in ("relation", "frequency") else None
+        return None if share is None else share >= self.share
+
+
+@functools.cache
+def statements() -> tuple[Statement, ...]:
+    """All statements in the order of the thesis."""
+    return tuple(Statement(**entry | {"runs": _runs(entry["runs"])}) for entry in read_toml("thesis_statements.toml")["statement"])
+
+
+def _runs(written: str | list[int]) -> tuple[int, ...]:
+    return tuple(RUNS) if isinstance(written, str) else tuple(range(written[0], written[1] + 1))
