@@ -15,12 +15,15 @@ from typing import Final
 import click
 
 #: In the order of `--help`; each is a module of `reports.commands`.
-COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes")
+COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run")
 
 GOOD: Final = 0
+TOLERANCE_MISSED: Final = 1
 BAD_INPUT: Final = 2
 ENGINE_TROUBLE: Final = 3
 INTERRUPTED: Final = 130
+
+LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's megabyte argument
 
 
 class CommandGroup(click.Group):
@@ -110,5 +113,12 @@ def _told_of(error: Exception) -> int:
 
 def _told(sentence: str, code: int) -> int:
     with contextlib.suppress(BrokenPipeError):
-        print(f"quickreturn: {' '.join(sentence.split())}", file=sys.stderr)
+        print(f"quickreturn: {one_line(sentence)}", file=sys.stderr)
     return code
+
+
+def one_line(sentence: str) -> str:
+    """The sentence on one line of bearable length, without characters that would command the terminal."""
+    text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in " ".join(sentence.split()))
+    half = LONGEST_MESSAGE // 2
+    return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"

@@ -48,6 +48,7 @@ accuracy_option: Final = click.option(
     callback=_accuracy,
     help=f"Relative error of the tip deflection asked for, {HIGHEST_ACCURACY:g} to {LOWEST_ACCURACY:g}; default: the engine's.",
 )
+jobs_option: Final = click.option("--jobs", metavar="N", type=click.IntRange(min=1), help="Processes at a time; default: one per core.")
 crank_angle_option: Final = click.option(
     "--crank-angle", "crank_angle", metavar="DEG", required=True, callback=_angle, help="Angle at which the crank is held, degrees."
 )
