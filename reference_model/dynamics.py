@@ -72,7 +72,7 @@ def _add_beam(
         a2 = -(q2_rate**2) * W - 2.0 * q2_rate * w.F_rate[point] - gravity_2
         w.M[1, 1] += dm * (x * x + W * W)
         w.Q[1] -= dm * (a2 * x - a1 * W)
-        damping = ratio * dm * w.F_rate[point]
+        damping = p.axial_share * ratio * dm * w.F_rate[point]
         bend_2 = bend_1 = 0.0
         if p.exact_geometry:  # strain energy beyond the quadratic one, equation 4.6
             slope2 = w.slope[point] ** 2
@@ -217,7 +217,7 @@ def dissipation(p: Parameters, q1_rate: float, q2_rate: float, eta_rate: NDArray
     if p.beam_damping > 0.0:
         total = 0.0
         for point in range(len(p.tables.x)):
-            total += p.tables.weights[point] * (w.F_rate[point] ** 2 + w.W_rate[point] ** 2)
+            total += p.tables.weights[point] * (p.axial_share * w.F_rate[point] ** 2 + w.W_rate[point] ** 2)
         power += p.beam_damping * total
     return power
 

@@ -34,6 +34,7 @@ class ExplicitModel:
         shapes: the follower's shapes (`no_shapes` if it is rigid).
         exact_geometry: exact planar geometry, or the thesis' second-order foreshortening.
         recover: recover curvature and shape from equilibrium at output times; else the shapes are shown as they are.
+        transverse_damping: the beam damping acts on the transverse velocity alone.
 
     Raises:
         UnsuitableShapes: a slider with rotary inertia on shapes whose curvature jumps.
@@ -43,6 +44,7 @@ class ExplicitModel:
     shapes: ShapeSet
     exact_geometry: bool
     recover: bool
+    transverse_damping: bool = False
     parameters: Parameters = field(init=False, repr=False)
     _workspace: Workspace = field(init=False, repr=False)
     _output_mesh: Tables = field(init=False, repr=False)
@@ -50,7 +52,9 @@ class ExplicitModel:
 
     def __post_init__(self) -> None:
         cells = quadrature_cells(self.shapes)
-        parameters = build_parameters(self.mechanism, self.shapes, exact_geometry=self.exact_geometry, cells=cells)
+        parameters = build_parameters(
+            self.mechanism, self.shapes, exact_geometry=self.exact_geometry, cells=cells, transverse_damping=self.transverse_damping
+        )
         mesh = build_tables(self.shapes, 2 * (max(cells, len(self.shapes.edges) - 1) // 2 + 1))
         for name, value in (
             ("parameters", parameters),

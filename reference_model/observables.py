@@ -216,7 +216,7 @@ def _recover(
         for i in range(n):
             a1 -= v.f[point, i] * w.acceleration[i + 2]
             a2 += mesh.phi[point, i] * w.acceleration[i + 2]
-        f1 = -p.rhoA * a1 + p.beam_damping * v.F_rate[point]
+        f1 = -p.rhoA * a1 + p.axial_share * p.beam_damping * v.F_rate[point]
         f2 = -p.rhoA * a2 - p.beam_damping * v.W_rate[point]
         v.W_rate[point], v.slope_rate[point] = f1, f2
         v.integrand[point] = x * f2 - W * f1

@@ -31,6 +31,7 @@ class Parameters(NamedTuple):
     rhoA: float  # kg/m
     EI: float  # N m^2 (0 for the rigid follower: no shape refers to it)
     beam_damping: float  # N s/m^2
+    axial_share: float  # of the beam damping on the velocity along b1: 1, or 0 if it acts on the transverse velocity alone
     tip_mass: float  # kg
     tip_inertia: float  # kg m^2
     tip_offset: float  # m
@@ -49,7 +50,9 @@ class Parameters(NamedTuple):
     mass_transverse: NDArray[np.float64]  # (n, n) kg: rhoA int phi phi
 
 
-def build_parameters(mechanism: Mechanism, shapes: ShapeSet, *, exact_geometry: bool, cells: int) -> Parameters:
+def build_parameters(
+    mechanism: Mechanism, shapes: ShapeSet, *, exact_geometry: bool, cells: int, transverse_damping: bool = False
+) -> Parameters:
     """Parameters of the equations for a scene.
 
     Args:
@@ -57,6 +60,7 @@ def build_parameters(mechanism: Mechanism, shapes: ShapeSet, *, exact_geometry: 
         shapes: the follower's shapes (`no_shapes` for a rigid follower).
         exact_geometry: exact planar geometry, or the thesis' second-order foreshortening with linear curvature.
         cells: cells of the quadrature mesh; 0 takes the shapes' own cells.
+        transverse_damping: the beam damping acts on the velocity along b2 alone, not on both components.
 
     Raises:
         UnsuitableShapes: a slider with rotary inertia on shapes whose curvature jumps.
@@ -84,6 +88,7 @@ def build_parameters(mechanism: Mechanism, shapes: ShapeSet, *, exact_geometry: 
         rhoA=follower.mass_per_length,
         EI=EI,
         beam_damping=follower.damping,
+        axial_share=0.0 if transverse_damping else 1.0,
         tip_mass=tip.mass,
         tip_inertia=tip.inertia,
         tip_offset=tip.center_of_mass,

@@ -53,6 +53,10 @@ class _PseudoCoordinateEngine(Engine):
     def exact_geometry(self, settings: Settings) -> bool:
         """Exact planar geometry, or second-order foreshortening."""
 
+    def transverse_damping(self, settings: Settings) -> bool:
+        """Whether the beam damping acts on the transverse velocity alone."""
+        return False
+
     @abstractmethod
     def tolerance(self, settings: Settings) -> float:
         """Local error of the integration."""
@@ -79,7 +83,7 @@ class _PseudoCoordinateEngine(Engine):
         self.check(mechanism)
         shapes = no_shapes(mechanism.follower.length) if mechanism.follower.is_rigid else self.shapes(mechanism, settings)
         try:
-            return ExplicitModel(mechanism, shapes, self.exact_geometry(settings), self.recovers)
+            return ExplicitModel(mechanism, shapes, self.exact_geometry(settings), self.recovers, self.transverse_damping(settings))
         except UnsuitableShapes as error:
             raise Refusal(f"slider.inertia: {mechanism.slider.inertia:g} kg*m^2 is not accepted with these settings: {error}") from None
 
@@ -177,6 +181,9 @@ class ReferenceSettings(Settings):
     shapes: int = setting(16, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
     family: str = setting("clamped-free", "fixed shapes", choices=("clamped-free", "hermite"))
     tolerance: float = setting(1e-8, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
+    damping_law: str = setting(
+        "both components", "velocity relative to the base frame that the beam damping acts on", choices=("both components", "transverse")
+    )
 
 
 class ReferenceEngine(_PseudoCoordinateEngine):
@@ -199,6 +206,10 @@ class ReferenceEngine(_PseudoCoordinateEngine):
     def exact_geometry(self, settings: Settings) -> bool:
         """Always exact."""
         return True
+
+    def transverse_damping(self, settings: Settings) -> bool:
+        """As the setting says."""
+        return _reference(settings).damping_law == "transverse"
 
     def tolerance(self, settings: Settings) -> float:
         """As the setting says."""
