@@ -1,7 +1,7 @@
 """How the explicit model is compiled: cached on disk, reductions vectorised, not-a-number kept meaningful."""
 
 from collections.abc import Callable
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeVar, cast
 
 from numba import njit
 
@@ -13,9 +13,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 def compiled(function: Function) -> Function:
     """Compile on first use and cache on disk."""
-    return njit(cache=True, error_model="numpy", fastmath=FASTMATH)(function)
+    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH)(function))
 
 
 def inlined(function: Function) -> Function:
     """Compile into each caller: passing the tuples of arrays between functions would cost more than most of these do."""
-    return njit(cache=True, error_model="numpy", fastmath=FASTMATH, inline="always")(function)
+    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, inline="always")(function))

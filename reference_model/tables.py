@@ -80,7 +80,7 @@ def partial_weights(u: float, length: float, integral: NDArray[np.float64], valu
 @compiled
 def find_cell(edges: NDArray[np.float64], x: float) -> int:
     """Index of the cell that holds x; the first or last one if x lies outside."""
-    cell = np.searchsorted(edges, x, side="right") - 1
+    cell = int(np.searchsorted(edges, x, side="right")) - 1
     return min(max(cell, 0), len(edges) - 2)
 
 

@@ -45,7 +45,7 @@ class ExplicitSimulation(Simulation):
             columns = self.model.observe(result.states)
         except ObservationFailed as failure:
             columns = self.model.observe(result.states[: failure.row])
-        columns["time"] = self.time + output_step * np.arange(len(columns["crank_angle"]))
+        columns["time"] = self.time + output_step * np.arange(len(columns["crank_angle"]), dtype=np.float64)
         trajectory = Trajectory(
             columns,
             time.perf_counter() - began,

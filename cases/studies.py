@@ -1,0 +1,248 @@
+"""Studies that the report shows beside the 24 runs: accuracy against a confirmed solution, convergence, and what the thesis leaves open."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from cases.case import Case
+from cases.case_file import load_case
+from cases.comparison import HALVES
+from cases.engine_run import EngineRun
+from cases.fingerprint import SIMULATION, code_fingerprint
+from cases.measures import CHANNELS
+from cases.progress import with_progress
+from cases.runner import Named, run_tasks
+from cases.steady_run import Task
+from cases.store import Store, key_of
+from cases.workers import PRELOAD, Job, Outcome, run_jobs
+from engines.accurate import ESTIMATED, run_once, simulate
+from engines.base import EngineFailure
+from engines.pseudo_coordinate.convergence import convergence_table
+from engines.registry import MAIN, engine
+from engines.start import standard_start
+from reference_model.mechanism import Mechanism, Tip
+
+#: The case on which accuracy is shown, and the settings whose two solutions confirm each other.
+ACCURACY_CASE: Final = "thesis-24"
+CONVERGED: Final = ("reference", {"shapes": "24", "tolerance": "1e-9"})
+CONFIRMING: Final = ("exudyn", {"elements": "32", "step": "1e-4"})
+#: Rows of the convergence table; the last of each is the solution it is measured against.
+SHAPE_COUNTS: Final = (2, 4, 6, 8, 10, 12, 16, 20, 24)
+TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
+#: Runs on which the influence of what the thesis leaves open is shown.
+OPEN_RUNS: Final = ("thesis-10", "thesis-24")
+
+INCH: Final = 0.0254  # m
+
+
+@dataclass(frozen=True)
+class Studies:
+    """Tables of all studies.
+
+    Attributes:
+        accuracy: one row per engine at its default accuracy: engine, settings, error of each column of `ESTIMATED` against the
+            converged solution, error_estimate (of the tip deflection, the engine's own), solve_seconds, setup_seconds, remark.
+        confirmation: one row: engine and settings of both solutions, and their difference for each column of `ESTIMATED`.
+        convergence: see `engines.pseudo_coordinate.convergence.convergence_table`.
+        sensitivity: one row per run, change, half and quantity: run, change, half, quantity, channel, nominal, value, relative_change;
+            value and relative_change are NaN where not resolvable.
+        failures: sentences on what could not be computed.
+    """
+
+    accuracy: pd.DataFrame
+    confirmation: pd.DataFrame
+    convergence: pd.DataFrame
+    sensitivity: pd.DataFrame
+    failures: tuple[str, ...]
+
+
+def run_studies(store: Store, jobs: int | None = None) -> Studies:
+    """All studies, from the store where they are there.
+
+    Raises:
+        StoreError: see `cases.store`.
+        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+    """
+    case = load_case(ACCURACY_CASE)
+    work: dict[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]] = {
+        ("converged",): (_trajectory, (case, *CONVERGED)),
+        ("confirming",): (_trajectory, (case, *CONFIRMING)),
+        ("convergence",): (_convergence, (case,)),
+        **{("default", name): (_trajectory, (case, name, None)) for name in MAIN},
+    }
+    found, failures = _stored(work, store, jobs)
+    accuracy, confirmation = _accuracy_tables(found, failures)
+    rows = found[("convergence",)][0]["rows"] if ("convergence",) in found else []
+    sensitivity = _sensitivity(store, jobs, failures)
+    return Studies(accuracy, confirmation, pd.DataFrame(rows), sensitivity, tuple(failures))
+
+
+Found = dict[tuple[str, ...], tuple[dict[str, Any], Mapping[str, NDArray[np.float64]]]]
+
+
+def _stored(
+    work: Mapping[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]], store: Store, jobs: int | None
+) -> tuple[Found, list[str]]:
+    """Results of the jobs by name, computed where they are not stored, and a sentence for each that failed."""
+    code = code_fingerprint((*SIMULATION, "cases.studies"))
+    versions = {name: "" if engine(name).unavailable() else engine(name).version() for name in MAIN}
+    found: Found = {}
+    missing: dict[str, tuple[str, ...]] = {}
+    for name, (_, arguments) in work.items():
+        scene = [item.mechanism if isinstance(item, Case) else item for item in arguments]
+        times = [(item.duration, item.output_step) for item in arguments if isinstance(item, Case)]
+        key = key_of({"kind": "study", "name": name, "scene": scene, "times": times, "versions": versions, "code": code})
+        entry = store.get(key)
+        if entry is None:
+            missing[key] = name
+        else:
+            found[name] = (entry.document, entry.arrays)
+    failures: list[str] = []
+    pending = [Job(key, *work[name]) for key, name in missing.items()]
+    for outcome in with_progress(run_jobs(pending, jobs, preload=(*PRELOAD, "cases.studies")), len(pending), "studies"):
+        name = missing[outcome.job.name]
+        if not outcome.completed:
+            failures.append(f"study {' '.join(name)}: {_clause(outcome)}")
+            continue
+        document, arrays = outcome.value
+        store.put(outcome.job.name, document, arrays)
+        found[name] = (document, arrays)
+    return found, failures
+
+
+def _clause(outcome: Outcome) -> str:
+    return str(outcome.error) if isinstance(outcome.error, EngineFailure) else outcome.failure
+
+
+def _trajectory(case: Case, name: str, settings: Mapping[str, str] | None) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
+    """A trajectory from the standard start: to the engine's default accuracy, or once with given settings."""
+    chosen, start = engine(name), standard_start(case.mechanism)
+    if settings is None:
+        result = simulate(chosen, case.mechanism, start, case.duration, case.output_step)
+        document = {
+            "settings": result.settings.as_dict(),
+            "error_estimate": result.error_estimate,
+            "solve_seconds": result.solve_seconds,
+            "setup_seconds": result.setup_seconds,
+            "degrees_of_freedom": result.description.degrees_of_freedom,
+            "remark": result.remark,
+        }
+        trajectory = result.trajectory
+    else:
+        used = chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(settings))
+        trajectory, setup_seconds = run_once(chosen, case.mechanism, start, case.duration, case.output_step, used)
+        document = {"settings": used.as_dict(), "solve_seconds": trajectory.solve_seconds, "setup_seconds": setup_seconds}
+    return {"engine": name, **document}, dict(trajectory.columns)
+
+
+def _convergence(case: Case) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
+    table = convergence_table(case.mechanism, SHAPE_COUNTS, TOLERANCES, case.duration, case.output_step)
+    plain = [{str(k): (v.item() if hasattr(v, "item") else v) for k, v in row.items()} for row in table.to_dict("records")]
+    return {"rows": plain}, {}
+
+
+def relative_error(values: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
+    """RMS of the difference over the RMS of the truth, both of shape (n,)."""
+    return float(np.sqrt(np.mean((values - truth) ** 2) / np.mean(truth**2)))
+
+
+def _accuracy_tables(found: Found, failures: list[str]) -> tuple[pd.DataFrame, pd.DataFrame]:
+    if ("converged",) not in found:
+        return pd.DataFrame(), pd.DataFrame()
+    document, truth = found["converged",]
+    rows = []
+    for name in MAIN:
+        if ("default", name) not in found:
+            continue
+        about, columns = found["default", name]
+        errors = {column: relative_error(columns[column], truth[column]) for column in ESTIMATED}
+        rows.append(about | {"settings": _settings_text(about["settings"])} | errors)
+    confirmation = []
+    if ("confirming",) in found:
+        about, columns = found["confirming",]
+        row: dict[str, Any] = {column: relative_error(columns[column], truth[column]) for column in ESTIMATED}
+        texts = {"engine": document["engine"], "settings": _settings_text(document["settings"])}
+        texts |= {"confirmed_by": about["engine"], "with_settings": _settings_text(about["settings"])}
+        confirmation.append(texts | row)
+    return pd.DataFrame(rows), pd.DataFrame(confirmation)
+
+
+def _settings_text(settings: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name} = {value}" for name, value in settings.items())
+
+
+def open_changes(mechanism: Mechanism) -> dict[str, tuple[Mechanism, dict[str, str]]]:
+    """What the thesis leaves open, as changed scenes with reference settings, by a text that names the change."""
+    follower, slider = mechanism.follower, mechanism.slider
+    tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
+
+    def stiffness(factor: float) -> Mechanism:
+        return dataclasses.replace(mechanism, follower=dataclasses.replace(follower, bending_stiffness=factor * follower.bending_stiffness))
+
+    def damping(factor: float) -> Mechanism:
+        return dataclasses.replace(mechanism, follower=dataclasses.replace(follower, damping=factor * follower.damping))
+
+    return {
+        "tip centre of mass 0.5 in beyond the end": (
+            dataclasses.replace(mechanism, tip=dataclasses.replace(tip, center_of_mass=0.5 * INCH)),
+            {},
+        ),
+        "slider mass 0.1 kg": (dataclasses.replace(mechanism, slider=dataclasses.replace(slider, mass=0.1)), {}),
+        "slider inertia 2e-5 kg m²": (dataclasses.replace(mechanism, slider=dataclasses.replace(slider, inertia=2e-5)), {}),
+        "EI + 5 %": (stiffness(1.05), {}),
+        "EI - 5 %": (stiffness(0.95), {}),
+        "beam damping on the transverse velocity alone": (mechanism, {"damping_law": "transverse"}),
+        "beam damping doubled": (damping(2.0), {}),
+        "beam damping halved": (damping(0.5), {}),
+    }
+
+
+def _sensitivity(store: Store, jobs: int | None, failures: list[str]) -> pd.DataFrame:
+    tasks = []
+    for name in OPEN_RUNS:
+        case = load_case(name)
+        tasks.append(Named((name, ""), Task(mechanism=case.mechanism, duration=case.duration, engine="reference")))
+        for change, (mechanism, settings) in open_changes(case.mechanism).items():
+            tasks.append(Named((name, change), Task(mechanism=mechanism, duration=case.duration, engine="reference", settings=settings)))
+    results = run_tasks(tasks, store, jobs, "what the thesis leaves open")
+    rows: list[dict[str, Any]] = []
+    for (name, change), run in results.items():
+        nominal = results[name, ""]
+        if not (run.usable and nominal.usable):
+            failures.append(f"study {name} {change}: {run.document['remark']}")
+        elif change:
+            rows += _changes(name, change, run, nominal)
+    return pd.DataFrame(rows)
+
+
+def _changes(name: str, change: str, run: EngineRun, nominal: EngineRun) -> list[dict[str, Any]]:
+    rows = []
+    for half in HALVES:
+        pairs: list[tuple[str, str, float | None, float | None]] = [
+            ("first_mode_frequency", "consensus", nominal.consensus_frequency(half), run.consensus_frequency(half))
+        ]
+        for channel in CHANNELS:
+            before, after = nominal.measure(half, channel), run.measure(half, channel)
+            if before and after:
+                pairs.append(("first_mode_amplitude", channel, before["first_mode_amplitude"], after["first_mode_amplitude"]))
+        for quantity, channel, old, new in pairs:
+            known = old is not None and new is not None
+            rows.append(
+                {
+                    "run": name,
+                    "change": change,
+                    "half": half,
+                    "quantity": quantity,
+                    "channel": channel,
+                    "nominal": math.nan if old is None else old,
+                    "value": math.nan if new is None else new,
+                    "relative_change": new / old - 1.0 if known and old else math.nan,  # type: ignore[operator]
+                }
+            )
+    return rows
