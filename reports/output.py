@@ -85,9 +85,11 @@ def print_table(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> Non
 def _resolved(path: Path) -> Path:
     """The file behind symbolic links: replacing the link instead of the file would surprise."""
     try:
+        os.fsencode(path)
         return path.resolve()
-    except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a null byte
-        raise OutputError(f"--output {path!s:.100}: this is no usable path ({error})") from error
+    except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a null byte, no such character
+        reason = error.strerror if isinstance(error, OSError) else "it holds characters that no file name can hold"
+        raise OutputError(f"--output {path!s:.100}: this is no usable path ({reason})") from error
 
 
 def _is_special(path: Path) -> bool:

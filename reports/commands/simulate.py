@@ -16,7 +16,7 @@ from reports.commands.options import accuracy_option, case_argument, engine_opti
 @click.option("--output-step", metavar="S", help='Time between rows, "1 ms" or a number of seconds.')
 @accuracy_option
 @set_option
-@click.option("--output", metavar="FILE.csv", required=True, type=click.Path(path_type=Path), help="Where the trajectory goes.")
+@click.option("--output", metavar="FILE.csv", required=True, help="Where the trajectory goes.")
 @json_option
 def command(
     case: str,
@@ -25,7 +25,7 @@ def command(
     output_step: str | None,
     accuracy: float | None,
     assignments: Sequence[str],
-    output: Path,
+    output: str,
     as_json: bool,
 ) -> int:
     """Simulate CASE from the standard start and write the trajectory.
@@ -38,8 +38,8 @@ def command(
 
     overrides, settings = read_assignments(assignments)
     loaded = load(case, overrides, duration, output_step)
-    check_writable(output)
-    document = engine_jobs.simulate(engine, loaded, settings, accuracy, str(output))
+    check_writable(Path(output))
+    document = engine_jobs.simulate(engine, loaded, settings, accuracy, output)
     if as_json:
         print_json(document)
     else:

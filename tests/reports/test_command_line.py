@@ -337,4 +337,10 @@ def test_main_returns_the_code_and_raises_nothing(capsys: pytest.CaptureFixture[
     assert main(["show", "no-such-case"]) == 2
     assert main(["show", "\0"]) == 2
     assert main(["\udcff"]) == 2
-    assert "Traceback" not in capsys.readouterr().err
+    assert main(["modes", "\x1b[31m" + "x" * 5000, "--engine", "thesis", "--crank-angle", "0"]) == 2
+    assert main(["simulate", "small.toml", "--engine", "thesis", "--output", "\udc00"]) == 2
+    errors = capsys.readouterr().err
+    assert len(errors.splitlines()) == 5
+    assert max(map(len, errors.splitlines())) < 1000
+    assert "\x1b" not in errors
+    assert "Traceback" not in errors
