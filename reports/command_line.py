@@ -15,9 +15,10 @@ from typing import Final
 import click
 
 #: In the order of `--help`; each is a module of `reports.commands`.
-COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes")
+COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run")
 
 GOOD: Final = 0
+TOLERANCE_MISSED: Final = 1
 BAD_INPUT: Final = 2
 ENGINE_TROUBLE: Final = 3
 INTERRUPTED: Final = 130
