@@ -1,0 +1,32 @@
+# Each target sets up .venv by itself where that is missing or out of date.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+PARALLEL ?= 2
+
+.PHONY: report test verify lint clean
+
+report: $(READY)
+	$(BIN)/quickreturn report
+
+test: $(READY) lint
+	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup
+
+# Everything that takes longer; the outcome is kept with the results and shown in the report.
+verify: $(READY)
+	mkdir -p .quickreturn
+	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --junitxml=.quickreturn/verification.xml
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy reference_model engines cases reports tests
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test]'
+	touch $(READY)
+
+clean:
+	rm -rf $(VENV) .quickreturn reports/output
