@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from cases.case import Case
 from cases.document import LARGEST_TEXT, Document, check_complete, missing, overridden, read_document
-from cases.errors import CaseError, as_written, nearest
+from cases.errors import CaseError, as_written, nearest, printable
 from cases.keys import PRESCRIBED, SECTIONS, TORQUE_DRIVEN, Key, key_of
 from cases.library import case_names, case_notes, case_text
 from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
@@ -50,7 +50,7 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
         shown = as_written(name_or_path)
         near = nearest(name_or_path, case_names())
         raise CaseError(shown, None, None, "no case of the library has this name", f"the nearest one is {near}; or give a path")
-    return parse_case(_read_text(name_or_path), as_written(name_or_path)[1:-1], overrides)
+    return parse_case(_read_text(name_or_path), printable(name_or_path), overrides)
 
 
 def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = None) -> Case:
@@ -92,7 +92,7 @@ def with_times(case: Case, duration: float | None = None, output_step: float | N
 
 
 def _read_text(path: str) -> str:
-    shown = as_written(path)[1:-1]
+    shown = printable(path)
     try:
         mode = os.stat(path).st_mode
         if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # opening a pipe would wait for ever

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from cases.errors import CaseError, as_written, nearest
+from cases.errors import CaseError, as_written, nearest, printable
 from cases.keys import HEADER, OPTIONAL_SECTIONS, PRESCRIBED, SECTIONS, TORQUE_DRIVEN, all_paths, key_of
 
 #: A case file has some 2 kB. Lines are limited too, because one long dotted key costs the TOML parser quadratic time and memory.
@@ -82,7 +82,7 @@ def _lower_first(text: str) -> str:
 
 def _check_section(source: str, name: str, section: Any) -> None:
     if name not in SECTIONS:
-        shown = as_written(name)[1:-1]
+        shown = printable(name)
         if not isinstance(section, dict) and (homes := [path for path in all_paths() if path.endswith(f".{name}")]):
             raise CaseError(source, shown, as_written(section), "stands outside its section", f"accepted as {' or '.join(homes)}")
         kind = "section" if isinstance(section, dict) else "key"
@@ -121,7 +121,7 @@ def unknown_key(source: str, path: str, value: Any) -> CaseError:
     section, _, key = path.partition(".")
     homes = [known for known in all_paths() if known.endswith(f".{key}")]
     near = homes[0] if homes else nearest(path, [known for known in all_paths() if known.startswith(f"{section}.")] or all_paths())
-    return CaseError(source, as_written(path)[1:-1], as_written(value), "belongs to an unknown key", f"the nearest known one is {near}")
+    return CaseError(source, printable(path), as_written(value), "belongs to an unknown key", f"the nearest known one is {near}")
 
 
 def overridden(document: Document, overrides: Mapping[str, str]) -> Document:

@@ -31,7 +31,7 @@ class CaseError(Exception):
 def as_written(value: Any) -> str:
     """A value of a TOML file as it would be written there, shortened, and safe to print on a terminal."""
     if isinstance(value, str):
-        shown = "".join(_printable(character) for character in value[:_LONGEST_VALUE])
+        shown = printable(value[:_LONGEST_VALUE])
         return f'"{shown}{"..." if len(value) > _LONGEST_VALUE else ""}"'
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -42,6 +42,11 @@ def as_written(value: Any) -> str:
     if isinstance(value, int) and abs(value) >= 10**_LONGEST_VALUE:
         return "a huge whole number"
     return str(value)
+
+
+def printable(text: str) -> str:
+    """A text that may hold anything, with quotes and control characters escaped as in a string of a TOML file."""
+    return "".join(_printable(character) for character in text)
 
 
 def _printable(character: str) -> str:

@@ -11,7 +11,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import CaseError, as_written, nearest
+from cases.errors import CaseError, as_written, nearest, printable
 from cases.experiment.published import INCH, PERCENT, channel_is_usable
 from cases.library.thesis import RUNS, run_name
 
@@ -92,7 +92,7 @@ def load_curves(folder: str | Path | None = None) -> list[MeasuredCurve]:
     """
     place = Path(folder or os.environ.get(FOLDER_VARIABLE) or str(files("cases.experiment") / "curves"))
     if not place.is_dir():
-        raise CaseError(as_written(str(place))[1:-1], None, None, "is no folder", f"{FOLDER_VARIABLE} names a folder of CSV files")
+        raise CaseError(printable(str(place)), None, None, "is no folder", f"{FOLDER_VARIABLE} names a folder of CSV files")
     curves: dict[tuple[int, str], MeasuredCurve] = {}
     for path in sorted(place.glob("*.csv")):
         curve = read_curve(path)
@@ -109,7 +109,7 @@ def read_curve(path: Path) -> MeasuredCurve:
     Raises:
         CaseError: the file breaks the documented form.
     """
-    source = as_written(str(path))[1:-1]
+    source = printable(str(path))
     lines = _read_lines(path, source)
     declared = _read_header(source, lines)
     table = _read_columns(source, lines)

@@ -63,7 +63,7 @@ def _contradicting_dampings(runs: Iterable[Run]) -> list[Inconsistency]:
             f" where {run.measured_speed} rad/s is printed",
             f"{run.damping} lbf in s, torque over printed speed",
             f"it is off by a factor of {run.steady_speed / float(run.measured_speed or 'nan'):.6f}, while in the other runs torque over"
-            " damping is the printed speed to 4e-7, and the figures show the printed one",
+            " damping is the printed speed to 5e-7, and the figures show the printed one",
         )
         for run in runs
         if not run.damping_is_consistent

@@ -1,0 +1,503 @@
+import math
+import os
+from dataclasses import astuple, is_dataclass
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cases.case import Case
+from cases.case_file import load_case, parse_case, with_times
+from cases.errors import CaseError
+from cases.overrides import split_overrides
+from reference_model.mechanism import PrescribedSpeed, TorqueDrive
+
+SCENE = """\
+name = "scene"
+title = "A scene"
+tags = ["test"]
+
+[mechanism]
+pivot_distance = "18 in"
+gravity = ["0 in/s^2", "-386 in/s^2"]
+
+[crank]
+length = "4 in"
+mass = "0.1 lbf*s^2/in"
+center_of_mass = "3 in"
+inertia = "4.0e-4 lbf*s^2*in"
+torque = "10 lbf*in"
+damping = "0.60176535 lbf*in*s/rad"
+initial_angle = "180 deg"
+initial_speed = "16.617773 rad/s"
+
+[base]
+inertia = "1.5e-4 lbf*s^2*in"
+damping = "2e-5 lbf*in*s/rad"
+
+[follower]
+length = "25 in"
+mass_per_length = "4.75987e-5 lbf*s^2/in^2"
+bending_stiffness = "2128.22 lbf*in^2"
+thickness = "0.125 in"
+width = "1.5 in"
+damping = "2e-5 lbf*s/in^2"
+strain_gauges = ["6.25 in", "12.5 in", "18.75 in"]
+
+[tip]
+mass = "2.90e-4 lbf*s^2/in"
+inertia = "1.96e-5 lbf*s^2*in"
+center_of_mass = "0.5 in"
+
+[slider]
+mass = "0.01 lbf*s^2/in"
+inertia = "1e-4 lbf*s^2*in"
+joint_stiffness = "100 lbf/in"
+joint_damping = "0.1 lbf*s/in"
+
+[simulation]
+duration = "2 s"
+output_step = "1 ms"
+"""
+
+# The same scene, each number converted by hand with 1 in = 0.0254 m and 1 lbf = 4.4482216152605 N; decimals are exact.
+IN_SI = """\
+name = "scene"
+title = "A scene"
+tags = ["test"]
+
+[mechanism]
+pivot_distance = "0.4572 m"
+gravity = ["0 m/s^2", "-9.8044 m/s^2"]
+
+[crank]
+length = "101.6 mm"
+mass = "17.51268352464763779527559055118 kg"
+center_of_mass = "76.2 mm"
+inertia = "4.519393161104668e-5 kg*m^2"
+torque = "1.129848290276167 N*m"
+damping = "0.06799035518449393052845 N*m*s/rad"
+initial_angle = "3.14159265358979323846 rad"
+initial_speed = "16.617773 rad/s"
+
+[base]
+inertia = "1.6947724354142505e-5 kg*m^2"
+damping = "2.259696580552334e-6 N*m*s"
+
+[follower]
+length = "0.635 m"
+mass_per_length = "0.32818148397033291316 kg/m"
+bending_stiffness = "6.1075969499621216987996 N*m^2"
+thickness = "3.175 mm"
+width = "3.81 cm"
+damping = "0.1378951458633672 N*s/m^2"
+strain_gauges = ["0.15875 m", "0.3175 m", "0.47625 m"]
+
+[tip]
+mass = "50.786782221478149606299212598422 g"
+inertia = "2.21450264894128732e-6 kg*m^2"
+center_of_mass = "1.27 cm"
+
+[slider]
+mass = "1.751268352464763779527559055118 kg"
+inertia = "1.129848290276167e-5 kg*m^2"
+joint_stiffness = "17.51268352464763779527559055118 kN/m"
+joint_damping = "17.51268352464763779527559055118 N*s/m"
+
+[simulation]
+duration = "2000 ms"
+output_step = "0.001 s"
+"""
+
+
+def changed(old: str, new: str) -> str:
+    assert SCENE.count(old) == 1, old
+    return SCENE.replace(old, new)
+
+
+def message(text: str) -> str:
+    with pytest.raises(CaseError) as refused:
+        parse_case(text, "scene.toml")
+    return str(refused.value)
+
+
+def numbers(value: object) -> list[float]:
+    """All numbers in a tree of dataclasses and tuples, in order."""
+    if is_dataclass(value) and not isinstance(value, type):
+        value = astuple(value)
+    if isinstance(value, tuple):
+        return [number for item in value for number in numbers(item)]
+    return [float(value)] if isinstance(value, float) else []
+
+
+def test_a_scene_in_inches_and_in_si_is_the_same() -> None:
+    inches, metric = parse_case(SCENE, "scene.toml"), parse_case(IN_SI, "scene.toml")
+    assert len(numbers(metric)) == 31  # every quantity of the file: none was dropped or put in another's place
+    # 1e-15: both texts are rounded once to a double, the metric one after 16 or more digits
+    assert numbers(inches) == pytest.approx(numbers(metric), rel=1e-15, abs=0.0)
+
+
+def test_every_key_arrives_where_it_belongs() -> None:
+    case = parse_case(IN_SI, "scene.toml")
+    scene = case.mechanism
+    assert (case.name, case.title, case.tags, case.source, case.notes) == ("scene", "A scene", ("test",), "scene.toml", ())
+    assert (case.duration, case.output_step) == (2.0, 0.001)
+    assert (scene.pivot_distance, scene.gravity) == (0.4572, (0.0, -9.8044))
+    assert (scene.crank.length, scene.crank.center_of_mass, scene.crank.inertia) == (0.1016, 0.0762, 4.519393161104668e-5)
+    assert scene.crank.initial_angle == math.pi
+    assert scene.crank.drive == TorqueDrive(torque=1.129848290276167, damping=0.06799035518449393, initial_speed=16.617773)
+    assert (scene.base.inertia, scene.base.damping) == (1.6947724354142505e-5, 2.259696580552334e-6)
+    assert (scene.follower.length, scene.follower.thickness, scene.follower.width) == (0.635, 0.003175, 0.0381)
+    assert (scene.follower.damping, scene.follower.strain_gauges) == (0.1378951458633672, (0.15875, 0.3175, 0.47625))
+    assert scene.tip is not None
+    assert (scene.tip.inertia, scene.tip.center_of_mass) == (2.21450264894128732e-6, 0.0127)
+    assert (scene.slider.joint_stiffness, scene.slider.joint_damping) == (17512.68352464763779, 17.51268352464763779)
+
+
+def test_what_may_be_left_out_has_the_documented_default() -> None:
+    text = changed('gravity = ["0 in/s^2", "-386 in/s^2"]\n', "").replace('initial_speed = "16.617773 rad/s"\n', "")
+    for section in ("tip", "slider"):
+        start = text.index(f"[{section}]")
+        text = text[:start] + text[text.index("\n\n", start) + 2 :]
+    case = parse_case(text.replace('title = "A scene"\n', "").replace('tags = ["test"]\n', ""), "scene.toml")
+    scene = case.mechanism
+    assert (case.title, case.tags) == ("scene", ())
+    assert scene.tip is None
+    assert not scene.has_gravity
+    assert (scene.slider.mass, scene.slider.inertia, scene.slider.joint_stiffness, scene.slider.joint_damping) == (0.0, 0.0, math.inf, 0.0)
+    assert scene.crank.drive.initial_speed == pytest.approx(10.0 / 0.60176535, rel=1e-15)  # torque / damping; a few roundings
+
+
+def test_the_crank_may_be_driven_by_a_prescribed_speed_alone() -> None:
+    text = changed('torque = "10 lbf*in"\n', 'prescribed_speed = "-120 rpm"\n').replace('damping = "0.60176535 lbf*in*s/rad"\n', "")
+    case = parse_case(text.replace('initial_speed = "16.617773 rad/s"\n', ""), "scene.toml")
+    assert case.mechanism.crank.drive == PrescribedSpeed(speed=-4.0 * math.pi)
+
+
+LENGTH = 'write one plain number, one space and a unit, such as "2 in" (or in mm or m)'
+CHOICE = "give either prescribed_speed alone, or torque and damping (and, if the start is not torque / damping, initial_speed)"
+WHOLE = "the duration must be a whole multiple of the output step"
+
+BAD = [
+    # units and numbers
+    ('length = "4 in"', 'length = "4,5 in"', f'crank.length: "4,5 in" has a comma in its number (the decimal sign is a point); {LENGTH}'),
+    ('length = "4 in"', 'length = "4 kg"', f'crank.length: "4 kg" is a mass (kg), but a length is needed; {LENGTH}'),
+    ('length = "4 in"', 'length = "4"', f'crank.length: "4" has no unit; {LENGTH}'),
+    (
+        'length = "4 in"',
+        "length = 4",
+        'crank.length: 4 is a bare number; write a string with number and unit, such as "2 in"',
+    ),
+    ('length = "4 in"', "length = true", 'crank.length: true is no string; write a string with number and unit, such as "2 in"'),
+    (
+        'length = "4 in"',
+        "length = 2001-01-01",
+        'crank.length: 2001-01-01 is no string; write a string with number and unit, such as "2 in"',
+    ),
+    ('length = "4 in"', 'length = ["4 in"]', 'crank.length: ["4 in"] is no string; write a string with number and unit, such as "2 in"'),
+    ('length = "4 in"', 'length = "-4 in"', 'crank.length: "-4 in" is not positive; a length greater than zero is accepted'),
+    ('length = "4 in"', 'length = "inf"', f'crank.length: "inf" is infinite; {LENGTH}'),
+    (
+        'length = "4 in"',
+        r'length = "\u001b[31m4 in"',
+        rf'crank.length: "\x1b[31m4 in" does not begin with a number; {LENGTH}',
+    ),
+    (
+        'initial_angle = "180 deg"',
+        'initial_angle = "180"',
+        'crank.initial_angle: "180" has no unit; write one plain number, one space and a unit, such as "180 deg" (or in rad)',
+    ),
+    (
+        'initial_speed = "16.617773 rad/s"',
+        'initial_speed = "2.64 Hz"',
+        'crank.initial_speed: "2.64 Hz" is a frequency (1/s), but an angular speed is needed;'
+        ' write one plain number, one space and a unit, such as "2 rad/s" (or in deg/s or rpm)',
+    ),
+    (
+        'bending_stiffness = "2128.22 lbf*in^2"',
+        'bending_stiffness = "infinity"',
+        'follower.bending_stiffness: "infinity" is not how a rigid part is written ("inf", nothing else);'
+        ' write one plain number, one space and a unit, such as "2 lbf*in^2" (or in N*m^2), or "inf"',
+    ),
+    (
+        'bending_stiffness = "2128.22 lbf*in^2"',
+        'bending_stiffness = "0 N*m^2"',
+        'follower.bending_stiffness: "0 N*m^2" is not positive; a bending stiffness greater than zero is accepted',
+    ),
+    (
+        'damping = "2e-5 lbf*s/in^2"',
+        'damping = "-2e-5 lbf*s/in^2"',
+        'follower.damping: "-2e-5 lbf*s/in^2" is negative; a damping per length of zero or more is accepted',
+    ),
+    (
+        'gravity = ["0 in/s^2", "-386 in/s^2"]',
+        'gravity = "-386 in/s^2"',
+        'mechanism.gravity: "-386 in/s^2" is no list of strings; a list of exactly 2 strings such as "2 m/s^2" is accepted',
+    ),
+    (
+        'gravity = ["0 in/s^2", "-386 in/s^2"]',
+        'gravity = ["0 in/s^2", "-386 in"]',
+        'mechanism.gravity: "-386 in" is a length (m), but an acceleration is needed;'
+        ' write one plain number, one space and a unit, such as "2 m/s^2" (or in in/s^2)',
+    ),
+    # keys and sections
+    (
+        "pivot_distance",
+        "pivot_distanse",
+        'mechanism.pivot_distanse: "18 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
+    ),
+    ("[base]", "[bass]", "bass: unknown section; the nearest known one is base"),
+    ("[base]", "[[base]]", "base: [{ ... }] is no section; write [base] with its keys below"),
+    ('title = "A scene"', 'titel = "A scene"', "titel: unknown key; the nearest known one is title"),
+    ('tags = ["test"]', 'gravity = ["0 N/kg"]', 'gravity: ["0 N/kg"] stands outside its section; accepted as mechanism.gravity'),
+    ('width = "1.5 in"\n', "", 'follower.width: this key is missing; write a length, such as "2 in"'),
+    (
+        '[simulation]\nduration = "2 s"\noutput_step = "1 ms"\n',
+        "",
+        "[simulation]: this section is missing; its keys are duration, output_step",
+    ),
+    ('name = "scene"\n', "", 'name: this key is missing; write a name, such as name = "stiffer-follower"'),
+    (
+        'name = "scene"',
+        'name = "../scene"',
+        'name: "../scene" is no name; up to 64 letters, digits, points, hyphens and underscores in quotes,'
+        " beginning with a letter or digit, are accepted",
+    ),
+    ('title = "A scene"', 'title = "A\\nB"', r'title: "A\nB" is no title; one line of up to 200 characters in quotes is accepted'),
+    ('tags = ["test"]', 'tags = "test"', 'tags: "test" is no list of tags; such as ["thesis", "fast"]; a tag is written like a name'),
+    # the crank's drive
+    (
+        'torque = "10 lbf*in"',
+        'torque = "10 lbf*in"\nprescribed_speed = "16 rad/s"',
+        f'crank.prescribed_speed: "16 rad/s" conflicts with crank.torque = "10 lbf*in"; {CHOICE}',
+    ),
+    ('torque = "10 lbf*in"\n', "", 'crank.torque: this key is missing; write a torque, such as "2 lbf*in"'),
+    (
+        'torque = "10 lbf*in"\ndamping = "0.60176535 lbf*in*s/rad"\ninitial_angle = "180 deg"\ninitial_speed = "16.617773 rad/s"',
+        'initial_angle = "180 deg"',
+        f"crank: nothing drives the crank; {CHOICE}",
+    ),
+    (
+        'damping = "0.60176535 lbf*in*s/rad"\ninitial_angle = "180 deg"\ninitial_speed = "16.617773 rad/s"',
+        'damping = "0 lbf*in*s/rad"\ninitial_angle = "180 deg"',
+        'crank.initial_speed: this key is missing, and without damping there is no speed torque / damping; such as "16 rad/s"',
+    ),
+    # what does not fit together
+    (
+        'length = "4 in"',
+        'length = "18 in"',
+        'crank.length: "18 in" cannot be: the crank (0.4572 m) must be shorter than mechanism.pivot_distance (0.4572 m)',
+    ),
+    (
+        'length = "4 in"',
+        'length = "8 in"',
+        'crank.length: "8 in" cannot be: the slider leaves the follower: pivot_distance + crank.length = 0.6604 m must not exceed'
+        " follower.length = 0.635 m",
+    ),
+    (
+        '"18.75 in"]',
+        '"18.75 in", "20 in"]',
+        'follower.strain_gauges: ["6.25 in", "12.5 in", "18.75 in", "20 in"] has 4 entries;'
+        ' a list of exactly 3 strings such as "2 in" is accepted',
+    ),
+    (
+        '"18.75 in"]',
+        '"25.1 in"]',
+        'follower.strain_gauges: ["6.25 in", "12.5 in", "25.1 in"] leaves the strain gauge at 25.1 in'
+        ' outside the follower; its length is "25 in"',
+    ),
+    (
+        'joint_stiffness = "100 lbf/in"',
+        'joint_stiffness = "inf"',
+        'slider.joint_damping: "0.1 lbf*s/in" makes a rigid joint with damping, which has nothing to act on;'
+        ' give a finite slider.joint_stiffness such as "2e4 N/m", or no slider.joint_damping',
+    ),
+    (
+        'output_step = "1 ms"',
+        'output_step = "3 ms"',
+        f'simulation.duration: "2 s" gives 666.667 output steps (duration 2 s, output step 0.003 s); {WHOLE}',
+    ),
+    (
+        'output_step = "1 ms"',
+        'output_step = "3 s"',
+        f'simulation.duration: "2 s" gives 0.666667 output steps (duration 2 s, output step 3 s); {WHOLE}',
+    ),
+    (
+        'output_step = "1 ms"',
+        'output_step = "1 ns"',
+        'simulation.duration: "2 s" gives 2e+09 output steps (duration 2 s, output step 1e-09 s); at most 2000000 are accepted',
+    ),
+    ('output_step = "1 ms"', 'output_step = "0 s"', 'simulation.output_step: "0 s" is not positive; a time greater than zero is accepted'),
+    # TOML itself
+    ('length = "4 in"', "length = " + "9" * 5000, "line 10 has 5009 characters; at most 1000 are accepted"),
+    ('length = "4 in"', "a." * 490 + "b = 1", "crank.a: { ... } belongs to an unknown key; the nearest known one is crank.mass"),
+    ('length = "4 in"', "length = " + "[" * 900, "is nested too deeply; sections with strings and lists of strings are accepted"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "expected"), BAD, ids=lambda text: text[:50])
+def test_each_mistake_has_its_sentence(old: str, new: str, expected: str) -> None:
+    assert message(changed(old, new)) == f"scene.toml: {expected}"
+
+
+def test_a_torque_driven_crank_needs_inertia_of_its_own() -> None:
+    light = changed('mass = "0.1 lbf*s^2/in"', 'mass = "0 kg"').replace('"4.0e-4 lbf*s^2*in"', '"0 kg*m^2"')
+    assert parse_case(light, "scene.toml").mechanism.crank.inertia_about_pivot == 0.0  # the slider's mass is enough
+    assert message(light.replace('mass = "0.01 lbf*s^2/in"', 'mass = "0 kg"')) == (
+        'scene.toml: crank.inertia: "0 kg*m^2" leaves a torque-driven crank without inertia about its axis;'
+        " give crank.inertia, or crank.mass and center_of_mass"
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [("[base]", "[base", 19), ('width = "1.5 in"', 'width = "1.5 in"\nwidth = "2 in"', 29), ('width = "1.5 in"', "width = 1,5 in", 28)],
+)
+def test_broken_toml_is_told_with_its_line(old: str, new: str, line: int) -> None:
+    told = message(changed(old, new))  # the words between are the parser's and may change with Python's version
+    assert told.startswith("scene.toml: is no valid TOML: ")
+    assert f"(at line {line}, column " in told
+
+
+@pytest.mark.parametrize("section", ["mechanism", "crank", "base", "follower", "tip", "simulation"])
+def test_every_key_that_cannot_be_left_out_is_named_when_it_is(section: str) -> None:
+    optional = {"gravity", "initial_speed", "center_of_mass"} if section != "crank" else {"initial_speed"}
+    start = SCENE.index(f"[{section}]\n") + len(section) + 3
+    lines = SCENE[start:].split("\n\n")[0].splitlines()
+    for line in lines:
+        key = line.split(" ")[0]
+        text = SCENE[:start] + SCENE[start:].replace(line + "\n", "", 1)
+        if key in optional:
+            parse_case(text, "scene.toml")
+        else:
+            assert message(text).startswith(f"scene.toml: {section}.{key}: this key is missing; write a")
+
+
+def test_files_that_are_no_case_files_are_refused(tmp_path: Path) -> None:
+    def refused(path: Path | str) -> str:
+        with pytest.raises(CaseError) as error:
+            load_case(str(path))
+        return str(error.value)
+
+    latin, large, pipe = tmp_path / "latin.toml", tmp_path / "large.toml", tmp_path / "pipe.toml"
+    latin.write_bytes(SCENE.replace("A scene", "Ein Gerät").encode("latin-1"))
+    large.write_text("#" * 64_001)
+    os.mkfifo(pipe)
+    assert refused(latin) == f"{latin}: is not in UTF-8 (line 2); save it as plain text in UTF-8"
+    assert refused(large) == f"{large}: is larger than 64 kB; a case file has some 2 kB"
+    assert refused(pipe) == f"{pipe}: is no regular file; a case file is a TOML text"
+    assert refused(tmp_path) == f"{tmp_path}: is a directory; give the path of a case file in it"
+    assert refused(tmp_path / "no.toml") == (
+        f"{tmp_path}/no.toml: there is no such file; give the path of a case file or the name of a library case"
+    )
+    assert refused("a\0/b") == r"a\x00/b: cannot be read (embedded null byte)"
+    assert refused("thesis24") == '"thesis24": no case of the library has this name; the nearest one is thesis-24; or give a path'
+
+
+def test_a_file_may_have_a_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
+    path = tmp_path / "windows.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + SCENE.replace("\n", "\r\n").encode())
+    assert load_case(str(path)).mechanism == parse_case(SCENE, "scene.toml").mechanism
+
+
+def override(**texts: str) -> Case:
+    return parse_case(SCENE, "scene.toml", {key.replace("__", "."): text for key, text in texts.items()})
+
+
+def test_overrides_change_what_they_name_and_nothing_else() -> None:
+    plain = parse_case(SCENE, "scene.toml")
+    stiffer = override(follower__bending_stiffness="12 N*m^2")
+    assert stiffer.mechanism.follower.bending_stiffness == 12.0
+    rest = [(a, b) for a, b in zip(numbers(plain), numbers(stiffer), strict=True) if a != b]
+    assert len(rest) == 1
+    assert override(mechanism__gravity='["0 m/s^2", "-1.62 m/s^2"]').mechanism.gravity == (0.0, -1.62)
+    assert override(crank__length='"0.1 m"').mechanism.crank.length == 0.1  # quotes as in the file are understood
+
+
+def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
+    fixed = override(crank__prescribed_speed="10 rad/s")
+    assert fixed.mechanism.crank.drive == PrescribedSpeed(speed=10.0)
+    text = changed('torque = "10 lbf*in"\ndamping = "0.60176535 lbf*in*s/rad"\n', 'prescribed_speed = "9 rad/s"\n')
+    text = text.replace('initial_speed = "16.617773 rad/s"\n', "")
+    freed = parse_case(text, "scene.toml", {"crank.torque": "2 N*m", "crank.damping": "0.1 N*m*s/rad"})
+    assert freed.mechanism.crank.drive == TorqueDrive(torque=2.0, damping=0.1, initial_speed=20.0)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        ({"crank.lenght": "4 in"}, '--set: crank.lenght: "4 in" belongs to an unknown key; the nearest known one is crank.length'),
+        (
+            {"pivot_distance": "4 in"},
+            '--set: pivot_distance: "4 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
+        ),
+        ({"name": "x"}, '--set: name: "x" cannot be set; only quantities can, such as crank.torque'),
+        ({"crank.length": "4 kg"}, f'--set: crank.length: "4 kg" is a mass (kg), but a length is needed; {LENGTH}'),
+        (
+            {"follower.length": "21 in"},
+            '--set: follower.length: "21 in" cannot be: the slider leaves the follower: pivot_distance + crank.length = 0.5588 m'
+            " must not exceed follower.length = 0.5334 m",
+        ),
+        (
+            {"follower.length": "15 in"},
+            '--set: follower.length: "15 in" leaves the strain gauge at 18.75 in outside the follower; its length is "15 in"',
+        ),
+        (
+            {"simulation.output_step": "0.3 s"},
+            f'--set: simulation.output_step: "0.3 s" gives 6.66667 output steps (duration 2 s, output step 0.3 s); {WHOLE}',
+        ),
+        (
+            {"mechanism.gravity": "9.81 m/s^2"},
+            '--set: mechanism.gravity: "9.81 m/s^2" is no list of strings; a list of exactly 2 strings such as "2 m/s^2" is accepted',
+        ),
+        (
+            {"crank.prescribed_speed": "9 rad/s", "crank.damping": "0 N*m*s"},
+            f'--set: crank.prescribed_speed: "9 rad/s" conflicts with crank.torque = "10 lbf*in"; {CHOICE}',
+        ),
+    ],
+    ids=str,
+)
+def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str], expected: str) -> None:
+    with pytest.raises(CaseError) as refused:
+        parse_case(SCENE, "scene.toml", overrides)
+    assert str(refused.value) == expected
+
+
+def test_override_texts_are_split_between_case_and_engine() -> None:
+    assert split_overrides(["crank.length=5 in", "engine.elements = 32", 'mechanism.gravity=["0 N/kg", "1 N/kg"]']) == (
+        {"crank.length": "5 in", "mechanism.gravity": '["0 N/kg", "1 N/kg"]'},
+        {"elements": "32"},
+    )
+    for texts in (["crank.length"], ["=5 in"], ["crank.length="], ["engine.elements=1", "engine.elements=2"]):
+        with pytest.raises(CaseError, match=r"^--set: "):
+            split_overrides(texts)
+
+
+def test_simulation_times_can_be_replaced() -> None:
+    case = parse_case(SCENE, "scene.toml")
+    assert (with_times(case, 0.5).duration, with_times(case, 0.5).output_step) == (0.5, 0.001)
+    assert with_times(case, output_step=0.002).output_step == 0.002
+    assert with_times(case) == case
+    for duration, step in ((math.nan, None), (-1.0, None), (0.0, None), (math.inf, None), (0.0015, None), (None, 3.0), (1e9, 1e-9)):
+        with pytest.raises(CaseError, match=r"^command line: --"):
+            with_times(case, duration, step)
+
+
+@given(st.text(max_size=300))
+def test_any_text_is_either_a_case_or_refused(text: str) -> None:
+    with pytest.raises(CaseError, match=r"^scene\.toml: "):
+        parse_case(text, "scene.toml")
+
+
+@given(st.integers(0, len(SCENE) - 1), st.integers(0, len(SCENE) - 1), st.sampled_from(["", '"', "=", "[", "0", "-", " ", "\n", "é", "\0"]))
+def test_a_damaged_case_file_never_breaks_anything_else(place: int, other: int, inserted: str) -> None:
+    first, last = sorted((place, other))
+    try:
+        case = parse_case(SCENE[:first] + inserted + SCENE[min(last, first + 3) :], "scene.toml")
+    except CaseError as refused:
+        told = str(refused)
+    else:
+        told = f"scene.toml: {case.name}"
+    assert told.startswith("scene.toml: ")
+    assert "\n" not in told

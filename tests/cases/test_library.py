@@ -1,0 +1,141 @@
+import math
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import cases.library
+from cases.case_file import load_case, parse_case
+from cases.library import case_names, case_notes, case_text, catalogue, inconsistencies
+from cases.library.thesis import RUNS, run_name
+from reference_model.mechanism import TorqueDrive
+
+# Run 24 as anyone would write it down from sections 3.2 and 5.3, with the crank damping mended.
+RUN_24 = """\
+name = "thesis-24"
+title = "Run 24: crank 4 in, six plates, 16.6 rad/s"
+tags = ["thesis"]
+[mechanism]
+pivot_distance = "18 in"
+gravity = ["0 m/s^2", "0 m/s^2"]
+[crank]
+length = "4 in"
+mass = "0.1 lbf*s^2/in"
+center_of_mass = "3 in"
+inertia = "4.0e-4 lbf*s^2*in"
+torque = "10 lbf*in"
+damping = "0.60176535 lbf*in*s/rad"
+initial_angle = "180 deg"
+initial_speed = "16.617773 rad/s"
+[base]
+inertia = "1.5e-4 lbf*s^2*in"
+damping = "2e-5 lbf*in*s/rad"
+[follower]
+length = "25 in"
+mass_per_length = "4.75987e-5 lbf*s^2/in^2"
+bending_stiffness = "2128.22 lbf*in^2"
+thickness = "0.125 in"
+width = "1.5 in"
+damping = "2e-5 lbf*s/in^2"
+strain_gauges = ["6.25 in", "12.5 in", "18.75 in"]
+[tip]
+mass = "2.90e-4 lbf*s^2/in"
+inertia = "1.96e-5 lbf*s^2*in"
+center_of_mass = "0 in"
+[slider]
+mass = "0 kg"
+inertia = "0 kg*m^2"
+joint_stiffness = "inf"
+joint_damping = "0 N*s/m"
+[simulation]
+duration = "2 s"
+output_step = "1 ms"
+"""
+
+
+def test_the_library_holds_the_24_runs_and_every_file_of_its_folder() -> None:
+    files = sorted(path.stem for path in Path(cases.library.__file__).parent.glob("*.toml"))
+    assert case_names() == (*(f"thesis-{run:02d}" for run in range(1, 25)), *files)
+    assert {"rigid", "example"} <= set(files)
+
+
+def test_run_24_is_the_scene_written_by_hand() -> None:
+    case, by_hand = load_case("thesis-24"), parse_case(RUN_24, "by hand")
+    assert replace(case, notes=(), source="") == replace(by_hand, source="")
+
+
+@pytest.mark.parametrize("name", case_names())
+def test_every_case_can_be_read_and_is_listed_as_it_is(name: str) -> None:
+    case = load_case(name)
+    assert case.name == name
+    assert case.source == "library"
+    assert case.mechanism == parse_case(case_text(name), name).mechanism
+    (entry,) = (entry for entry in catalogue() if entry.name == name)
+    assert (entry.tags, entry.title) == (case.tags, case.title)
+    assert (case.duration, case.output_step) == (2.0, 0.001)
+
+
+def test_the_catalogue_can_be_narrowed_by_tag() -> None:
+    assert [entry.name for entry in catalogue("thesis")] == [run_name(run) for run in range(1, 25)]
+    assert catalogue("no such tag") == ()
+
+
+def test_runs_differ_as_the_tables_say() -> None:
+    # section 3.4: cranks of 6, 5 and 4 in, in blocks of eight; pairs with 0, 2, 4 and 6 plates
+    for run in RUNS:
+        scene = load_case(run_name(run)).mechanism
+        assert scene.crank.length == pytest.approx(0.0254 * (6, 5, 4)[(run - 1) // 8], rel=1e-15)
+        assert scene.tip is not None
+        plates = (run - 1) % 8 // 2 * 2
+        # table 5.1: 4.1e-5 without plates and 4.15e-5 more per plate, in lbf s^2/in (175.126835 kg, to 9 digits)
+        assert scene.tip.mass == pytest.approx((4.1e-5 + 4.15e-5 * plates) * 175.126835, rel=3e-9)
+        # J/m = 0.068 in^2 in all four rows, to the digits printed
+        assert scene.tip.inertia / scene.tip.mass == pytest.approx(0.068 * 0.0254**2, rel=0.01)
+        drive = scene.crank.drive
+        assert isinstance(drive, TorqueDrive)
+        # torque over damping is the initial speed, to the digits printed: the worst is run 15 with 4.5e-7
+        assert drive.torque / drive.damping == pytest.approx(drive.initial_speed, rel=5e-7)
+
+
+def test_published_contradictions_are_found_in_the_tables_and_told() -> None:
+    assert [(found.runs, found.what) for found in inconsistencies()] == [
+        ((1,), "crank speed"),
+        ((1,), "experiment"),
+        (tuple(range(2, 9)), "measured tip acceleration"),
+        ((24,), "crank damping"),
+        ((24,), "mode at 132 Hz"),
+        (tuple(range(1, 25)), "unit of the printed strain"),
+    ]
+    damping = next(found for found in inconsistencies() if found.what == "crank damping")
+    assert "0.300892729" in damping.published
+    assert "33.234436" in damping.published  # 10 / 0.300892729
+    assert "16.617773" in damping.published
+    assert damping.used.startswith("0.60176535 ")  # 10 / 16.617773
+    assert any("0.300892729" in note and "0.60176535" in note for note in case_notes("thesis-24"))
+    assert not any("crank damping" in note for note in case_notes("thesis-23"))
+    assert case_notes("rigid") == ()
+
+
+def test_run_1_turns_once_a_second() -> None:
+    assert float(RUNS[1].crank_speed) == pytest.approx(2.0 * math.pi, rel=1e-6)  # T/c = 6.28318 is 2 pi to 6 digits
+
+
+@pytest.mark.parametrize("run", range(2, 25))
+def test_an_edit_of_either_table_is_noticed(run: int) -> None:
+    assert RUNS[run].damping_is_consistent == (run != 24)
+    other_damping = f"{float(RUNS[run].published_damping) * 1.00001:.9f}"
+    assert not replace(RUNS[run], published_damping=other_damping).damping_is_consistent
+    assert not replace(RUNS[run], simulated_speed=f"{float(RUNS[run].measured_speed or 0.0) + 1e-4}").damping_is_consistent
+
+
+def test_the_rigid_case_is_run_24_without_bending() -> None:
+    rigid, run_24 = load_case("rigid").mechanism, load_case("thesis-24").mechanism
+    assert rigid.follower.is_rigid
+    assert replace(rigid, follower=replace(rigid.follower, bending_stiffness=run_24.follower.bending_stiffness)) == run_24
+
+
+def test_the_example_shows_every_key_that_can_stand_together() -> None:
+    content = tomllib.loads(case_text("example"))
+    assert set(content) == {"name", "title", "tags", "mechanism", "crank", "base", "follower", "tip", "slider", "simulation"}
+    assert load_case("example").mechanism.has_gravity
