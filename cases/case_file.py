@@ -1,17 +1,16 @@
 """Case files: from the text that a person wrote to a `Case` in SI units, or to one sentence about what is wrong with it."""
 
 import os
-import re
-import stat
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
 
 from cases.case import Case
-from cases.document import LARGEST_TEXT, Document, check_complete, missing, overridden, read_document
+from cases.document import Document, check_complete, header_of, missing, overridden, read_document
 from cases.errors import CaseError, as_written, nearest, printable
 from cases.keys import PRESCRIBED, SECTIONS, TORQUE_DRIVEN, Key, key_of
 from cases.library import case_names, case_notes, case_text
+from cases.text_file import read_text
 from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
 from reference_model.mechanism import (
     Base,
@@ -25,8 +24,6 @@ from reference_model.mechanism import (
     TorqueDrive,
 )
 
-_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
-_LONGEST_TITLE: Final = 200
 _MOST_STEPS: Final = 2_000_000  # a table of a gigabyte
 _ROUNDING: Final = 1e-9  # relative; a quotient of two doubles that were read from decimal texts
 
@@ -50,7 +47,7 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
         shown = as_written(name_or_path)
         near = nearest(name_or_path, case_names())
         raise CaseError(shown, None, None, "no case of the library has this name", f"the nearest one is {near}; or give a path")
-    return parse_case(_read_text(name_or_path), printable(name_or_path), overrides)
+    return parse_case(read_text(name_or_path), printable(name_or_path), overrides)
 
 
 def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = None) -> Case:
@@ -65,7 +62,7 @@ def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = Non
         CaseError: any mistake in text or overrides.
     """
     document = overridden(read_document(text, source), overrides or {})
-    name, title, tags = _header(document)
+    name, title, tags = header_of(document)
     check_complete(document)
     mechanism = _mechanism(document)
     duration, output_step = _quantity(document, "simulation.duration"), _quantity(document, "simulation.output_step")
@@ -89,47 +86,6 @@ def with_times(case: Case, duration: float | None = None, output_step: float | N
         option, value = ("--duration", duration) if duration else ("--output-step", new.output_step)
         raise CaseError("command line", option, f"{value:.9g}", *problem)
     return new
-
-
-def _read_text(path: str) -> str:
-    shown = printable(path)
-    try:
-        mode = os.stat(path).st_mode
-        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # opening a pipe would wait for ever
-            raise CaseError(shown, None, None, "is no regular file", "a case file is a TOML text")
-        with open(path, "rb") as file:
-            content = file.read(LARGEST_TEXT + 1)
-    except FileNotFoundError:
-        raise CaseError(shown, None, None, "there is no such file", "give the path of a case file or the name of a library case") from None
-    except IsADirectoryError:
-        raise CaseError(shown, None, None, "is a directory", "give the path of a case file in it") from None
-    except (OSError, ValueError) as trouble:  # ValueError: a null character in the path
-        reason = trouble.strerror if isinstance(trouble, OSError) else str(trouble)
-        raise CaseError(shown, None, None, f"cannot be read ({reason})") from None
-    if len(content) > LARGEST_TEXT:
-        raise CaseError(shown, None, None, f"is larger than {LARGEST_TEXT // 1000} kB", "a case file has some 2 kB")
-    try:
-        return content.decode("utf-8-sig").replace("\r\n", "\n")
-    except UnicodeDecodeError as wrong:
-        line = content.count(b"\n", 0, wrong.start) + 1
-        raise CaseError(shown, None, None, f"is not in UTF-8 (line {line})", "save it as plain text in UTF-8") from None
-
-
-def _header(document: Document) -> tuple[str, str, tuple[str, ...]]:
-    """Name, title and tags; only the name must be there."""
-    name = document.header.get("name")
-    if name is None:
-        raise CaseError(document.source, "name", None, "this key is missing", 'write a name, such as name = "stiffer-follower"')
-    if not isinstance(name, str) or not _NAME.fullmatch(name):
-        accepted = "up to 64 letters, digits, points, hyphens and underscores in quotes, beginning with a letter or digit, are accepted"
-        raise document.error("name", "is no name", accepted)
-    title = document.header.get("title", name)
-    if not isinstance(title, str) or not title.isprintable() or len(title) > _LONGEST_TITLE:
-        raise document.error("title", "is no title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted")
-    tags = document.header.get("tags", [])
-    if not isinstance(tags, list) or not all(isinstance(tag, str) and _NAME.fullmatch(tag) for tag in tags):
-        raise document.error("tags", "is no list of tags", 'such as ["thesis", "fast"]; a tag is written like a name')
-    return name, title, tuple(tags)
 
 
 def _mechanism(document: Document) -> Mechanism:

@@ -8,10 +8,13 @@ from typing import Any, Final
 
 from cases.errors import CaseError, as_written, nearest, printable
 from cases.keys import HEADER, OPTIONAL_SECTIONS, PRESCRIBED, SECTIONS, TORQUE_DRIVEN, all_paths, key_of
+from cases.text_file import LARGEST_TEXT
 
-#: A case file has some 2 kB. Lines are limited too, because one long dotted key costs the TOML parser quadratic time and memory.
-LARGEST_TEXT: Final = 64_000
+#: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000
+
+_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
+_LONGEST_TITLE: Final = 200
 
 #: Named as the source of a value that came from the command line.
 OVERRIDE: Final = "--set"
@@ -122,6 +125,23 @@ def unknown_key(source: str, path: str, value: Any) -> CaseError:
     homes = [known for known in all_paths() if known.endswith(f".{key}")]
     near = homes[0] if homes else nearest(path, [known for known in all_paths() if known.startswith(f"{section}.")] or all_paths())
     return CaseError(source, printable(path), as_written(value), "belongs to an unknown key", f"the nearest known one is {near}")
+
+
+def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
+    """Name, title and tags; only the name must be there. Raises CaseError."""
+    name = document.header.get("name")
+    if name is None:
+        raise CaseError(document.source, "name", None, "this key is missing", 'write a name, such as name = "stiffer-follower"')
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        accepted = "up to 64 letters, digits, points, hyphens and underscores in quotes, beginning with a letter or digit, are accepted"
+        raise document.error("name", "is no name", accepted)
+    title = document.header.get("title", name)
+    if not isinstance(title, str) or not title.isprintable() or len(title) > _LONGEST_TITLE:
+        raise document.error("title", "is no title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted")
+    tags = document.header.get("tags", [])
+    if not isinstance(tags, list) or not all(isinstance(tag, str) and _NAME.fullmatch(tag) for tag in tags):
+        raise document.error("tags", "is no list of tags", 'such as ["thesis", "fast"]; a tag is written like a name')
+    return name, title, tuple(tags)
 
 
 def overridden(document: Document, overrides: Mapping[str, str]) -> Document:

@@ -4,14 +4,19 @@ A new case needs no code: drop `NAME.toml` here (its `name` must be NAME).
 """
 
 import functools
-import tomllib
 from dataclasses import dataclass
-from importlib.resources import files
+from pathlib import Path
+from typing import Final
 
+from cases.document import header_of, read_document
+from cases.errors import CaseError
 from cases.library.inconsistencies import Inconsistency, inconsistencies
 from cases.library.thesis import RUNS, run_name, run_text
+from cases.text_file import read_text
 
 __all__ = ["Entry", "Inconsistency", "case_names", "case_notes", "case_text", "catalogue", "inconsistencies"]
+
+_FOLDER: Final = Path(__file__).parent
 
 
 @dataclass(frozen=True)
@@ -31,9 +36,9 @@ def case_names() -> tuple[str, ...]:
 
 @functools.cache
 def case_text(name: str) -> str:
-    """The TOML text of a case of the library. Raises KeyError for a name that is not in `case_names`."""
+    """The TOML text of a case of the library. Raises KeyError for a name that is not in `case_names`, CaseError for a broken file."""
     if name in _file_names():
-        return (files(__name__) / f"{name}.toml").read_text("utf-8")
+        return read_text(str(_FOLDER / f"{name}.toml"))
     return run_text(_run_of(name))
 
 
@@ -47,14 +52,14 @@ def case_notes(name: str) -> tuple[str, ...]:
 
 
 def catalogue(tag: str | None = None) -> tuple[Entry, ...]:
-    """Name, tags and title of all cases, or of those with a tag."""
+    """Name, tags and title of all cases, or of those with a tag. Raises CaseError for a broken file in the folder."""
     entries = tuple(_entry(name) for name in case_names())
     return tuple(entry for entry in entries if tag is None or tag in entry.tags)
 
 
 @functools.cache
 def _file_names() -> tuple[str, ...]:
-    return tuple(sorted(file.name.removesuffix(".toml") for file in files(__name__).iterdir() if file.name.endswith(".toml")))
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
 def _run_of(name: str) -> int:
@@ -63,5 +68,7 @@ def _run_of(name: str) -> int:
 
 @functools.cache
 def _entry(name: str) -> Entry:
-    content = tomllib.loads(case_text(name))
-    return Entry(name, tuple(content.get("tags", ())), content.get("title", name))
+    written, title, tags = header_of(read_document(case_text(name), name))
+    if written != name:
+        raise CaseError(f"{name}.toml", "name", f'"{written}"', "differs from the file's name", f'in this folder write name = "{name}"')
+    return Entry(name, tags, title)

@@ -7,6 +7,7 @@ import pytest
 
 import cases.library
 from cases.case_file import load_case, parse_case
+from cases.errors import CaseError
 from cases.library import case_names, case_notes, case_text, catalogue, inconsistencies
 from cases.library.thesis import RUNS, run_name
 from reference_model.mechanism import TorqueDrive
@@ -74,6 +75,29 @@ def test_every_case_can_be_read_and_is_listed_as_it_is(name: str) -> None:
     (entry,) = (entry for entry in catalogue() if entry.name == name)
     assert (entry.tags, entry.title) == (case.tags, case.title)
     assert (case.duration, case.output_step) == (2.0, 0.001)
+
+
+def test_a_case_file_dropped_into_the_folder_is_found_without_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def forget() -> None:
+        for function in (cases.library.case_names, cases.library.case_text, cases.library._file_names, cases.library._entry):
+            function.cache_clear()
+
+    monkeypatch.setattr(cases.library, "_FOLDER", tmp_path)
+    (tmp_path / "mine.toml").write_text(RUN_24.replace('name = "thesis-24"', 'name = "mine"').replace('["thesis"]', '["mine", "new"]'))
+    (tmp_path / "other.toml").write_text(RUN_24)
+    forget()
+    try:
+        assert case_names()[24:] == ("mine", "other")
+        assert load_case("mine").mechanism == parse_case(RUN_24, "by hand").mechanism
+        with pytest.raises(CaseError) as refused:
+            catalogue()
+        assert str(refused.value) == ('other.toml: name: "thesis-24" differs from the file\'s name; in this folder write name = "other"')
+        (tmp_path / "other.toml").unlink()
+        forget()
+        assert [entry.name for entry in catalogue("new")] == ["mine"]
+    finally:
+        monkeypatch.undo()
+        forget()
 
 
 def test_the_catalogue_can_be_narrowed_by_tag() -> None:
