@@ -149,6 +149,8 @@ def overridden(document: Document, overrides: Mapping[str, str]) -> Document:
 
     The two ways of driving the crank replace each other as a whole: setting `crank.prescribed_speed` drops the file's torque,
     damping and initial speed, and setting any of these drops the file's prescribed speed. Setting both is a conflict and stays one.
+    An initial speed that the file states stays when torque or damping change: only where it is left out the crank starts at
+    torque / damping.
 
     Args:
         document: as read.

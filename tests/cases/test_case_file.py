@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from cases.case import Case
 from cases.case_file import load_case, parse_case, with_times
 from cases.errors import CaseError
-from cases.overrides import split_overrides
 from reference_model.mechanism import PrescribedSpeed, TorqueDrive
 
 SCENE = """\
@@ -420,6 +419,8 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
     assert fixed.mechanism.crank.drive == PrescribedSpeed(speed=10.0)
     text = changed('torque = "10 lbf*in"\ndamping = "0.60176535 lbf*in*s/rad"\n', 'prescribed_speed = "9 rad/s"\n')
     text = text.replace('initial_speed = "16.617773 rad/s"\n', "")
+    kept = override(crank__damping="0.1 N*m*s/rad").mechanism.crank.drive
+    assert kept == TorqueDrive(torque=1.129848290276167, damping=0.1, initial_speed=16.617773)  # the start is as written
     freed = parse_case(text, "scene.toml", {"crank.torque": "2 N*m", "crank.damping": "0.1 N*m*s/rad"})
     assert freed.mechanism.crank.drive == TorqueDrive(torque=2.0, damping=0.1, initial_speed=20.0)
 
@@ -462,16 +463,6 @@ def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str
     with pytest.raises(CaseError) as refused:
         parse_case(SCENE, "scene.toml", overrides)
     assert str(refused.value) == expected
-
-
-def test_override_texts_are_split_between_case_and_engine() -> None:
-    assert split_overrides(["crank.length=5 in", "engine.elements = 32", 'mechanism.gravity=["0 N/kg", "1 N/kg"]']) == (
-        {"crank.length": "5 in", "mechanism.gravity": '["0 N/kg", "1 N/kg"]'},
-        {"elements": "32"},
-    )
-    for texts in (["crank.length"], ["=5 in"], ["crank.length="], ["engine.elements=1", "engine.elements=2"]):
-        with pytest.raises(CaseError, match=r"^--set: "):
-            split_overrides(texts)
 
 
 def test_simulation_times_can_be_replaced() -> None:
