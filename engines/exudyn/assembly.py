@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import exudyn as exu
-import exudyn.itemInterface as items
+from exudyn import itemInterface as items  # noqa: N813
 
 from engines.base import ModelDescription
 from engines.start import Start
@@ -66,9 +66,7 @@ class Assembly:
         self, place: Sequence[float], angle: float, velocity: Sequence[float], rate: float, mass: float, inertia: float
     ) -> tuple[Any, Any]:
         """Add a planar rigid body with its centre of mass at `place`; returns node and object number."""
-        node = self.mbs.AddNode(
-            items.NodeRigidBody2D(referenceCoordinates=[*place, angle], initialVelocities=[*velocity, rate])
-        )
+        node = self.mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[*place, angle], initialVelocities=[*velocity, rate]))
         return node, self.mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
 
     def pinned_body(self, name: str, pivot: float, angle: float, rate: float, inertia: float) -> tuple[Any, Any]:

@@ -82,10 +82,9 @@ class Cable:
         h = self.element_length
         inner = min(max(node, 1), self.elements - 1)
         place, slope = q[..., :2], q[..., 2:]
-        second = (
-            2.0 * (place[:, inner + 1] - 2.0 * place[:, inner] + place[:, inner - 1]) / h**2
-            - (slope[:, inner + 1] - slope[:, inner - 1]) / (2.0 * h)
-        )
+        second = 2.0 * (place[:, inner + 1] - 2.0 * place[:, inner] + place[:, inner - 1]) / h**2 - (
+            slope[:, inner + 1] - slope[:, inner - 1]
+        ) / (2.0 * h)
         if node == inner:
             return second
         # At an end of the cable: the quintic through the neighbour's r'' and the element's own four coordinates is not determined;

@@ -15,7 +15,8 @@ from engines.exudyn.record import Model
 from engines.exudyn.rigid import RigidModel
 from engines.exudyn.settings import FEWEST_ELEMENTS, LARGEST_STEP, ExudynSettings, settings_for
 from engines.exudyn.simulation import ExudynSimulation
-from engines.settings import Settings, SettingError
+from engines.settings import SettingError
+from engines.settings import Settings as AnySettings
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from reference_model.mechanism import Mechanism
@@ -41,7 +42,7 @@ class ExudynEngine(Engine):
         if not math.isinf(slider.joint_stiffness):
             raise Refusal(f"slider.joint_stiffness = {slider.joint_stiffness:g} N/m: exudyn's joint is rigid; it accepts inf only")
 
-    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+    def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""
         self.check(mechanism)
         return self._model(mechanism, standard_start(mechanism), settings).assembly.describe()
@@ -50,13 +51,13 @@ class ExudynEngine(Engine):
         """The measured ladder of run 24; the run's own estimate decides about other scenes."""
         return settings_for(accuracy)
 
-    def coarser(self, settings: Settings) -> tuple[ExudynSettings, float]:
+    def coarser(self, settings: AnySettings) -> tuple[ExudynSettings, float]:
         """Half the elements at twice the step; both errors are of second order."""
         chosen = _own(settings)
         coarse = chosen.replaced(elements=max(FEWEST_ELEMENTS, chosen.elements // 2), step=min(LARGEST_STEP, 2.0 * chosen.step))
         return coarse, 4.0
 
-    def finer(self, settings: Settings) -> ExudynSettings | None:
+    def finer(self, settings: AnySettings) -> ExudynSettings | None:
         """Twice the elements at half the step, as long as both are accepted."""
         chosen = _own(settings)
         try:
@@ -64,7 +65,7 @@ class ExudynEngine(Engine):
         except SettingError:
             return None
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+    def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
         self.check(mechanism)
         begun = time.perf_counter()
@@ -72,22 +73,20 @@ class ExudynEngine(Engine):
         simulation.setup_seconds = time.perf_counter() - begun
         return simulation
 
-    def natural_frequencies(
-        self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings
-    ) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower. See `Engine.natural_frequencies`."""
         self.check(mechanism)
         return modes.natural_frequencies(mechanism, crank_angle, count, _own(settings).elements)
 
     @staticmethod
-    def _model(mechanism: Mechanism, start: Start, settings: Settings) -> Model:
+    def _model(mechanism: Mechanism, start: Start, settings: AnySettings) -> Model:
         state = reconstruct(mechanism, start)
         if mechanism.follower.is_rigid:
             return RigidModel(mechanism, start, state)
         return FlexibleModel(mechanism, start, state, _own(settings).elements)
 
 
-def _own(settings: Settings) -> ExudynSettings:
+def _own(settings: AnySettings) -> ExudynSettings:
     if not isinstance(settings, ExudynSettings):
         raise TypeError(f"exudyn needs ExudynSettings, not {type(settings).__name__}")
     return settings

@@ -7,8 +7,8 @@ along the tangent.
 
 from typing import Any, Final
 
-import exudyn.itemInterface as items
 import numpy as np
+from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
@@ -134,9 +134,7 @@ class FlexibleModel:
                 self.assembly.point_marker(base, x),
                 self.assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node)),
             ]
-            self.assembly.mbs.AddObject(
-                items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, damping=[damping, damping, 0.0])
-            )
+            self.assembly.mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, damping=[damping, damping, 0.0]))
 
     def _add_weight(self, nodes: list[Any]) -> None:
         """Consistent nodal forces of the follower's weight.
@@ -179,8 +177,7 @@ class FlexibleModel:
         mechanism, cable = self._mechanism, self._cable
         follower, LA = mechanism.follower, mechanism.crank.length
         q, rates, accelerations = (
-            values[:, self._node_indices[:, None] + np.arange(4)]
-            for values in (record.coordinates, record.rates, record.accelerations)
+            values[:, self._node_indices[:, None] + np.arange(4)] for values in (record.coordinates, record.rates, record.accelerations)
         )
         crank_angle = record.coordinates[:, self._crank_index]
         crank_speed = record.rates[:, self._crank_index]
@@ -202,10 +199,7 @@ class FlexibleModel:
             "tip_y": q[:, -1, 1],
             "tip_deflection": _dot(_turned(b1), q[:, -1, :2] - q[:, 0, :2]),
             "tip_acceleration": _dot(_turned(tip_tangent), accelerations[:, -1, :2]),
-            **{
-                f"strain_{i}": cable.curvature(q, x) * follower.thickness / 2.0
-                for i, x in enumerate(follower.strain_gauges, start=1)
-            },
+            **{f"strain_{i}": cable.curvature(q, x) * follower.thickness / 2.0 for i, x in enumerate(follower.strain_gauges, start=1)},
             "slider_force": -_dot(slider_normal, joint_force),
             **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),
             "kinetic_energy": self._kinetic_energy(crank_speed, frame_rate, q, rates),
@@ -244,9 +238,7 @@ class FlexibleModel:
         b2, x = _turned(b1), self._cable.nodes[:, None]
         relative = rates[:, :, :2] - frame_rate[:, None, None] * x * b2[:, None]
         relative_rate = (
-            accelerations[:, :, :2]
-            - frame_acceleration[:, None, None] * x * b2[:, None]
-            + (frame_rate**2)[:, None, None] * x * b1[:, None]
+            accelerations[:, :, :2] - frame_acceleration[:, None, None] * x * b2[:, None] + (frame_rate**2)[:, None, None] * x * b1[:, None]
         )
         power = power + np.sum(relative**2, axis=2) @ self._damper_weights
         power_rate = power_rate + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights

@@ -6,8 +6,8 @@ ordinary cable elements, with its point held on the ground, gives the frequencie
 
 import math
 
-import exudyn.itemInterface as items
 import numpy as np
+from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-import exudyn.itemInterface as items
 import numpy as np
+from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly

@@ -11,12 +11,11 @@ from engines.base import EngineFailure, Simulation
 from engines.exudyn.record import Model, Record
 from engines.exudyn.settings import ExudynSettings
 from engines.trajectory import Trajectory
+from reference_model.mechanism import Follower
 
 Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array]
 
-#: Up to this number of coordinates Exudyn's dense solver is faster than the sparse one.
-_LARGEST_DENSE_SYSTEM = 100
 _ACCUMULATED = ("dissipated_energy", "drive_work")
 
 
@@ -32,7 +31,7 @@ class ExudynSimulation(Simulation):
         self._model = model
         self._mbs = model.assembly.mbs
         self._step = settings.step
-        self._solver_settings = _solver_settings(settings, self._mbs.systemData.ODE2Size())
+        self._solver_settings = _solver_settings(settings, model.assembly.mechanism.follower)
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._totals = dict.fromkeys(_ACCUMULATED, 0.0)
         self._length = model.assembly.mechanism.follower.length
@@ -62,7 +61,7 @@ class ExudynSimulation(Simulation):
                 break
             rows.append(self._row())
         done = len(rows) - 1
-        at = self.time + output_step * np.arange(done + 1)
+        at = self.time + output_step * np.arange(done + 1, dtype=np.float64)
         columns = self._model.columns(Record(at, *(np.array(values) for values in zip(*rows, strict=True))))
         for name in _ACCUMULATED:
             columns[name] = columns[name] + self._totals[name]
@@ -107,7 +106,7 @@ class ExudynSimulation(Simulation):
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
 
 
-def _solver_settings(settings: ExudynSettings, coordinates: int) -> exu.SimulationSettings:
+def _solver_settings(settings: ExudynSettings, follower: Follower) -> exu.SimulationSettings:
     result = exu.SimulationSettings()
     integration = result.timeIntegration
     integration.startTime, integration.endTime, integration.numberOfSteps = 0.0, settings.step, 1
@@ -115,10 +114,12 @@ def _solver_settings(settings: ExudynSettings, coordinates: int) -> exu.Simulati
     integration.verboseMode = 0
     integration.generalizedAlpha.spectralRadius = settings.spectral_radius
     integration.newton.useModifiedNewton = True
-    integration.newton.relativeTolerance = settings.newton_tolerance
-    integration.newton.absoluteTolerance = 1e-2 * settings.newton_tolerance  # the default lies below the round-off of EA
-    dense = coordinates <= _LARGEST_DENSE_SYSTEM
-    result.linearSolver.solverType = exu.LinearSolverType.EXUdense if dense else exu.LinearSolverType.EigenSparse
+    # Round-off of the places, times EA / h, is the least residual that an iteration can reach.
+    round_off = 0.0 if follower.is_rigid else follower.axial_stiffness * np.finfo(float).eps * settings.elements
+    tolerance = settings.newton_tolerance * (1e-3 if follower.is_rigid else 1.0)  # the smaller one serves the drive's torque
+    integration.newton.relativeTolerance = tolerance
+    integration.newton.absoluteTolerance = max(1e-2 * tolerance, 8.0 * round_off)
+    result.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     result.solution.file.write = False
     result.solution.sensors.active = False
     return result
