@@ -349,6 +349,31 @@ def test_a_torque_driven_crank_needs_inertia_of_its_own() -> None:
     )
 
 
+MUST_BE_POSITIVE = """mechanism.pivot_distance crank.length follower.length follower.mass_per_length follower.bending_stiffness
+    follower.thickness follower.width slider.joint_stiffness simulation.duration simulation.output_step"""
+MAY_BE_ZERO = """crank.mass crank.inertia crank.damping base.inertia base.damping follower.damping tip.mass tip.inertia slider.mass
+    slider.inertia slider.joint_damping"""
+MAY_BE_NEGATIVE = "crank.center_of_mass crank.torque crank.initial_angle crank.initial_speed tip.center_of_mass"
+
+
+@pytest.mark.parametrize("path", [*MUST_BE_POSITIVE.split(), *MAY_BE_ZERO.split(), *MAY_BE_NEGATIVE.split()])
+def test_signs_are_accepted_where_they_make_sense(path: str) -> None:
+    section, key = path.split(".")
+    written = SCENE.split(f"[{section}]\n")[1].split(f'{key} = "')[1].split('"')[0]
+    unit = written.split(" ")[1]
+    zero, negative = {path: f"0 {unit}"}, {path: f"-1 {unit}"}
+    if path in MUST_BE_POSITIVE:
+        with pytest.raises(CaseError, match="is not positive"):
+            parse_case(SCENE, "scene.toml", zero)
+    else:
+        parse_case(SCENE, "scene.toml", zero)
+    if path in MAY_BE_NEGATIVE:
+        parse_case(SCENE, "scene.toml", negative)
+    else:
+        with pytest.raises(CaseError, match="is not positive|is negative"):
+            parse_case(SCENE, "scene.toml", negative)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [("[base]", "[base", 19), ('width = "1.5 in"', 'width = "1.5 in"\nwidth = "2 in"', 29), ('width = "1.5 in"', "width = 1,5 in", 28)],

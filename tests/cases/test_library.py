@@ -1,6 +1,7 @@
 import math
 import tomllib
 from dataclasses import replace
+from decimal import Decimal
 from pathlib import Path
 
 import pytest
@@ -151,6 +152,14 @@ def test_an_edit_of_either_table_is_noticed(run: int) -> None:
     other_damping = f"{float(RUNS[run].published_damping) * 1.00001:.9f}"
     assert not replace(RUNS[run], published_damping=other_damping).damping_is_consistent
     assert not replace(RUNS[run], simulated_speed=f"{float(RUNS[run].measured_speed or 0.0) + 1e-4}").damping_is_consistent
+
+
+def test_the_copied_columns_add_up_as_in_the_thesis() -> None:
+    # sums taken from the printed tables: they notice a digit that torque / damping = speed is too coarse to notice
+    runs = RUNS.values()
+    assert sum(Decimal(run.published_damping) for run in runs) == Decimal("20.099386173")
+    assert sum(Decimal(run.measured_speed or 0) for run in runs) == Decimal("298.035426")
+    assert all(run.measured_speed == run.simulated_speed for run in runs)  # table 5.2 repeats table 3.1
 
 
 def test_the_rigid_case_is_run_24_without_bending() -> None:
