@@ -2,3 +2,7 @@
 
 This package knows no file format, no engine and no plot. The equations are derived in `DERIVATION.md`; the code cites their numbers.
 """
+
+from reference_model import machine_code
+
+machine_code.keep_apart_by_source()

@@ -1,9 +1,16 @@
 """How the explicit model is compiled: cached on disk, reductions vectorised, not-a-number kept meaningful."""
 
+import os
 from collections.abc import Callable
 from typing import Any, Final, TypeVar, cast
 
+import numba
 from numba import njit
+
+from reference_model.machine_code import VARIABLE
+
+# numba reads its environment once; it may have been imported before this package
+numba.config.CACHE_DIR = os.environ.get(VARIABLE, numba.config.CACHE_DIR)  # type: ignore[attr-defined]
 
 #: Reordering of sums and fused multiply-add, but no assumption that nan and infinity are absent: they mark states that cannot be.
 FASTMATH: Final = {"reassoc", "contract", "nsz", "arcp"}
