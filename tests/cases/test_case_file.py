@@ -370,7 +370,7 @@ def test_signs_are_accepted_where_they_make_sense(path: str) -> None:
     if path in MAY_BE_NEGATIVE:
         parse_case(SCENE, "scene.toml", negative)
     else:
-        with pytest.raises(CaseError, match="is not positive|is negative"):
+        with pytest.raises(CaseError, match=r"is not positive|is negative"):
             parse_case(SCENE, "scene.toml", negative)
 
 
