@@ -52,9 +52,12 @@ class ExudynEngine(Engine):
         return settings_for(accuracy)
 
     def coarser(self, settings: AnySettings) -> tuple[ExudynSettings, float]:
-        """Half the elements at twice the step; both errors are of second order."""
+        """Twice the step, whose error dominates and is of second order, and three quarters of the elements.
+
+        Not half of them: the elements' error has the other sign, and with 8 for 16 the estimate falls 30 % short in run 24.
+        """
         chosen = _own(settings)
-        coarse = chosen.replaced(elements=max(FEWEST_ELEMENTS, chosen.elements // 2), step=min(LARGEST_STEP, 2.0 * chosen.step))
+        coarse = chosen.replaced(elements=max(FEWEST_ELEMENTS, 3 * chosen.elements // 4), step=min(LARGEST_STEP, 2.0 * chosen.step))
         return coarse, 4.0
 
     def finer(self, settings: AnySettings) -> ExudynSettings | None:
