@@ -1,9 +1,9 @@
 """Least squares of a slow part, a drifting first mode and a second mode: variable projection with Gauss-Newton steps.
 
-The signal is modelled as  slow part + T (1 + rho sigma) [a cos phi + b sin phi] + second mode,  phi = alpha theta + beta (sigma^2 - 1),
-the second mode as T2 {1, sigma2} {cos, sin}(alpha2 theta2). Linear coefficients are eliminated by orthogonal projection (Golub and
-Pereyra, 1973), the projection's own change is neglected in the Jacobian (Kaufman, 1975), steps are damped (Levenberg, Marquardt)
-and held within bounds.
+The signal is modelled as  slow part + T (1 + rho sigma) [a cos phi + b sin phi] + second mode,  phi = alpha theta + beta (sigma^2 - 1)
+less the channel's phase lag, the second mode as T2 {1, sigma2} {cos, sin}(alpha2 theta2). Linear coefficients are eliminated by
+orthogonal projection (Golub and Pereyra, 1973), the projection's own change is neglected in the Jacobian (Kaufman, 1975), steps are
+damped (Levenberg, Marquardt) and held within bounds.
 """
 
 from dataclasses import dataclass
@@ -71,7 +71,7 @@ def without(basis: Array, columns: Array) -> Array:
 def first_mode_columns(channel: ChannelHalf, alpha: float, beta: float, rho: float) -> Array:
     """The two columns of the drifting first mode, shape (240, 2)."""
     theta, sigma = channel.half.phases[0], channel.half.places[0]
-    phase = alpha * theta + beta * (sigma**2 - 1.0)
+    phase = alpha * theta + beta * (sigma**2 - 1.0) - channel.phase_lag
     envelope = channel.templates[0] * (1.0 + rho * sigma)
     return np.column_stack([envelope * np.cos(phase), envelope * np.sin(phase)])
 

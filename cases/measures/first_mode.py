@@ -83,7 +83,7 @@ def _scan(channel: ChannelHalf, slow: Array) -> Array:
     """Residual sum of squares for each scanned alpha without drift mismatch, shape (27,)."""
     basis = np.hstack([slow, orthonormal(without(slow, second_mode_columns(channel, 1.0)))])
     signal = without(basis, channel.signal)
-    phases = SCAN[:, None] * channel.half.phases[0]
+    phases = SCAN[:, None] * channel.half.phases[0] - channel.phase_lag
     columns = channel.templates[0][None, :, None] * np.stack([np.cos(phases), np.sin(phases)], axis=-1)
     columns = columns - basis @ (basis.T @ columns)
     gram = np.swapaxes(columns, 1, 2) @ columns

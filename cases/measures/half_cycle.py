@@ -23,6 +23,7 @@ class HalfCycle:
     Attributes:
         time: s, uniform.
         crank_angle: rad.
+        crank_speed: rad/s.
         progress: time scaled to [-1, 1].
         mean_frequencies: time means of f1, f2, f3 over the half, Hz, shape (3,).
         phases: theta_i = 2 pi times the integral of f_i, zero at the middle of their ranges, rad, shape (3, 240).
@@ -31,6 +32,7 @@ class HalfCycle:
 
     time: Array
     crank_angle: Array
+    crank_speed: Array
     progress: Array
     mean_frequencies: Array
     phases: Array
@@ -50,6 +52,7 @@ class ChannelHalf:
         signal: the channel less its mean, in units of `unit`, shape (240,).
         unit: RMS of the channel's deviation from its mean, in its own unit; 0 where it does not vary.
         templates: response to the modes at constant action, shape (3, 240).
+        phase_lag: of the channel behind the first mode, rad, shape (240,).
         slow_shape: quasi-static response to the crank's motion, shape (240,).
     """
 
@@ -57,6 +60,7 @@ class ChannelHalf:
     signal: Array
     unit: float
     templates: Array
+    phase_lag: Array
     slow_shape: Array
 
 
@@ -70,6 +74,7 @@ def half_cycle(scale: TimeScale, start: float, end: float, crank_angle: CubicSpl
     return HalfCycle(
         time=instants,
         crank_angle=angles,
+        crank_speed=crank_angle(instants, 1),
         progress=np.linspace(-1.0, 1.0, SAMPLES),
         mean_frequencies=span[:, 0] / (2.0 * np.pi * (end - start)),
         phases=phases,
@@ -88,5 +93,6 @@ def channel_half(scale: TimeScale, half: HalfCycle, channel: str, signal: CubicS
         signal=np.zeros(SAMPLES) if constant else deviation / unit,
         unit=0.0 if constant else unit,
         templates=scale.templates[channel](half.crank_angle).T,
+        phase_lag=scale.phase_lag(channel, half.crank_angle, half.crank_speed),
         slow_shape=scale.slow_shapes[channel](half.crank_angle),
     )

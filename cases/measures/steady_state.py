@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-3  # of the remaining error, relative to the signals' RMS
 GREATEST_NUMBER = 60  # of cycles
 GRID = 720  # crank angles per cycle on which cycles are compared
+SAME_INSTANT = 1e-3  # of a cycle, by which the end of one and the beginning of the next may differ
 AT_THE_END = 1e-9  # rad, by which a series may miss the farthest place and still begin or end there
 
 
@@ -89,19 +90,24 @@ class Settling:
         self.cycles = 0
         self.changes: list[float] = []
         self._last: dict[str, Array] = {}
+        self._end = 0.0
 
     def feed(self, cycle: Cycle) -> bool:
         """Take in the next cycle and answer whether it is settled.
 
         Raises:
-            ValueError: the cycle's channels are not those of the cycle before.
+            ValueError: the cycle does not begin where the one before ended (the same cycle twice would look settled), or its
+                channels are other ones.
         """
+        if self.cycles and abs(cycle.time[0] - self._end) > SAME_INSTANT * (cycle.time[-1] - cycle.time[0]):
+            raise ValueError(f"a cycle that begins at {cycle.time[0]:.6g} s does not follow one that ended at {self._end:.6g} s")
         present = _on_common_grid(cycle)
         if self.cycles:
             if present.keys() != self._last.keys():
                 raise ValueError(f"channels changed from {', '.join(self._last)} to {', '.join(present)}")
             self.changes.append(_relative_change(self._last, present))
         self._last = present
+        self._end = float(cycle.time[-1])
         self.cycles += 1
         return self.settled
 

@@ -110,6 +110,8 @@ def _mode(
     sigma = 2.0 * theta / theta[-1] - 1.0
     # a rate of factor (1 + drift sigma) times the mechanism's own: its time mean is the factor times the mechanism's, exactly
     phase = factor * theta[-1] / 2.0 * (sigma + drift * sigma**2 / 2.0) + random.uniform(0.0, 2.0 * np.pi)
+    if mode == 0:
+        phase -= scale.phase_lag(channel, crank_angle, np.gradient(crank_angle, time))
     envelope = scale.templates[channel](crank_angle)[:, mode] * (1.0 + slope * sigma)
     return np.asarray(envelope * np.cos(phase)), np.asarray(envelope)
 

@@ -40,9 +40,10 @@ def vibrating_cycle(
     channels = {}
     for name in scale.channels:
         templates = scale.templates[name](crank_angle).T
+        lag = scale.phase_lag(name, crank_angle, np.full(samples, speed))
         channels[name] = (
             scale.slow_shapes[name](crank_angle)
-            + amplitude * templates[0] * np.cos(factor * phases[0])
+            + amplitude * templates[0] * np.cos(factor * phases[0] - lag)
             + second[1] * templates[1] * np.cos(second[0] * phases[1] + 0.7)
         )
     return time, crank_angle, channels

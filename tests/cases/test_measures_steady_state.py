@@ -10,14 +10,17 @@ from cases.measures import Cycle, Settling, cut_cycles
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 301)
 
 
-def cycle(value: np.ndarray, direction: float = 1.0) -> Cycle:
-    return Cycle(ANGLES / 10.0, direction * (np.pi + ANGLES), {"strain_1": value})
+PERIOD = 0.6  # s
+
+
+def cycle(number: int, value: np.ndarray) -> Cycle:
+    return Cycle(PERIOD * (number + ANGLES / (2.0 * np.pi)), np.pi + ANGLES, {"strain_1": value})
 
 
 def approaching(ratio: complex, number: int, offset: float = 0.3) -> Cycle:
     """Cycle `number` of a sequence that approaches sin(q) + 1 with the multiplier `ratio`; the error's shape is exp(i q)."""
     error = offset * np.real(ratio**number * np.exp(1j * ANGLES))
-    return cycle(np.sin(ANGLES) + 1.0 + error)
+    return cycle(number, np.sin(ANGLES) + 1.0 + error)
 
 
 def true_error(ratio: float, number: int, offset: float = 0.3) -> float:
@@ -57,7 +60,7 @@ def test_fast_transient_does_not_hide_a_slow_one() -> None:
     number = 0
     while not settling.settled:
         slow, fast = 0.02 * 0.8**number, 1.0 if number == 0 else 0.0
-        settling.feed(cycle(np.sin(ANGLES) * (1.0 + slow) + fast))
+        settling.feed(cycle(number, np.sin(ANGLES) * (1.0 + slow) + fast))
         number += 1
     assert 0.02 * 0.8 ** (number - 1) < 1e-3
 
@@ -66,7 +69,7 @@ def test_endless_change_is_given_up() -> None:
     settling = Settling()
     random = np.random.default_rng(3)
     while not settling.given_up:
-        assert not settling.feed(cycle(np.sin(ANGLES + random.uniform(0.0, 6.0))))
+        assert not settling.feed(cycle(settling.cycles, np.sin(ANGLES + random.uniform(0.0, 6.0))))
     assert settling.cycles == 60
     assert settling.error_estimate > 1e-3
 
@@ -80,22 +83,32 @@ def test_growing_sequence_never_settles() -> None:
 
 def test_repeating_cycles_are_settled_as_soon_as_a_ratio_is_known() -> None:
     settling = Settling()
-    assert [settling.feed(cycle(np.sin(ANGLES))) for _ in range(4)] == [False, False, False, True]
+    assert [settling.feed(cycle(number, np.sin(ANGLES))) for number in range(4)] == [False, False, False, True]
     assert settling.error_estimate == 0.0
 
 
 def test_channels_that_are_zero_do_not_disturb() -> None:
     settling = Settling()
-    for _ in range(4):
-        settling.feed(Cycle(ANGLES, np.pi + ANGLES, {"strain_1": np.zeros(301), "tip_acceleration": np.cos(ANGLES)}))
+    for number in range(4):
+        turn = cycle(number, np.zeros(301))
+        settling.feed(Cycle(turn.time, turn.crank_angle, {**turn.channels, "tip_acceleration": np.cos(ANGLES)}))
     assert settling.settled
 
 
 def test_changed_channels_are_refused() -> None:
     settling = Settling()
-    settling.feed(cycle(np.sin(ANGLES)))
+    settling.feed(cycle(0, np.sin(ANGLES)))
+    turn = cycle(1, np.sin(ANGLES))
     with pytest.raises(ValueError, match="channels changed"):
-        settling.feed(Cycle(ANGLES, np.pi + ANGLES, {"strain_2": np.sin(ANGLES)}))
+        settling.feed(Cycle(turn.time, turn.crank_angle, {"strain_2": np.sin(ANGLES)}))
+
+
+@pytest.mark.parametrize("number", [0, 2])
+def test_cycle_out_of_turn_is_refused(number: int) -> None:
+    settling = Settling()
+    settling.feed(cycle(0, np.sin(ANGLES)))
+    with pytest.raises(ValueError, match="does not follow"):
+        settling.feed(cycle(number, np.sin(ANGLES)))
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])

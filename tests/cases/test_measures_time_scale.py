@@ -110,3 +110,21 @@ def test_quasi_static_strain_from_the_inboard_side(offset: float, gauge: float) 
     strain = moment / beam.bending_stiffness * beam.thickness / 2.0
     found = quasi_static_strain(mechanism, gauge, q1)
     assert found == pytest.approx(strain, abs=1e-12 * np.abs(strain).max())  # round-off
+
+
+def test_acceleration_lags_as_the_second_derivative_of_a_drifting_oscillation_does() -> None:
+    """Tip motion A cos phi with A ~ omega^(-1/2) phi_L, derived twice by differences; strain follows the modal coordinate itself."""
+    scale = time_scale(RUN_24)
+    assert scale is not None
+    speed = 0.5  # rad/s: slow, so that what is of second order in the rates of change drops out
+    time = np.linspace(0.0, np.pi / speed, 40001)
+    angles = np.pi + speed * time
+    omega = 2.0 * np.pi * scale.frequencies(angles)[:, 0]
+    phase = np.concatenate([[0.0], np.cumsum((omega[1:] + omega[:-1]) / 2.0 * np.diff(time))])
+    motion = scale.templates["tip_acceleration"](angles)[:, 0] / omega**2 * np.exp(1j * phase)
+    acceleration = np.diff(motion, 2) / (time[1] - time[0]) ** 2
+    lag = -np.angle(-acceleration / np.exp(1j * phase[1:-1]))
+    expected = scale.phase_lag("tip_acceleration", angles, np.full(angles.size, speed))[1:-1]
+    assert np.abs(expected).max() > 2e-3
+    assert lag == pytest.approx(expected, abs=1e-4)  # second order in e, and differences over 1e-2 of a period
+    assert not scale.phase_lag("strain_2", angles, np.full(angles.size, speed)).any()

@@ -1,0 +1,102 @@
+"""The first mode's frequency in simulated steady motion, against a truth that does not pass through the fit.
+
+The truth: the explicit model once more from the same instant with a small first-mode deflection added and subtracted. The difference
+of the two motions is a free vibration on the moving mechanism, without a slow part; its phase in the plane of modal coordinate and
+rate advances by 2 pi times the mean frequency times the time.
+"""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cases.measures import CHANNELS, cut_cycles, measure_cycle, time_scale
+from reference_model.mechanism import Mechanism
+from reference_model.model import ExplicitModel
+from reference_model.natural_modes import frozen_crank_modes
+from reference_model.shapes import clamped_free_modes
+from tests.engines.scenes import run_24
+
+Array = NDArray[np.float64]
+
+STEP = 5e-4  # s
+CYCLES = 12  # before the one that is measured: its measures need not be the steady state's, only those of a real motion
+PERTURBATION = 2e-5  # kg^(1/2) m: a tip deflection of a tenth of a millimetre
+
+
+@pytest.fixture(scope="module")
+def mechanism() -> Mechanism:
+    return run_24()
+
+
+@pytest.fixture(scope="module")
+def model(mechanism: Mechanism) -> ExplicitModel:
+    return ExplicitModel(mechanism, clamped_free_modes(mechanism.follower.length, 6), exact_geometry=True, recover=False)
+
+
+@pytest.fixture(scope="module")
+def states(mechanism: Mechanism, model: ExplicitModel) -> Array:
+    speed = mechanism.crank.drive.initial_speed
+    start = model.initial_state(np.pi, speed)
+    intervals = round(2.0 * np.pi * (CYCLES + 1.2) / speed / STEP)
+    return model.integrate(start, STEP, intervals, 1e-8, method="DOP853").states
+
+
+def modal_coordinate(mechanism: Mechanism, model: ExplicitModel, plus: Array, minus: Array) -> tuple[Array, Array]:
+    """First modal coordinate of the difference of two motions, and the mode's angular frequency, each of shape (rows,)."""
+    tip, count = mechanism.tip, model.shapes.count
+    assert tip is not None
+    x, weights = np.linspace(0.0, mechanism.follower.length, 201), np.full(201, mechanism.follower.length / 200)
+    weights[[0, -1]] /= 2.0
+    shapes, end_slopes = model.shapes.evaluate(x), model.shapes.evaluate(x[-1:], 1)[0]
+    first, second = model.observe(plus), model.observe(minus)
+    change = plus - minus
+    turn = first["follower_angle"] - second["follower_angle"]
+    d, r = mechanism.pivot_distance, mechanism.crank.length
+    # the part of the difference that is the rigid mechanism at another crank angle is no vibration
+    turn -= np.real(r * np.exp(1j * plus[:, 0]) / (r * np.exp(1j * plus[:, 0]) - d)) * change[:, 0]
+    coordinate, frequency = np.empty(len(plus)), np.empty(len(plus))
+    for row in range(len(plus)):
+        mode = frozen_crank_modes(mechanism, plus[row, 0], 1)
+        eta = change[row, 1 : count + 1]
+        w = shapes @ eta + x * turn[row]
+        phi, phi_slope = mode.deflection(x)[0], mode.deflection(x[[0, -1]], 1)[0]
+        coordinate[row] = (
+            mechanism.follower.mass_per_length * (weights * phi) @ w
+            + tip.mass * phi[-1] * w[-1]
+            + tip.inertia * phi_slope[1] * (end_slopes @ eta + turn[row])
+            + mechanism.base.inertia * phi_slope[0] * turn[row]
+        )
+        frequency[row] = 2.0 * np.pi * mode.frequencies[0]
+    return coordinate, frequency
+
+
+def test_consensus_is_the_frequency_of_a_small_free_vibration(mechanism: Mechanism, model: ExplicitModel, states: Array) -> None:
+    observed = model.observe(states)
+    time = STEP * np.arange(len(states))
+    cycle = cut_cycles(time, observed["crank_angle"], {name: observed[name] for name in CHANNELS})[CYCLES]
+    scale = time_scale(mechanism)
+    measures = measure_cycle(scale, cycle.time, cycle.crank_angle, cycle.channels)
+
+    start = int(np.searchsorted(time, cycle.time[0]))
+    rows = int(np.searchsorted(time, cycle.time[-1])) - start
+    mode = frozen_crank_modes(mechanism, states[start, 0], 1)
+    x = model.projection_points()
+    # relative to the base's tangent, as the model's shapes are
+    relative = mode.deflection(x)[0] - mode.deflection(x[:1], 1)[0, 0] * x
+    push = model.project_deflection(relative, mode.deflection(x, 1)[0] - mode.deflection(x[:1], 1)[0, 0])
+    motions = []
+    for sign in (1.0, -1.0):
+        state = states[start].copy()
+        state[1 : push.size + 1] += sign * PERTURBATION * push
+        motions.append(model.integrate(state, STEP, rows, 1e-10, method="DOP853").states)
+    coordinate, omega = modal_coordinate(mechanism, model, *motions)
+    at = STEP * np.arange(rows + 1) + time[start]
+    phase = np.unwrap(np.arctan2(-CubicSpline(at, coordinate)(at, 1) / omega, coordinate))
+    middle = float(CubicSpline(cycle.crank_angle, cycle.time)(cycle.crank_angle[0] + np.pi))
+    edges = CubicSpline(at, phase)(np.clip([cycle.time[0], middle, cycle.time[-1]], at[0], at[-1]))
+    truth = np.diff(edges) / (2.0 * np.pi) / np.diff([cycle.time[0], middle, cycle.time[-1]])
+    for agreed, frequency in zip(measures.consensus, truth, strict=True):
+        assert agreed.first_mode_frequency is not None
+        # over the thesis' 24 runs the consensus is off by 0.2 % in the mean with a spread of 0.7 %
+        assert agreed.first_mode_frequency == pytest.approx(frequency, rel=0.01)
