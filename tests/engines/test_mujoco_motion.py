@@ -30,6 +30,15 @@ def field(polynomial: Polynomial) -> Field:
     return lambda x, nu=0: polynomial.deriv(nu)(x) if nu else polynomial(x)
 
 
+#: Deflection and its rate of a start that is neither straight nor at rest, m and m/s; no curvature at the base, as in any motion.
+SHAPE = Polynomial([0.0, 0.0, 0.0, 0.6, -0.7])
+RATE = Polynomial([0.0, 0.0, 0.0, -20.0, 18.0])
+
+
+def bent_and_moving(crank_angle: float, crank_speed: float) -> Start:
+    return Start(crank_angle, crank_speed, field(SHAPE), field(RATE))
+
+
 def rms(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
@@ -104,17 +113,16 @@ def test_beam_damping_acts_on_the_motion_relative_to_the_base() -> None:
 
 
 def test_tip_acceleration_is_that_of_the_tip() -> None:
-    L, step = run_24().follower.length, 2e-6
-    shape, rate = Polynomial([0.0, 0.0, 0.05 / L**2, -0.02 / L**3]), Polynomial([0.0, 0.0, -3.0 / L**2, 2.0 / L**3])
-    start = Start(2.5, 16.0, field(shape), field(rate))
-    t = simulated(run_24(), 4 * step, start, output_step=step)
+    # In the quick return at high speed, where the turning of bent links is a part of it that counts.
+    mechanism, start, step = run_24(), bent_and_moving(2.0 * math.pi, 60.0), 2e-6
+    t = simulated(mechanism, 4 * step, start, output_step=step)
     acceleration = np.diff(t["tip_x"] + 1j * t["tip_y"], 2)[0] / step**2
-    state, end = reconstruct(run_24(), start), np.array([L])
+    state, end = reconstruct(mechanism, start), np.array([mechanism.follower.length])
     normal = 1j * np.exp(1j * (state.tangent(end)[0] + step * state.tangent_rate(end)[0]))
-    # The chain's last tangent is off by 1e-3 of its end slope; round-off of the difference is 1e-16 m / step² = 3e-5 m/s².
     along_normal = (np.conj(normal) * acceleration).real
     assert abs(acceleration) > 50.0
-    assert t["tip_acceleration"][1] == pytest.approx(along_normal, abs=2e-3 * abs(acceleration))
+    # The chain's last tangent is off by 1e-4 rad; round-off of the difference is 1e-16 m / step² = 3e-5 m/s².
+    assert t["tip_acceleration"][1] == pytest.approx(along_normal, abs=5e-4 * abs(acceleration))
 
 
 def test_slider_force_is_what_slows_the_crank() -> None:
@@ -170,22 +178,20 @@ def test_stiff_follower_approaches_the_rigid_one() -> None:
 
 
 def test_starts_in_a_bent_and_moving_state() -> None:
-    L = run_24().follower.length
-    shape, rate = Polynomial([0.0, 0.0, 0.05 / L**2, -0.02 / L**3]), Polynomial([0.0, 0.0, -3.0 / L**2, 2.0 / L**3])
-    start = Start(2.5, 16.0, field(shape), field(rate))
-    mechanism = run_24()
-    state = reconstruct(mechanism, start)
-    t = simulated(mechanism, 1e-5, start, output_step=1e-6, links=27)
-    # The chain of 27 links stands for the beam up to (h / L)² = 1.4e-3 times its end curvatures and better elsewhere.
-    assert t["follower_angle"][0] == pytest.approx(state.follower_angle, abs=1e-4)
-    assert t["slider_position"][0] == pytest.approx(state.slider_position, rel=1e-5)
-    assert t["tip_deflection"][0] == pytest.approx(shape(L), rel=3e-3)
-    np.testing.assert_allclose([t["tip_x"][0], t["tip_y"][0]], state.position(np.array([L]))[0], atol=3e-5)
-    velocity = [np.gradient(t[name], 1e-6)[0] for name in ("tip_x", "tip_y")]
-    np.testing.assert_allclose(velocity, state.velocity(np.array([L]))[0], atol=0.02)  # of 8 m/s; first difference over 1 µs
+    mechanism, start = run_24(), bent_and_moving(2.5, 16.0)
+    state, end = reconstruct(mechanism, start), np.array([mechanism.follower.length])
+    t = simulated(mechanism, 1e-5, start, output_step=1e-6)
+    # About twice what twelve links leave (the end is bent here, which a chain has no term for); a wrong sign of either
+    # correction of order h² leaves ten times as much in the angle or the strain.
+    assert t["follower_angle"][0] == pytest.approx(state.follower_angle, abs=3e-5)
+    assert t["slider_position"][0] == pytest.approx(state.slider_position, abs=1e-5)
+    assert t["tip_deflection"][0] == pytest.approx(float(SHAPE(end)[0]), rel=5e-3)
+    np.testing.assert_allclose([t["tip_x"][0], t["tip_y"][0]], state.position(end)[0], atol=2e-4)
+    velocity = [np.gradient(t[name], 1e-6, edge_order=2)[0] for name in ("tip_x", "tip_y")]
+    np.testing.assert_allclose(velocity, state.velocity(end)[0], atol=3e-3)
     gauge = mechanism.follower.strain_gauges[0]
-    curvature = shape.deriv(2)(gauge) / math.sqrt(1.0 - shape.deriv()(gauge) ** 2)
-    assert t["strain_1"][0] == pytest.approx(curvature * mechanism.follower.thickness / 2.0, rel=2e-3)
+    curvature = SHAPE.deriv(2)(gauge) / math.sqrt(1.0 - SHAPE.deriv()(gauge) ** 2)
+    assert t["strain_1"][0] == pytest.approx(curvature * mechanism.follower.thickness / 2.0, rel=1e-3)
 
 
 def test_crank_may_turn_backwards_with_the_mirrored_motion() -> None:
