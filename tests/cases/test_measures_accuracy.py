@@ -1,8 +1,8 @@
 """How far the first-mode measures can be trusted: half cycles with a known vibration, from four scenes, all channels and halves.
 
-Statistical error of the estimates themselves with n resolvable half cycles: bias spread/sqrt(n), spread 1/sqrt(2n) of itself, the
-90 % bound about 1.2 spread/sqrt(n) (normal errors): with n = 160 that is 0.04, 0.03 and 0.05 times 1 %, for a spread of 0.5 %. The
-numbers drawn are seeded, so that the limits below, the published ones, hold or fail for good.
+Limits are the published ones plus one standard deviation of the estimate itself, which for n resolvable half cycles is spread/sqrt(n)
+for the bias, 1/sqrt(2n) of itself for the spread and 1.2 spread/sqrt(n) for the 90 % bound (normal errors): 0.04 %, 0.03 % and
+0.05 % at n = 128 and a spread of 0.5 %. `python -m cases.measures.accuracy` draws as many as one likes.
 """
 
 import math
@@ -11,7 +11,8 @@ import pytest
 
 from cases.measures.accuracy import accuracy
 
-SAMPLES = 160
+SAMPLES = 128  # four times every scene, channel and half
+FALSE_SAMPLES = 96
 SEED = 2
 
 
@@ -28,15 +29,16 @@ def test_bias_spread_and_reach(
 ) -> None:
     reached = accuracy(vibration, SAMPLES, SEED)
     assert reached.resolvable >= resolvable
-    assert abs(reached.bias) <= bias + reached.spread / math.sqrt(SAMPLES * reached.resolvable)
-    assert reached.spread <= spread
-    assert reached.within <= within
-    assert reached.amplitude_spread <= amplitude_spread
+    one_sigma = 1.0 / math.sqrt(SAMPLES * reached.resolvable)
+    assert abs(reached.bias) <= bias + one_sigma * reached.spread
+    assert reached.spread <= spread * (1.0 + one_sigma / math.sqrt(2.0))
+    assert reached.within <= within + 1.2 * one_sigma * reached.spread
+    assert reached.amplitude_spread <= amplitude_spread * (1.0 + one_sigma / math.sqrt(2.0))
     # claimed uncertainties are honest: no smaller than what is observed (its own error of 6 to 7 % granted)
     assert reached.claimed >= 0.9 * reached.spread
 
 
 @pytest.mark.parametrize("vibration", [0.03, 0.0])
 def test_vibration_that_is_not_there_is_not_found(vibration: float) -> None:
-    # the expectation is about 0.3 % at 0.03 and nothing at 0: more than two among 160 has a probability of 1 %
-    assert accuracy(vibration, SAMPLES, SEED).resolvable * SAMPLES <= 2
+    # the expectation is 0.3 % at 0.03 (2 of 640) and nothing at 0: more than one among 96 has a probability of 3 %
+    assert accuracy(vibration, FALSE_SAMPLES, SEED).resolvable * FALSE_SAMPLES <= 1

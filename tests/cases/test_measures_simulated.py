@@ -73,7 +73,7 @@ def modal_coordinate(mechanism: Mechanism, model: ExplicitModel, plus: Array, mi
 
 def test_consensus_is_the_frequency_of_a_small_free_vibration(mechanism: Mechanism, model: ExplicitModel, states: Array) -> None:
     observed = model.observe(states)
-    time = STEP * np.arange(len(states))
+    time = STEP * np.arange(len(states), dtype=np.float64)
     cycle = cut_cycles(time, observed["crank_angle"], {name: observed[name] for name in CHANNELS})[CYCLES]
     scale = time_scale(mechanism)
     measures = measure_cycle(scale, cycle.time, cycle.crank_angle, cycle.channels)
