@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853, ODEintWarning, odeint
 
 from reference_model.compilation import compiled
-from reference_model.dynamics import right_hand_side
-from reference_model.parameters import Parameters, Workspace, state_size
+from reference_model.equations import AnyParameters, AnyWorkspace, right_hand_side
+from reference_model.moving_parameters import MovingParameters
 
 STAGES: Final = 12
 _A = np.vstack([np.hstack([DOP853.A, np.zeros((STAGES, 4))]), np.zeros((1, 16)), DOP853.A_EXTRA])
@@ -32,7 +32,7 @@ class Integration:
     """What an integration delivered.
 
     Attributes:
-        states: rows of the state vector on the output grid, as far as it was reached, shape (k, 2 n + 4).
+        states: rows of the state vector on the output grid, as far as it was reached, shape (k, size of the state).
         status: one of the module's constants.
         end_time: s since the start of this integration, the last instant reached.
         calls: right-hand sides evaluated.
@@ -46,50 +46,55 @@ class Integration:
     next_step: float
 
 
-def error_scales(p: Parameters, speed: float) -> NDArray[np.float64]:
-    """Sizes against which the relative tolerance is taken, one per controlled state (2 n + 2): fixed, so that none vanishes.
+def error_scales(p: AnyParameters, speed: float) -> NDArray[np.float64]:
+    """Sizes against which the relative tolerance is taken, one per controlled state: fixed, so that none vanishes.
 
-    A hundredth of the length for coordinates of the shapes and that times a characteristic frequency for their rates, a tenth of a
-    radian for the crank and a tenth of its speed; energies are quadratures and not controlled.
+    A hundredth of the length for coordinates of the shapes (times the root of the follower's mass where the shapes are
+    mass-normalised) and that times a characteristic frequency for their rates, a hundredth of the length for the slider, a tenth of
+    a radian for the crank and a tenth of its speed. The energies at the end of the state are quadratures and not controlled.
     """
-    frequency = 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n else 1.0
-    scales = np.empty(2 * p.n + 2)
-    scales[0] = 0.1
-    scales[1 : p.n + 1] = 0.01 * p.L
-    scales[p.n + 1] = 0.1 * max(abs(speed), 1.0)
-    scales[p.n + 2 :] = 0.01 * p.L * frequency
-    return scales
+    n, frequency = p.n, 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n else 1.0
+    size = 0.01 * p.L
+    crank = [0.1, 0.1 * max(abs(speed), 1.0)]
+    if isinstance(p, MovingParameters):
+        shape = size * math.sqrt(p.rhoA * p.L)
+        return np.array([crank[0], *[shape] * n, size, crank[1], *[shape * frequency] * n])
+    return np.array([crank[0], *[size] * n, crank[1], *[size * frequency] * n])
 
 
 def integrate_dop853(
-    p: Parameters, w: Workspace, y: NDArray[np.float64], output_step: float, intervals: int, tolerance: float, first_step: float = 0.0
+    p: AnyParameters, w: AnyWorkspace, y: NDArray[np.float64], output_step: float, intervals: int, tolerance: float, first_step: float = 0.0
 ) -> Integration:
     """Integrate from the state `y` over `intervals` output steps (s) with the compiled DOP853.
 
     Args:
         p: parameters of the model.
         w: its workspace.
-        y: state at the start, shape (2 n + 4,); not changed.
+        y: state at the start; not changed.
         output_step: grid of the output, s.
         intervals: number of output steps.
         tolerance: local error relative to `error_scales`.
         first_step: step size to begin with, s; 0 chooses one.
     """
-    size = state_size(p)
+    size = len(y)
     states = np.empty((intervals + 1, size))
-    scales = error_scales(p, y[p.n + 1]) * tolerance
-    status, rows, end_time, calls, step = _dop853(p, w, y.copy(), output_step, intervals, scales, first_step, states, np.empty((16, size)))
+    scales = error_scales(p, _crank_speed(p, y)) * tolerance
+    limit = p.reach if isinstance(p, MovingParameters) else p.L
+    status, rows, end_time, calls, step = _dop853(
+        p, w, y.copy(), output_step, intervals, scales, limit, first_step, states, np.empty((16, size))
+    )
     return Integration(states[:rows], status, end_time, calls, step)
 
 
 @compiled
 def _dop853(
-    p: Parameters,
-    w: Workspace,
+    p: AnyParameters,
+    w: AnyWorkspace,
     y: NDArray[np.float64],
     output_step: float,
     intervals: int,
     scales: NDArray[np.float64],
+    limit: float,
     step: float,
     states: NDArray[np.float64],
     K: NDArray[np.float64],
@@ -124,19 +129,19 @@ def _dop853(
             step = h * (max(0.333, 0.9 * norm**-0.125) if norm < 1e8 else 0.25)
             rejected = True
             continue
-        left = w.slider[0] > p.L
+        left = w.slider[0] > limit
         if left or (rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12)):
             for stage in range(STAGES + 1, 16):
                 _stage_state(y, K, stage, h, trial)
                 calls += 1
                 right_hand_side(p, w, trial, K[stage])
             _dense_coefficients(y, new, K, h, F)
-            limit = _leaving_time(p, w, y, F, trial, K) * h if left else h
-            while rows <= intervals and rows * output_step <= t + limit * (1.0 + 1e-12):
+            span = _leaving_time(p, w, y, F, limit, trial, K) * h if left else h
+            while rows <= intervals and rows * output_step <= t + span * (1.0 + 1e-12):
                 _interpolate(y, F, min((rows * output_step - t) / h, 1.0), states[rows])
                 rows += 1
             if left:
-                return LEFT_FOLLOWER, rows, t + limit, calls, step
+                return LEFT_FOLLOWER, rows, t + span, calls, step
         t = end if last else t + h
         y[:] = new
         K[0, :] = K[STAGES]
@@ -198,14 +203,20 @@ def _interpolate(y: NDArray[np.float64], F: NDArray[np.float64], u: float, out: 
 
 @compiled
 def _leaving_time(
-    p: Parameters, w: Workspace, y: NDArray[np.float64], F: NDArray[np.float64], trial: NDArray[np.float64], K: NDArray[np.float64]
+    p: AnyParameters,
+    w: AnyWorkspace,
+    y: NDArray[np.float64],
+    F: NDArray[np.float64],
+    limit: float,
+    trial: NDArray[np.float64],
+    K: NDArray[np.float64],
 ) -> float:
     """Fraction of the step at which the slider passes the follower's end, by bisection; K[15] is scratch."""
     low, high = 0.0, 1.0
     for _ in range(45):
         middle = 0.5 * (low + high)
         _interpolate(y, F, middle, trial)
-        if right_hand_side(p, w, trial, K[15]) and w.slider[0] <= p.L:
+        if right_hand_side(p, w, trial, K[15]) and w.slider[0] <= limit:
             low = middle
         else:
             high = middle
@@ -213,10 +224,10 @@ def _leaving_time(
 
 
 def integrate_lsoda(
-    p: Parameters, w: Workspace, y: NDArray[np.float64], output_step: float, intervals: int, tolerance: float
+    p: AnyParameters, w: AnyWorkspace, y: NDArray[np.float64], output_step: float, intervals: int, tolerance: float
 ) -> Integration:
     """The same with LSODA (thesis, section 5.2), called once per output step as there; arguments as in `integrate_dop853`."""
-    size = state_size(p)
+    size = len(y)
     rate = np.empty(size)
 
     def fun(_: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -224,7 +235,8 @@ def integrate_lsoda(
         return rate
 
     scales = np.full(size, 1e3)  # energies are quadratures: not controlled
-    scales[: 2 * p.n + 2] = error_scales(p, y[p.n + 1])
+    controlled = error_scales(p, _crank_speed(p, y))
+    scales[: len(controlled)] = controlled
     times = output_step * np.arange(intervals + 1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ODEintWarning)
@@ -244,3 +256,7 @@ def integrate_lsoda(
             good = 1 + int(np.searchsorted(info["tcur"], times[1:], side="left").size and np.argmax(info["tcur"] < times[1:] - 1e-12))
             status = STEP_TOO_SMALL
     return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][-1]), 0.0)
+
+
+def _crank_speed(p: AnyParameters, y: NDArray[np.float64]) -> float:
+    return float(y[p.n + (2 if isinstance(p, MovingParameters) else 1)])
