@@ -34,5 +34,7 @@ def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, co
     mass += mechanism.base.inertia * np.outer(turn, turn) + tip.mass * np.outer(end, end) + tip.inertia * np.outer(end_turn, end_turn)
     mass += mechanism.slider.inertia * np.outer(slider_turn, slider_turn)
     stiffness = beam.bending_stiffness * tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)
-    squares = eigh(stiffness, mass, eigvals_only=True, subset_by_index=(0, min(count, shapes.count) - 1))
-    return np.sqrt(squares) / (2.0 * np.pi)
+    # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
+    wanted = min(count, shapes.count)
+    inverse_squares = eigh(mass, stiffness, eigvals_only=True, subset_by_index=(shapes.count - wanted, shapes.count - 1))[::-1]
+    return 1.0 / (2.0 * np.pi * np.sqrt(inverse_squares))

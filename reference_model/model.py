@@ -55,7 +55,7 @@ class ExplicitModel:
         parameters = build_parameters(
             self.mechanism, self.shapes, exact_geometry=self.exact_geometry, cells=cells, transverse_damping=self.transverse_damping
         )
-        mesh = build_tables(self.shapes, 2 * (max(cells, len(self.shapes.edges) - 1) // 2 + 1))
+        mesh = build_tables(self.shapes, 2 * ((cells or len(self.shapes.edges) - 1) // 2 + 1))
         for name, value in (
             ("parameters", parameters),
             ("_workspace", build_workspace(parameters.tables)),

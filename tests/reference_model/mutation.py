@@ -1,0 +1,222 @@
+"""One sign flipped at a time in the source of the equations, run as plain Python so that a mutant costs milliseconds.
+
+What is flipped: every sum and difference (a + b to a - b, and a - b to a + b; the left operand's sign where it is no sum itself), every
+minus sign, every augmented += and -=, and every assigned or returned product.
+
+What is left alone, by rule: index arithmetic (subscripts, `range`, comparisons, everything that evaluates to an int), the solution of
+a linear system, and in `_locate` the gradient that only steers Newton's iteration to the root of the same equation.
+"""
+
+import ast
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+from reference_model import dynamics, kinematics, observables
+from tests.reference_model.oracle_scene import Equations
+
+MODULES: dict[str, ModuleType] = {module.__name__: module for module in (kinematics, dynamics, observables)}
+
+#: Functions without an equation of motion: linear algebra and index arithmetic; and what shows or recovers rather than moves.
+NO_EQUATIONS = frozenset(
+    {"_solve_cholesky", "_full_index", "observe", "_curvature_of_shape", "_lay_mesh", "_recover", "_tip_loads", "_slider_moment", "_at"}
+)
+#: Quantities in `_locate` that serve Newton's gradient alone.
+ITERATION_CONTROL = frozenset({"gradient", "slope", "g"})
+
+PROBE = "_probe"
+
+
+@dataclass(frozen=True)
+class Site:
+    """One place where a sign can be flipped."""
+
+    module: str
+    function: str
+    number: int  # among the sites of the module
+    line: int
+    flip: str  # the mutated code
+
+    def __str__(self) -> str:
+        return f"{self.module.rsplit('.', 1)[-1]}.{self.function}, line {self.line}: {self.flip}"
+
+
+class _Marker(ast.NodeTransformer):
+    """Visits the sites of one module in a fixed order; flips one of them, or wraps each term in a probe of its type."""
+
+    def __init__(self, flip: int | None = None, probe: bool = False) -> None:
+        self.flip, self.probe = flip, probe
+        self.sites: list[tuple[str, int, str]] = []
+        self.function = ""
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        if self.function or node.name in NO_EQUATIONS:
+            return node
+        self.function = node.name
+        node.body = [self.visit(statement) for statement in node.body]
+        self.function = ""
+        return node
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        return node  # indices
+
+    def visit_Compare(self, node: ast.Compare) -> ast.AST:
+        return node  # tolerances and switches
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        if isinstance(node.func, ast.Name) and node.func.id == "range":
+            return node
+        return self.generic_visit(node)
+
+    def visit_Assign(self, node: ast.Assign) -> ast.AST:
+        if self._controls_iteration(node.targets[0]):
+            return node
+        node.value = self._term(node.value)
+        return node
+
+    def visit_Return(self, node: ast.Return) -> ast.AST:
+        if node.value is not None:
+            node.value = self._term(node.value)
+        return node
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> ast.AST:
+        if self._controls_iteration(node.target):
+            return node
+        node.value = self.visit(node.value)
+        if not isinstance(node.op, (ast.Add, ast.Sub)):
+            return node
+        flipped = ast.AugAssign(node.target, ast.Sub() if isinstance(node.op, ast.Add) else ast.Add(), node.value)
+        if self._site(node, flipped):
+            return flipped
+        if self.probe:
+            node.value = self._probed(node.value)
+        return node
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        node.left, node.right = self.visit(node.left), self.visit(node.right)
+        if not isinstance(node.op, (ast.Add, ast.Sub)):
+            return node
+        left_is_sum = isinstance(node.left, ast.BinOp) and isinstance(node.left.op, (ast.Add, ast.Sub))
+        left_is_minus = isinstance(node.left, ast.UnaryOp)
+        if not (left_is_sum or left_is_minus or self._is_probe(node.left)):
+            flipped_left = ast.BinOp(ast.UnaryOp(ast.USub(), node.left), node.op, node.right)
+            if self._site(node, flipped_left):
+                return flipped_left
+            if self.probe:
+                node.left = self._probed(node.left)
+        flipped = ast.BinOp(node.left, ast.Sub() if isinstance(node.op, ast.Add) else ast.Add(), node.right)
+        if self._site(node, flipped):
+            return flipped
+        if self.probe:
+            node.right = self._probed(node.right)
+        return node
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
+        operand = self.visit(node.operand)
+        if not isinstance(node.op, ast.USub):
+            return ast.UnaryOp(node.op, operand)
+        if self._site(node, operand):
+            return operand
+        return ast.UnaryOp(node.op, self._probed(operand) if self.probe else operand)
+
+    def _term(self, value: ast.expr) -> ast.expr:
+        """An assigned or returned value; a tuple's elements each."""
+        if isinstance(value, ast.Tuple):
+            return ast.Tuple([self._term(element) for element in value.elts], value.ctx)
+        product = isinstance(value, ast.BinOp) and isinstance(value.op, (ast.Mult, ast.Div))
+        visited = self.visit(value)
+        if product:
+            flipped = ast.UnaryOp(ast.USub(), visited)
+            if self._site(value, flipped):
+                return flipped
+            if self.probe:
+                return self._probed(visited)
+        return visited
+
+    def _controls_iteration(self, target: ast.expr) -> bool:
+        return self.function == "_locate" and isinstance(target, ast.Name) and target.id in ITERATION_CONTROL
+
+    def _site(self, node: ast.stmt | ast.expr, flipped: ast.AST) -> bool:
+        """Record a site; whether it is the one to flip."""
+        text = ast.unparse(flipped) if self.flip is None and not self.probe else ""
+        self.sites.append((self.function, node.lineno, text))
+        return len(self.sites) - 1 == self.flip
+
+    def _is_probe(self, node: ast.expr) -> bool:
+        return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == PROBE
+
+    def _probed(self, value: Any) -> ast.expr:
+        return ast.Call(ast.Name(PROBE, ast.Load()), [ast.Constant(len(self.sites) - 1), value], [])
+
+
+def _plain(function: Callable[..., Any]) -> Callable[..., Any]:
+    return function
+
+
+def _compiled(tree: ast.Module) -> CodeType:
+    """The code of a module without its imports from the package."""
+    body = [s for s in tree.body if not (isinstance(s, ast.ImportFrom) and (s.module or "").startswith("reference_model"))]
+    return compile(ast.fix_missing_locations(ast.Module(body, [])), "mutant", "exec")
+
+
+def _parsed(name: str) -> ast.Module:
+    return ast.parse(inspect.getsource(MODULES[name]))
+
+
+@cache
+def _unchanged(name: str) -> CodeType:
+    return _compiled(_parsed(name))
+
+
+def _execute(codes: Mapping[str, CodeType], probe: Callable[[str], Callable[[int, Any], Any]] | None = None) -> Equations:
+    """The modules as plain Python, one after the other; what they define replaces what the next ones would import."""
+    defined: dict[str, Any] = {"compiled": _plain, "inlined": _plain}
+    for name, module in MODULES.items():
+        imported = {key: getattr(value, "py_func", value) for key, value in vars(module).items() if not key.startswith("__")}
+        space = imported | defined | {"__name__": name}
+        if probe:
+            space[PROBE] = probe(name)
+        exec(codes.get(name) or _unchanged(name), space)
+        defined |= {key: value for key, value in space.items() if isinstance(value, FunctionType) and value.__module__ == name}
+    return Equations(defined["evaluate"], defined["right_hand_side"], defined["observe"])
+
+
+def original() -> Equations:
+    """The unchanged source as plain Python."""
+    return _execute({})
+
+
+def mutant(site: Site) -> Equations:
+    """The source with one sign flipped."""
+    return _execute({site.module: _compiled(_Marker(flip=site.number).visit(_parsed(site.module)))})
+
+
+def sites(exercise: Callable[[Equations], object]) -> tuple[list[Site], list[Site]]:
+    """All sites whose terms are floating-point numbers, and those that `exercise` never evaluates.
+
+    Args:
+        exercise: evaluates the equations it is given at states that reach every branch.
+    """
+    kinds: dict[tuple[str, int], type] = {}
+
+    def probe(name: str) -> Callable[[int, Any], Any]:
+        def note(number: int, value: Any) -> Any:
+            kinds[name, number] = type(value)
+            return value
+
+        return note
+
+    exercise(_execute({name: _compiled(_Marker(probe=True).visit(_parsed(name))) for name in MODULES}, probe))
+    every = list(_all_sites())
+    return [s for s in every if kinds.get((s.module, s.number)) not in (int, None)], [s for s in every if (s.module, s.number) not in kinds]
+
+
+def _all_sites() -> Iterator[Site]:
+    for name in MODULES:
+        marker = _Marker()
+        marker.visit(_parsed(name))
+        for number, (function, line, text) in enumerate(marker.sites):
+            yield Site(name, function, number, line, text)

@@ -1,0 +1,192 @@
+"""Scenes and states of the oracles handed to the explicit model, and what both say about them under common names."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model import dynamics, observables
+from reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
+from reference_model.parameters import Parameters, build_parameters, build_workspace, state_size
+from reference_model.shapes import ShapeSet, hermite_elements
+from reference_model.tables import build_tables
+from tests.symbolic import exact_model, symbolic_model
+from tests.symbolic.random_states import random_case
+
+Array = NDArray[np.float64]
+Values = dict[str, Array]
+Case = tuple[dict[str, float], dict[str, float]]
+
+#: Parts that a scene can lack besides those which `random_case` leaves out.
+ABSENT = ("tip_mass", "tip_inertia", "base_inertia", "base_damping", "beam_damping", "crank_damping", "crank_torque")
+
+
+@dataclass(frozen=True)
+class Equations:
+    """The functions under test: the compiled ones, or the same source as plain Python."""
+
+    evaluate: Callable[..., Any]
+    right_hand_side: Callable[..., Any]
+    observe: Callable[..., Any]
+
+
+COMPILED = Equations(dynamics.evaluate, dynamics.right_hand_side, observables.observe)
+
+
+def draw_case(seed: int, *, present: float = 0.5, lacking: tuple[str, ...] = ()) -> Case:
+    """A random scene in which the crank can turn all the way round, and a random state of it."""
+    rng = np.random.default_rng(seed)
+    while True:
+        parameters, state = random_case(rng, present=present)
+        if parameters["pivot_distance"] + parameters["crank_length"] < parameters["length"]:
+            return parameters | dict.fromkeys(lacking, 0.0), state
+
+
+def mechanism_of(parameters: Mapping[str, float]) -> Mechanism:
+    """The scene as the package takes it."""
+    p = parameters
+    try:
+        return Mechanism(
+            pivot_distance=p["pivot_distance"],
+            crank=Crank(
+                length=p["crank_length"],
+                drive=TorqueDrive(torque=p["crank_torque"], damping=p["crank_damping"], initial_speed=1.0),
+                mass=p["crank_mass"],
+                center_of_mass=p["crank_center_of_mass"],
+                inertia=p["crank_inertia"],
+            ),
+            base=Base(inertia=p["base_inertia"], damping=p["base_damping"]),
+            follower=Follower(
+                length=p["length"],
+                mass_per_length=p["mass_per_length"],
+                bending_stiffness=p["bending_stiffness"],
+                thickness=3e-3,
+                width=4e-2,
+                damping=p["beam_damping"],
+                strain_gauges=(0.25 * p["length"], 0.5 * p["length"], 0.75 * p["length"]),
+            ),
+            tip=Tip(mass=p["tip_mass"], inertia=p["tip_inertia"], center_of_mass=p["tip_center_of_mass"]),
+            slider=Slider(mass=p["slider_mass"], inertia=p["slider_inertia"]),
+            gravity=(p["gravity_1"], p["gravity_2"]),
+        )
+    except ImpossibleMechanism as error:
+        raise ValueError("draw a case whose crank can turn") from error
+
+
+def build(parameters: Mapping[str, float], *, elements: int = 1, exact: bool = False, cells: int = 0) -> tuple[Parameters, ShapeSet]:
+    """Parameters of the equations with Hermite elements, and their shapes."""
+    shapes = hermite_elements(parameters["length"], elements)
+    return build_parameters(mechanism_of(parameters), shapes, exact_geometry=exact, cells=cells), shapes
+
+
+def state_vector(p: Parameters, crank: Mapping[str, float], eta: Array, eta_rate: Array) -> Array:
+    y = np.zeros(state_size(p))
+    y[0], y[p.n + 1] = crank["crank_angle"], crank["crank_speed"]
+    y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2] = eta, eta_rate
+    return y
+
+
+def flexible(state: Mapping[str, float]) -> tuple[Array, Array]:
+    """Amplitudes and rates of the single cubic."""
+    value = np.array([state["tip_deflection"], state["tip_slope"]])
+    return value, np.array([state["tip_deflection_rate"], state["tip_slope_rate"]])
+
+
+def computed(equations: Equations, p: Parameters, shapes: ShapeSet, y: Array) -> Values:
+    """What the explicit model says about the state `y`.
+
+    Raises:
+        ValueError: it cannot be evaluated.
+    """
+    w, mesh = build_workspace(p.tables), build_tables(shapes, 4)
+    good, slider, contact = equations.evaluate(p, w, y)
+    if not good:
+        raise ValueError("the model refuses the state")
+    size = p.n + 1 if p.crank_is_free else p.n
+    factor = np.tril(w.reduced[:size, :size])  # the solution leaves Cholesky's factor of the projected mass matrix
+    free = np.r_[w.acceleration[:1], w.acceleration[2:]] if p.crank_is_free else w.acceleration[2:].copy()
+    matrix = factor @ factor.T
+    values = {
+        "follower": np.array([slider.q2, contact.q2_rate]),
+        "slider": np.array([slider.s, contact.s_rate]),
+        "projected_mass_matrix": matrix,
+        "projected_force": matrix @ free,
+        "accelerations": free,
+        "follower_acceleration": w.acceleration[1:2].copy(),
+    }
+    rate, out = np.zeros_like(y), np.zeros((1, len(observables.COLUMNS)))
+    if not equations.right_hand_side(p, w, y, rate) or equations.observe(p, w, mesh, build_workspace(mesh), y[None, :], False, out) != 1:
+        raise ValueError("the model refuses the state")
+    column = dict(zip(observables.COLUMNS, out[0], strict=True))
+    n = p.n
+    values |= {name: np.array([column[name]]) for name in ("slider_force", "kinetic_energy", "strain_energy", "gravity_energy")}
+    values |= {
+        "state_rate": np.r_[rate[: n + 1], rate[n + 1 + (not p.crank_is_free) : 2 * n + 2]],
+        "dissipated_power": rate[2 * n + 2 : 2 * n + 3],
+        "drive_power": rate[2 * n + 3 :],
+        "tip_position": np.array([column["tip_x"], column["tip_y"]]),
+        "tip_acceleration": np.array([column["tip_acceleration"]]),
+    }
+    return values
+
+
+def expected_cubic(parameters: Mapping[str, float], state: Mapping[str, float]) -> Values:
+    """What the symbolic oracle says about the single cubic."""
+    o = symbolic_model.evaluate(parameters, state)
+    free = o["accelerations"][list(symbolic_model.FREE)]
+    normal_angle = o["coordinates"][1] + state["tip_slope"]
+    return {
+        "follower": np.array([o["coordinates"][1], o["rates"][1]]),
+        "slider": np.array([o["coordinates"][4], o["rates"][4]]),
+        "projected_mass_matrix": o["projected_mass_matrix"],
+        "projected_force": o["projected_force"],
+        "accelerations": free,
+        "follower_acceleration": o["accelerations"][1:2],
+        "slider_force": np.array([o["slider_force"]]),
+        "kinetic_energy": np.array([o["kinetic_energy"]]),
+        "strain_energy": np.array([o["strain_energy"]]),
+        "gravity_energy": np.array([o["gravity_energy"]]),
+        "state_rate": np.r_[state["crank_speed"], flexible(state)[1], free],
+        "dissipated_power": np.array([o["dissipated_power"]]),
+        "drive_power": np.array([o["drive_power"]]),
+        "tip_position": o["tip_position"],
+        "tip_acceleration": np.array([o["tip_acceleration"] @ [-math.sin(normal_angle), math.cos(normal_angle)]]),
+    }
+
+
+def expected_shapes(
+    parameters: Mapping[str, float], state: Mapping[str, float], shapes: ShapeSet, eta: Array, eta_rate: Array, *, exact: bool
+) -> Values:
+    """What the d'Alembert oracle says about shapes on cells of equal length."""
+    h = float(shapes.edges[1])
+    coefficients = shapes.coefficients / h ** np.arange(shapes.coefficients.shape[1])[:, None]
+    geometry: exact_model.Geometry = "exact" if exact else "second order"
+    o = exact_model.accelerations(parameters, coefficients.transpose(2, 0, 1), state, eta, eta_rate, geometry=geometry)
+    end_slope = float(shapes.evaluate(shapes.edges[-1:], 1)[0] @ eta)
+    normal_angle = o["follower_angle"] + (math.asin(end_slope) if exact else end_slope)
+    return {
+        "follower": np.array([o["follower_angle"], o["follower_speed"]]),
+        "slider": np.array([o["slider_position"], o["slider_speed"]]),
+        "projected_mass_matrix": o["projected_mass_matrix"],
+        "projected_force": o["projected_force"],
+        "accelerations": o["accelerations"],
+        "slider_force": np.array([o["slider_force"]]),
+        "kinetic_energy": np.array([o["kinetic_energy"]]),
+        "strain_energy": np.array([o["strain_energy"]]),
+        "gravity_energy": np.array([o["gravity_energy"]]),
+        "tip_position": o["tip_position"],
+        "tip_acceleration": np.array([o["tip_acceleration"] @ [-math.sin(normal_angle), math.cos(normal_angle)]]),
+    }
+
+
+def largest_difference(found: Values, expected: Values) -> tuple[float, str]:
+    """Largest difference over all names in `expected`, relative to the name's largest element."""
+    worst, where = 0.0, ""
+    for name, value in expected.items():
+        relative = float(np.max(np.abs(found[name] - value)) / (np.max(np.abs(value)) or 1.0))
+        if not relative <= worst:
+            worst, where = relative, name
+    return worst, where
