@@ -1,6 +1,6 @@
 """Equations of motion by projection onto the free speeds, compiled (DERIVATION.md, sections 4 to 6).
 
-State vector y, length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive. The loop is closed at every
+State vector y (equation 6.7), length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive. The loop is closed at every
 evaluation, so there is no constraint to drift from and no multiplier to solve for.
 """
 
@@ -18,7 +18,7 @@ from reference_model.parameters import Parameters, Workspace
 def assemble(
     p: Parameters, c: Slider, k: Contact, q1_rate: float, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: Workspace
 ) -> None:
-    """Mass matrix `w.M` and force `w.Q` (applied minus inertia) for (q1, q2, eta), loop not yet closed (equations 4.1 to 4.12)."""
+    """Mass matrix `w.M` and force `w.Q` (applied minus inertia) for (q1, q2, eta), loop not yet closed (equations 4.1 to 4.13)."""
     w.M[:, :] = 0.0
     w.Q[:] = 0.0
     gravity_1, gravity_2 = _gravity_in_b(p, c.q2)

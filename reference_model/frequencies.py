@@ -13,7 +13,7 @@ def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, co
     """Lowest natural frequencies (Hz) of the straight follower at rest in these shapes, the slider held at arc length `support`.
 
     With the crank held the constraint leaves q2 = -sum phi_i(s) eta_i / s (equation 9.1), so that every shape brings a rigid rotation
-    along; undamped, no gravity. By Rayleigh's principle the frequencies lie above the converged ones.
+    along (equations 9.2 and 9.3); undamped, no gravity. By Rayleigh's principle the frequencies lie above the converged ones.
 
     Args:
         mechanism: the scene; its follower must be flexible.

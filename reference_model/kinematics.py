@@ -169,7 +169,7 @@ def _locate(p: Parameters, eta: NDArray[np.float64], distance: float, w: Workspa
 
 @inlined
 def place_slider(p: Parameters, q1: float, eta: NDArray[np.float64], w: Workspace) -> Slider:
-    """Close the loop: slider place, base angle, and the fields at the slider (needs `centre_line` in `w` first)."""
+    """Close the loop (equations 1.1 and 3.1 to 3.4): slider place, base angle, fields there (needs `centre_line` in `w` first)."""
     v1 = p.LA * math.cos(q1) - p.d  # P to C in frame N
     v2 = p.LA * math.sin(q1)
     distance = math.hypot(v1, v2)

@@ -51,7 +51,7 @@ def rigid_motion(
 
 
 def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
-    """Rigid follower with base block and tip body: moment of inertia about P (kg m^2) and first moment (kg m)."""
+    """Rigid follower with base block and tip body: moment of inertia about P (kg m^2) and first moment (kg m), equation 8.6."""
     beam = mechanism.follower
     tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
     arm = beam.length + tip.center_of_mass
@@ -62,7 +62,7 @@ def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
 def rigid_kinetostatics(
     mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
 ) -> tuple[Array, Array]:
-    """Slider force on the follower (N, along its normal) and drive torque on the crank (N m) for a given motion, equations 8.6 to 8.8.
+    """Slider force on the follower (N, along its normal) and drive torque on the crank (N m) for a given motion, equations 8.7 and 8.8.
 
     The drive torque is all that the motor must give, the crank's viscous damping included (a prescribed speed has none).
 

@@ -54,7 +54,7 @@ class ShapeSet:
 def hermite_elements(length: float, elements: int) -> ShapeSet:
     """Cubic Hermite elements of equal size; coordinates are deflection (m) and slope at each node but the clamped one.
 
-    One element is the thesis' model (equations 4.2 and 4.3): tip deflection and tip slope.
+    One element is the thesis' model (thesis, equations 4.2 and 4.3): tip deflection and tip slope.
 
     Args:
         length: L, m.
