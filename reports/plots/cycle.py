@@ -1,0 +1,105 @@
+"""Tip acceleration and the three surface strains over the steady cycle, as in the thesis' figures A.1 to A.24."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from cases.comparison import CaseResult
+from cases.experiment import AxisLabels, MeasuredCurve
+from cases.measures import CHANNELS
+from reports.plots.picture import Picture, picture
+from reports.plots.steady_cycle import Array, direction, drawn_runs, fraction, missing_runs, name_in_legend, stacked_panels
+from reports.plots.style import BAND, MEASURED, legend_above, look, new_figure, note, padded
+
+ACCELERATION: Final = "tip_acceleration"
+PERCENT: Final = 100.0  # strain is shown in percent of surface strain, as the thesis prints it
+WIDEST: Final = 2.0  # times the curves' own range: an axis is not widened further to show the printed labels, or curves would lie flat
+BEND_IN: Final = 1e-9  # a strain below this in a whole cycle is round-off of a follower that does not bend
+
+
+def cycle_figure(result: CaseResult, labels: Sequence[AxisLabels] = (), curves: Sequence[MeasuredCurve] = ()) -> Picture | None:
+    """All engines over one cycle, with the range of the printed axis labels and measured curves where there are any.
+
+    Args:
+        result: of a case.
+        labels: of the case's run, first choice first (`cases.experiment.axis_labels`).
+        curves: measured curves of the case's run.
+
+    Returns:
+        None where no engine has a cycle to show.
+    """
+    figure = draw_cycle(result, labels, curves)
+    if figure is None:
+        return None
+    engines = ", ".join(drawn_runs(result))
+    alt = f"{result.case.name}: tip acceleration and surface strains over the steady cycle, engines {engines}"
+    if curves:
+        alt += f"; curves: {', '.join(f'{curve.channel} ({curve.origin})' for curve in curves)}"
+    return picture(figure, alt)
+
+
+def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequence[MeasuredCurve]) -> Figure | None:
+    """The figure before it is rendered; see `cycle_figure`."""
+    runs = drawn_runs(result)
+    channels = [name for name in CHANNELS if name == ACCELERATION or any(run.peak(name) > BEND_IN for run in runs.values())]
+    if not runs:
+        return None
+    figure = new_figure(1.4 + 1.25 * len(channels))
+    heights = [1.5 if name == ACCELERATION else 1.0 for name in channels]
+    panels = np.ravel(figure.subplots(len(channels), 1, sharex=True, height_ratios=heights, squeeze=False))
+    for axes, channel in zip(panels, channels, strict=True):
+        factor = 1.0 if channel == ACCELERATION else PERCENT
+        shown = [(fraction(run.cycle["crank_angle"]), factor * run.cycle[channel], look(name).of_line) for name, run in runs.items()]
+        measured = [curve for curve in curves if curve.channel == channel]
+        shown += [((curve.crank_angle - np.pi) / (2.0 * np.pi), factor * curve.values, MEASURED.of_line) for curve in measured]
+        for cycle, values, style in shown:
+            axes.plot(cycle, values, **style)
+        _limits(axes, [values for _, values, _ in shown], _printed_range(labels, channel), factor)
+    gauges = [place / result.case.mechanism.follower.length for place in result.case.mechanism.follower.strain_gauges]
+    y_labels = ["tip acceleration (m/s²)" if name == ACCELERATION else f"strain {name[-1]} (%)" for name in channels]
+    stacked_panels(list(panels), y_labels, direction(next(iter(runs.values()))))
+    for axes, channel in zip(panels, channels, strict=True):
+        if channel != ACCELERATION:
+            note(axes, 0.01, 0.97, f"gauge at {gauges[int(channel[-1]) - 1]:.3g} L")
+    legend_above(figure, _handles(result, labels, curves), 3)
+    return figure
+
+
+def _printed_range(labels: Sequence[AxisLabels], channel: str) -> tuple[float, float] | None:
+    kind = ACCELERATION if channel == ACCELERATION else "strain"
+    return next((label.range for label in labels if label.channel == kind and label.range[0] < label.range[1]), None)
+
+
+def _limits(axes: Axes, curves: Sequence[Array], printed: tuple[float, float] | None, factor: float) -> None:
+    """Limits of the ordinate around the curves, widened towards the printed range as far as curves stay readable."""
+    low, high = padded(min(float(np.min(values)) for values in curves), max(float(np.max(values)) for values in curves))
+    if printed is not None:
+        bottom, top = factor * printed[0], factor * printed[1]
+        axes.axhspan(bottom, top, facecolor=BAND, edgecolor="#C9A227", linewidth=0.6, zorder=0.5)
+        room = 0.5 * (WIDEST - 1.0) * (high - low)
+        wide = max(low - room, min(low, padded(bottom, top)[0])), min(high + room, max(high, padded(bottom, top)[1]))
+        if wide[0] > bottom or wide[1] < top:
+            note(axes, 0.99, 0.03, f"printed labels {bottom:.3g} to {top:.3g}", ha="right", va="bottom")
+        low, high = wide
+    axes.set_ylim(low, high)
+
+
+def _handles(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequence[MeasuredCurve]) -> list[Artist]:
+    handles: list[Artist] = []
+    for name, run in drawn_runs(result).items():
+        style = look(name).of_line
+        handles.append(Line2D([], [], label=name_in_legend(name, run), **style))
+    origins = dict.fromkeys("synthetic (not measured)" if curve.origin == "synthetic" else curve.origin for curve in curves)
+    handles += [Line2D([], [], label=origin, **MEASURED.of_line) for origin in origins]
+    if any(_printed_range(labels, channel) for channel in CHANNELS):
+        handles.append(Patch(facecolor=BAND, edgecolor="#C9A227", linewidth=0.6, label="printed axis labels"))
+    absent = missing_runs(result)
+    if absent:
+        handles.append(Line2D([], [], linestyle="none", label=absent))
+    return handles

@@ -1,0 +1,73 @@
+"""The cycle as the axis of the pictures: from the slider's farthest place (0) over the quick return (0.5) to the next (1)."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from cases.comparison import REFERENCE, CaseResult
+from cases.engine_run import EngineRun
+from cases.steady_run import NOT_SETTLED
+from reports.plots.style import FONT_SIZE, SMALL, tidy
+
+Array = NDArray[np.float64]
+
+TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
+_PREFERRED: Final = (REFERENCE, "exudyn", "mujoco", "thesis")
+
+
+def drawn_runs(result: CaseResult) -> dict[str, EngineRun]:
+    """The runs that have a whole cycle to show: settled ones, and the last cycle of one that did not settle."""
+    return {name: run for name, run in result.runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
+
+
+def best_run(result: CaseResult) -> tuple[str, EngineRun] | None:
+    """The run to look at if only one is shown: the reference's, else the next in the order of how finely engines resolve the beam."""
+    runs = drawn_runs(result)
+    names = sorted(runs, key=lambda name: (not runs[name].usable, _PREFERRED.index(name) if name in _PREFERRED else len(_PREFERRED)))
+    return (names[0], runs[names[0]]) if names else None
+
+
+def name_in_legend(name: str, run: EngineRun) -> str:
+    """The engine's name, with its status if it did not settle."""
+    return name if run.usable else f"{name} ({run.status})"
+
+
+def missing_runs(result: CaseResult) -> str:
+    """A sentence part that names the engines of which nothing can be drawn, empty if there are none."""
+    drawn = drawn_runs(result)
+    return ", ".join(f"{name}: {run.status}" for name, run in result.runs.items() if name not in drawn)
+
+
+def fraction(crank_angle: Array) -> Array:
+    """Fraction of the cycle, by crank angle (rad, from the slider's farthest place), in either direction of turning."""
+    return np.abs(crank_angle - crank_angle[0]) / (2.0 * np.pi)
+
+
+def direction(run: EngineRun) -> int:
+    """+1 where the crank angle grows, -1 where it falls."""
+    angle = run.cycle["crank_angle"]
+    return 1 if angle[-1] > angle[0] else -1
+
+
+def cycle_axis(panels: Sequence[Axes], turning: int, mark: str = "#444444") -> None:
+    """Fraction of the cycle below the lowest panel, crank angle above the uppermost, the quick return marked in all (in colour `mark`)."""
+    for axes in panels:
+        axes.set_xlim(0.0, 1.0)
+        axes.set_xticks(TICKS)
+        axes.axvline(0.5, color=mark, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
+        axes.tick_params(labelbottom=axes is panels[-1])
+    panels[-1].set_xlabel("cycle (0.5: quick return)", fontsize=FONT_SIZE)
+    above = panels[0].secondary_xaxis("top")
+    above.set_xticks(TICKS, [f"{180 + turning * 360 * tick:.0f}°" for tick in TICKS])
+    above.tick_params(labelsize=SMALL, length=2.5, width=0.6)
+    above.set_xlabel("crank angle", fontsize=FONT_SIZE)
+
+
+def stacked_panels(panels: Sequence[Axes], labels: Sequence[str], turning: int) -> None:
+    """Quantities stacked over the common cycle axis, each with its label and unit."""
+    for axes, label in zip(panels, labels, strict=True):
+        tidy(axes, None, label)
+    cycle_axis(panels, turning)

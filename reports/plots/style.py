@@ -1,0 +1,114 @@
+"""What all pictures have in common: sizes, colours and lines of the engines, axes.
+
+Pictures are 480 CSS pixels wide: two stand side by side on a screen, one fills a telephone's without its 12 pixel letters shrinking
+below 10, and printed it is 127 mm wide. Colours are those of Okabe and Ito ("Color universal design", 2008), which colour-blind
+readers tell apart; line styles and markers say the same again for grey prints.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+from matplotlib.typing import LineStyleType
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+WIDTH: Final = 5.0  # in, 480 CSS pixels
+WHOLE: Final = 32  # 1/32 in is 3 CSS pixels and exact in binary: sizes in pixels are whole numbers
+FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
+SMALL: Final = 8.0  # pt, ticks and notes
+
+BLACK: Final = "#000000"
+ORANGE: Final = "#E69F00"
+SKY_BLUE: Final = "#56B4E9"
+PALE_BLUE: Final = "#8CCBEF"  # a tint of it, on which dashes of all others show
+GREEN: Final = "#009E73"
+BLUE: Final = "#0072B2"
+VERMILION: Final = "#D55E00"
+PURPLE: Final = "#CC79A7"
+GREY: Final = "#666666"
+LIGHT: Final = "#EAEAEA"
+BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a source of curves is drawn: colour, line, width in points, marker; `order` is what lies on top."""
+
+    colour: str
+    line: LineStyleType
+    width: float
+    marker: str
+    order: float
+
+    @property
+    def of_line(self) -> dict[str, Any]:
+        """Keywords of a line."""
+        return {"color": self.colour, "linestyle": self.line, "linewidth": self.width, "zorder": self.order}
+
+
+#: The reference is a broad line below the others, so that one sees where they lie on it; the dashes of exudyn and mujoco alternate.
+_LOOKS: Final = {
+    "reference": Look(PALE_BLUE, "-", 2.8, "o", 2.0),
+    "thesis": Look(VERMILION, (0, (5, 1.6)), 1.2, "D", 2.1),
+    "exudyn": Look(BLACK, (0, (6, 9)), 1.2, "^", 2.3),
+    "mujoco": Look(GREEN, (7.5, (6, 9)), 1.2, "v", 2.2),
+}
+_OTHERS: Final = (Look(PURPLE, (0, (3, 1, 1, 1, 1, 1)), 1.1, "s", 2.4), Look(ORANGE, (0, (9, 2)), 1.1, "P", 2.5))
+MEASURED: Final = Look(BLUE, "-", 0.9, ".", 2.6)
+
+
+def look(engine: str) -> Look:
+    """How an engine is drawn; engines that the project does not know share two looks, chosen by their names."""
+    return _LOOKS.get(engine) or _OTHERS[sum(engine.encode()) % len(_OTHERS)]
+
+
+def new_figure(height: float) -> Figure:
+    """An empty figure of the common width and a height in inches (rounded up to whole pixels), with constrained layout."""
+    return Figure(figsize=(WIDTH, math.ceil(WHOLE * height) / WHOLE), layout="constrained", facecolor="white")
+
+
+def tidy(axes: Axes, x_label: str | None, y_label: str | None, grid: str = "both") -> None:
+    """Labels, ticks and a faint grid; `grid` is "both", "x", "y" or "none"."""
+    for axis, label in ((axes.xaxis, x_label), (axes.yaxis, y_label)):
+        if label is not None:
+            axis.set_label_text(label, fontsize=FONT_SIZE)
+    axes.tick_params(labelsize=SMALL, length=2.5, width=0.6)
+    for spine in axes.spines.values():
+        spine.set_linewidth(0.6)
+    axes.set_axisbelow(True)
+    if grid != "none":
+        axes.grid(axis=grid, color="#CFCFCF", linewidth=0.5)  # type: ignore[arg-type]  # one of matplotlib's words
+
+
+def note(axes: Axes, x: float, y: float, text: str, **keywords: Any) -> None:
+    """A small remark inside the axes, in fractions of them, on a white ground that keeps it legible over lines."""
+    chosen = {"fontsize": SMALL, "color": "#333333", "va": "top", "transform": axes.transAxes, "zorder": 5.0, **keywords}
+    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.8}
+    axes.text(x, y, text, bbox=ground, **chosen)
+
+
+def legend_above(figure: Figure, handles: Iterable[Artist], columns: int) -> None:
+    """A legend above all axes, where it covers nothing."""
+    figure.legend(
+        handles=list(handles), loc="outside upper center", ncols=columns, fontsize=SMALL, frameon=False, handlelength=3.4, columnspacing=1.2
+    )
+
+
+def plain_numbers(axes: Axes, which: str) -> None:
+    """Tick labels as 0.01, 1, 100 on a logarithmic axis, "x" or "y"."""
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def padded(low: float, high: float, share: float = 0.06) -> tuple[float, float]:
+    """Limits that leave a margin around a range, also where it is a single value."""
+    margin = share * (high - low) or share * max(abs(low), 1e-12)
+    return low - margin, high + margin
