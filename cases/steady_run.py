@@ -99,6 +99,7 @@ def _settle_settings(engine: Engine, task: Task, document: dict[str, Any]) -> tu
         error_estimate=result.error_estimate,
         error_estimates=result.error_estimates,
         setup_seconds=result.setup_seconds,
+        compile_seconds=result.compile_seconds,
         estimate_seconds=result.estimate_seconds + result.solve_seconds,
         degrees_of_freedom=result.description.degrees_of_freedom,
     )

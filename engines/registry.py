@@ -26,7 +26,7 @@ GROUP: Final = "quickreturn.engines"
 
 _MODULES: Final = {
     "thesis": "engines.pseudo_coordinate.engine:ThesisEngine",
-    "reference": "engines.pseudo_coordinate.engine:ReferenceEngine",
+    "reference": "engines.pseudo_coordinate.reference:ReferenceEngine",
     "exudyn": "engines.exudyn.engine:ExudynEngine",
     "mujoco": "engines.mujoco.engine:MujocoEngine",
 }

@@ -15,7 +15,8 @@ class Field(Protocol):
     `field(x, nu)` is the nu-th derivative with respect to arc length (nu = 0 .. 2) at the arc lengths x (m, shape (n,)).
     """
 
-    def __call__(self, x: NDArray[np.float64], nu: int = 0, /) -> NDArray[np.float64]: ...
+    def __call__(self, x: NDArray[np.float64], nu: int = 0, /) -> NDArray[np.float64]:
+        """Values of the `nu`-th derivative at `x`."""
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,7 @@ REFERENCE_LADDER: Final = (
 class _PseudoCoordinateEngine(Engine):
     """What both engines share: features, description, start."""
 
+    compiles = True
     integrator: ClassVar[Literal["DOP853", "LSODA"]]
     recovers: ClassVar[bool]
 

@@ -10,6 +10,7 @@ from engines.base import EngineFailure, Simulation
 from engines.trajectory import Trajectory
 from reference_model import integrate
 from reference_model.model import ExplicitModel, ObservationFailed
+from reference_model.moving_model import MovingShapeModel
 
 _CAUSES = {
     integrate.LEFT_FOLLOWER: ("the slider has left the follower's end", "a slower crank, a stiffer or longer follower"),
@@ -23,10 +24,15 @@ _CAUSES = {
 
 
 class ExplicitSimulation(Simulation):
-    """Advances the state vector of an `ExplicitModel`."""
+    """Advances the state vector of an explicit model."""
 
     def __init__(
-        self, model: ExplicitModel, state: NDArray[np.float64], tolerance: float, method: Literal["DOP853", "LSODA"], setup_seconds: float
+        self,
+        model: ExplicitModel | MovingShapeModel,
+        state: NDArray[np.float64],
+        tolerance: float,
+        method: Literal["DOP853", "LSODA"],
+        setup_seconds: float,
     ) -> None:
         self.setup_seconds = setup_seconds
         self.time = 0.0
@@ -40,7 +46,10 @@ class ExplicitSimulation(Simulation):
         """See `engines.base.Simulation.advance`."""
         intervals = round(duration / output_step)
         began = time.perf_counter()
-        result = self.model.integrate(self.state, output_step, intervals, self._tolerance, method=self._method, first_step=self._step)
+        if isinstance(self.model, MovingShapeModel):
+            result = self.model.integrate(self.state, output_step, intervals, self._tolerance, self._step)
+        else:
+            result = self.model.integrate(self.state, output_step, intervals, self._tolerance, method=self._method, first_step=self._step)
         try:
             columns = self.model.observe(result.states)
         except ObservationFailed as failure:

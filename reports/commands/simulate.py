@@ -63,7 +63,7 @@ def _print(document: dict[str, Any]) -> None:
         rows.append(("notes", f"{len(document['notes'])} on this case: see `quickreturn show {document['case']}`"))
     if document["failure"] is None:
         estimate = document["error_estimate"]
-        times = " + ".join(f"{document[f'{part}_seconds']:.3g} s {part}" for part in ("setup", "solve", "estimate"))
+        times = " + ".join(f"{document[f'{part}_seconds']:.3g} s {part}" for part in ("compile", "setup", "solve", "estimate"))
         rows += [
             ("rows", f"{document['rows']} in {document['output']}"),
             ("error estimate", ("unknown" if estimate is None else f"{estimate:.2g}") + asked),
