@@ -1,7 +1,7 @@
 """Equations of motion by projection onto the free speeds, compiled (DERIVATION.md, sections 4 to 6).
 
-State vector y (equation 6.7), length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive. The loop is closed at every
-evaluation, so there is no constraint to drift from and no multiplier to solve for.
+State vector y (equation 6.7), length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive. The loop is closed
+at every evaluation, so there is no constraint to drift from and no multiplier to solve for.
 """
 
 import math

@@ -20,7 +20,7 @@ def cited(text: str) -> set[Equation]:
     for match in CITATION.finditer(re.sub(r"\s*\n\s*#?\s*", " ", text)):
         if match.group(1):
             continue
-        for first, last in re.findall(rf"(\d+\.\d+)(?:\s+to\s+(\d+\.\d+))?", match.group(2)):
+        for first, last in re.findall(r"(\d+\.\d+)(?:\s+to\s+(\d+\.\d+))?", match.group(2)):
             section, low = map(int, first.split("."))
             end, high = map(int, (last or first).split("."))
             everything = defined(DOCUMENT)

@@ -1,0 +1,125 @@
+"""Shapes and quadrature tables against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
+from reference_model.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables, cumulate, find_cell, partial_weights
+
+L = 0.7
+
+
+def wave_number(k: int) -> float:
+    """Root of cos z cosh z = -1 (k from 0), from a form without overflow."""
+    guess = (k + 0.5) * math.pi
+    return float(brentq(lambda z: math.cos(z) + 1.0 / math.cosh(z), max(guess - 0.4, 1.0), guess + 0.4, xtol=1e-14))
+
+
+def gram(shapes: ShapeSet, derivative: int) -> np.ndarray:
+    """Integrals of products over the length, by the fields' own quadrature on a fine mesh."""
+    t = build_tables(shapes, 4 * shapes.count)
+    values = shapes.evaluate(t.x, derivative)
+    return values.T @ (t.weights[:, None] * values)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 16, 32])
+def test_clamped_free_modes_are_orthogonal_with_the_known_wave_numbers(count: int) -> None:
+    shapes = clamped_free_modes(L, count)
+    # amplitude 2 at the tip: the integral of phi^2 is L; representation 1e-12, rounding of products 1e-13
+    np.testing.assert_allclose(gram(shapes, 0) / L, np.eye(count), atol=1e-11)
+    expected = np.array([wave_number(k) for k in range(count)]) ** 4 / L**3
+    stiffness = gram(shapes, 2)
+    # the curvature of the highest mode is represented to 1e-9 of itself, which counts squared on the diagonal
+    np.testing.assert_allclose(stiffness / np.sqrt(np.outer(expected, expected)), np.eye(count), atol=1e-9)
+
+
+def test_first_wave_numbers_are_those_of_the_books() -> None:
+    np.testing.assert_allclose([wave_number(k) for k in range(4)], [1.87510407, 4.69409113, 7.85475744, 10.99554073], rtol=1e-9)
+
+
+@pytest.mark.parametrize("shapes", [clamped_free_modes(L, 20), hermite_elements(L, 3), hermite_elements(L, 1)])
+def test_all_shapes_are_clamped_and_smooth(shapes: ShapeSet) -> None:
+    zero = np.zeros(1)
+    for derivative in (0, 1):
+        scale = np.max(np.abs(shapes.evaluate(np.linspace(0, L, 50), derivative)))
+        assert np.max(np.abs(shapes.evaluate(zero, derivative))) < 1e-11 * scale
+    inner, step = shapes.edges[1:-1], 1e-13
+    for derivative in range(3 if shapes.has_continuous_curvature else 2):
+        jump = shapes.evaluate(inner, derivative) - shapes.evaluate(inner - step, derivative)
+        # representation error at the cells' ends, largest in the highest derivative
+        assert np.max(np.abs(jump), initial=0.0) < 1e-9 * np.max(np.abs(shapes.evaluate(shapes.edges, derivative)))
+
+
+def test_free_end_of_the_modes_carries_neither_moment_nor_shear() -> None:
+    shapes = clamped_free_modes(L, 12)
+    end = np.array([L])
+    for derivative in (2, 3):
+        scale = np.max(np.abs(shapes.evaluate(np.linspace(0, L, 200), derivative)), axis=0)
+        assert np.all(np.abs(shapes.evaluate(end, derivative)[0]) < 1e-7 * scale)
+    np.testing.assert_allclose(np.abs(shapes.evaluate(end)[0]), 2.0, rtol=1e-11)
+
+
+@pytest.mark.parametrize("elements", [1, 2, 5])
+def test_hermite_elements_reproduce_every_clamped_cubic(elements: int) -> None:
+    shapes = hermite_elements(L, elements)
+    cubic = np.polynomial.Polynomial([0.0, 0.0, 0.3, -1.7])
+    nodes = np.linspace(0.0, L, elements + 1)[1:]
+    eta = np.column_stack([cubic(nodes), cubic.deriv()(nodes)]).ravel()
+    x = np.linspace(0.0, L, 40)
+    for derivative in range(4):
+        expected = cubic.deriv(derivative)(x) if derivative else cubic(x)
+        # rounding, multiplied by the elements' inverse length at each derivative
+        np.testing.assert_allclose(shapes.evaluate(x, derivative) @ eta, expected, atol=1e-13 * elements**derivative / L**derivative)
+
+
+@pytest.mark.parametrize("shapes", [clamped_free_modes(L, 9), hermite_elements(L, 4)])
+def test_derivatives_are_derivatives(shapes: ShapeSet) -> None:
+    x, h = np.linspace(0.011, 0.99 * L, 37), 1e-5
+    for derivative in range(1, 4):
+        differenced = (shapes.evaluate(x + h, derivative - 1) - shapes.evaluate(x - h, derivative - 1)) / (2 * h)
+        exact = shapes.evaluate(x, derivative)
+        # central difference: (h wave number)^2 / 6 < 3e-8 plus rounding 1e-16 / h of the value before
+        np.testing.assert_allclose(differenced, exact, atol=1e-6 * np.max(np.abs(exact)))
+
+
+def test_the_rigid_follower_has_no_shape() -> None:
+    shapes = no_shapes(L)
+    assert shapes.count == 0
+    assert shapes.evaluate(np.array([0.1, 0.2]), 1).shape == (2, 0)
+
+
+@pytest.mark.parametrize("degree", range(2 * POINTS))
+def test_gauss_points_integrate_degree_eleven_over_a_cell(degree: int) -> None:
+    assert float(UNIT_WEIGHTS @ UNIT_POINTS**degree) == pytest.approx(1 / (degree + 1), rel=1e-14)
+
+
+@pytest.mark.parametrize("degree", range(POINTS))
+@pytest.mark.parametrize("u", [-0.1, 0.0, 0.3, 0.77, 1.0, 1.2])
+def test_partial_weights_are_exact_to_degree_five(degree: int, u: float) -> None:
+    length = 0.4
+    integral, value, slope = np.empty(POINTS), np.empty(POINTS), np.empty(POINTS)
+    partial_weights(u, length, integral, value, slope)
+    samples = UNIT_POINTS**degree
+    # rounding of the Lagrange coefficients, which reach 1e3
+    assert integral @ samples == pytest.approx(length * u ** (degree + 1) / (degree + 1), abs=1e-13)
+    assert value @ samples == pytest.approx(u**degree, abs=1e-11)
+    assert slope @ samples == pytest.approx(degree * u ** max(degree - 1, 0) / length, abs=1e-10)
+    np.testing.assert_allclose(TO_POINTS @ samples, UNIT_POINTS ** (degree + 1) / (degree + 1), atol=1e-13)
+
+
+def test_cumulated_integrals_equal_adaptive_quadrature() -> None:
+    t = build_tables(no_shapes(L), 8)
+    at_points, at_edges = np.empty_like(t.x), np.empty_like(t.edges)
+    cumulate(t.edges, np.sin(9.0 * t.x) ** 2, at_points, at_edges)
+    for x, found in zip([*t.x[::7], *t.edges], [*at_points[::7], *at_edges], strict=True):
+        # a ninth of a wave of sin^2 per cell: sixth-order interpolation errs by 1e-7
+        assert found == pytest.approx(quad(lambda z: math.sin(9.0 * z) ** 2, 0.0, x, epsabs=1e-13)[0], abs=1e-7)
+
+
+def test_cells_are_found_at_their_edges_and_beyond() -> None:
+    edges = np.array([0.0, 1.0, 3.0])
+    assert [find_cell(edges, x) for x in (-1.0, 0.0, 0.5, 1.0, 2.9, 3.0, 9.0)] == [0, 0, 0, 1, 1, 1, 1]
