@@ -12,7 +12,6 @@ from reference_model.equations import right_hand_side
 from reference_model.integrate import Integration, integrate_dop853
 from reference_model.mechanism import Mechanism
 from reference_model.model import ObservationFailed
-from reference_model.moving_modes import SupportedBeam
 from reference_model.moving_observables import observe_moving
 from reference_model.moving_parameters import MovingParameters, MovingWorkspace, moving_parameters, moving_workspace
 from reference_model.observables import COLUMNS
@@ -154,8 +153,3 @@ def _through(places: Array, values: Array, x: Array) -> Array:
     scaled, at = (2.0 * (places - low) / (high - low) - 1.0), 2.0 * (x - low) / (high - low) - 1.0
     coefficients = np.linalg.solve(chebyshev.chebvander(scaled, len(places) - 1), values)
     return chebyshev.chebvander(at, len(places) - 1) @ coefficients
-
-
-def converged_frequencies(mechanism: Mechanism, support: float, count: int) -> Array:
-    """Lowest natural frequencies (Hz) with the slider held at arc length `support` (m), exact to rounding; shape (count,)."""
-    return np.sqrt(SupportedBeam(mechanism, count).modes(support).squares) / (2.0 * np.pi)

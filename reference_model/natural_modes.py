@@ -61,6 +61,14 @@ class FrozenModes:
             values[:, here] = weights.T @ _shapes(x[here], span, len(weights) - 4, derivative)
         return values
 
+    def slope_series(self) -> tuple[Array, ...]:
+        """Slope of each mode as a Legendre series over each span mapped to -1..1; shape (degree + 1, count) per span."""
+        series = []
+        for (start, end), weights in zip(self.spans, self.coefficients, strict=True):
+            interior, h = len(weights) - 4, end - start
+            series.append(_legendre_series(interior, 1).T @ (_slope_scaling(interior, h)[:, None] * weights) * (2.0 / h))
+        return tuple(series)
+
     def curvature(self, arc_lengths: Array) -> Array:
         """Curvature of each mode at the arc lengths (m, shape (n,)), shape (count, n), kg^(-1/2) m^(-2)."""
         return self.deflection(arc_lengths, 2)
