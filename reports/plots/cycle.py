@@ -15,7 +15,7 @@ from cases.experiment import AxisLabels, MeasuredCurve
 from cases.measures import CHANNELS
 from reports.plots.picture import Picture, picture
 from reports.plots.steady_cycle import Array, direction, drawn_runs, fraction, missing_runs, name_in_legend, stacked_panels
-from reports.plots.style import BAND, MEASURED, legend_above, look, new_figure, note, padded
+from reports.plots.style import BAND, MEASURED, legend_above, look, new_figure, note, number, padded
 
 ACCELERATION: Final = "tip_acceleration"
 PERCENT: Final = 100.0  # strain is shown in percent of surface strain, as the thesis prints it
@@ -85,7 +85,7 @@ def _limits(axes: Axes, curves: Sequence[Array], printed: tuple[float, float] | 
         room = 0.5 * (WIDEST - 1.0) * (high - low)
         wide = max(low - room, min(low, padded(bottom, top)[0])), min(high + room, max(high, padded(bottom, top)[1]))
         if wide[0] > bottom or wide[1] < top:
-            note(axes, 0.99, 0.03, f"printed labels {bottom:.3g} to {top:.3g}", ha="right", va="bottom")
+            note(axes, 0.99, 0.03, f"printed labels {number(bottom, '.3g')} to {number(top, '.3g')}", ha="right", va="bottom")
         low, high = wide
     axes.set_ylim(low, high)
 
@@ -93,8 +93,7 @@ def _limits(axes: Axes, curves: Sequence[Array], printed: tuple[float, float] | 
 def _handles(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequence[MeasuredCurve]) -> list[Artist]:
     handles: list[Artist] = []
     for name, run in drawn_runs(result).items():
-        style = look(name).of_line
-        handles.append(Line2D([], [], label=name_in_legend(name, run), **style))
+        handles.append(Line2D([], [], label=name_in_legend(name, run), **look(name).of_sample))
     origins = dict.fromkeys("synthetic (not measured)" if curve.origin == "synthetic" else curve.origin for curve in curves)
     handles += [Line2D([], [], label=origin, **MEASURED.of_line) for origin in origins]
     if any(_printed_range(labels, channel) for channel in CHANNELS):

@@ -89,7 +89,7 @@ def _rigid(mechanism: Mechanism, run: EngineRun) -> tuple[Array, Array]:
 
 def _handles(result: CaseResult, mechanism: Mechanism) -> list[Artist]:
     handles: list[Artist] = [
-        Line2D([], [], label=name_in_legend(name, run), **look(name).of_line) for name, run in drawn_runs(result).items()
+        Line2D([], [], label=name_in_legend(name, run), **look(name).of_sample) for name, run in drawn_runs(result).items()
     ]
     handles.append(Line2D([], [], label="rigid follower, even speed", **RIGID))
     if mechanism.crank_is_free:

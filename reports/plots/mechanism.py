@@ -1,6 +1,7 @@
 """The mechanism at eight crank angles of the steady cycle, its deflection magnified."""
 
-from typing import Any, Final
+import math
+from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +16,7 @@ from reference_model.rigid import rigid_motion
 from reports.plots.deflection import Deflection
 from reports.plots.picture import Picture, picture
 from reports.plots.steady_cycle import best_run, direction, fraction, missing_runs
-from reports.plots.style import BLUE, GREY, SMALL, VERMILION, legend_above, new_figure
+from reports.plots.style import BLUE, GREY, SMALL, VERMILION, WIDTH, legend_above, new_figure, number
 
 Array = NDArray[np.float64]
 
@@ -23,7 +24,11 @@ INSTANTS: Final = 8  # of a cycle, evenly in crank angle; half of them before th
 SHOWN: Final = 0.15  # of the follower's length: the magnified deflection is at most that
 STEPS: Final = (1.0, 2.0, 5.0)  # of the factor
 POINTS: Final = 81  # along the follower
-BAR: Final = 0.1  # m, of the scale
+BAR: Final = 0.2  # of the follower's length: the scale's bar is a round length of at most that
+GAPS: Final = 0.35  # in, beside and between the panels
+MARGIN: Final = 0.06  # of the follower's length, around everything
+LEAST: Final = 0.06  # of the follower's length, shown on the side that the crank does not pass, for the names
+TITLE: Final = 0.24  # in, above a panel
 
 
 def mechanism_figure(result: CaseResult) -> Picture | None:
@@ -52,21 +57,22 @@ def draw_mechanism(result: CaseResult) -> Figure | None:
     rows = {column: np.interp(instants, cycle, run.cycle[column]) for column in REQUIRED}
     arc_lengths = np.linspace(0.0, mechanism.follower.length, POINTS)
     along, across = _about_the_chord(mechanism, rows, arc_lengths)
-    everything = {column: run.cycle[column] for column in REQUIRED}
-    largest = float(np.max(np.abs(_about_the_chord(mechanism, everything, arc_lengths[-1:])[1]))), float(np.max(np.abs(across)))
-    factor = _factor(max(largest), mechanism.follower.length)
+    of_tip = _about_the_chord(mechanism, {column: run.cycle[column] for column in REQUIRED}, arc_lengths[-1:])[1]
+    factor = _factor(float(max(np.max(np.abs(of_tip)), np.max(np.abs(across)))), mechanism.follower.length)
+    followers = _placed(mechanism, rows["crank_angle"], along, factor * across)
 
-    figure = new_figure(6.3)
-    panels = figure.subplots(INSTANTS // 2, 2, sharex=True, sharey=True)
-    for instant in range(INSTANTS):
-        axes = panels[instant % (INSTANTS // 2), instant // (INSTANTS // 2)]
-        angle = float(rows["crank_angle"][instant])
-        half = "pre-return" if instant < INSTANTS // 2 else "post-return"
-        _draw(axes, mechanism, angle, along[instant], factor * across[instant])
-        axes.set_title(f"{180 + turning * 360 * instants[instant]:.0f}°", fontsize=SMALL, pad=2.0)
-        if instant % (INSTANTS // 2) == 0:
-            axes.set_title(f"{half}, {180 + turning * 360 * instants[instant]:.0f}°", fontsize=SMALL, pad=2.0)
-    _frame(panels, mechanism)
+    sides = np.where(np.arange(INSTANTS) < INSTANTS // 2, -turning, turning)  # of the crank's way, above (1) or below (-1) the pivots
+    width, height = _limits(mechanism, followers, sides)
+    panel_height = 0.5 * (WIDTH - GAPS) * (height[1] - height[0]) / (width[1] - width[0])
+    figure = new_figure(0.5 + (panel_height + TITLE) * (INSTANTS // 2))
+    panels = figure.subplots(INSTANTS // 2, 2)
+    for instant, axes in enumerate(panels.T.flat):
+        _draw(axes, mechanism, float(rows["crank_angle"][instant]), followers[instant], int(sides[instant]))
+        angle = f"{number(180 + turning * 360 * instants[instant])}°"
+        half = {0: "pre-return, ", INSTANTS // 2: "post-return, "}.get(instant, "")
+        axes.set_title(half + angle, fontsize=SMALL, pad=2.0)
+        _frame(axes, width, tuple(sorted(sides[instant] * np.array(height))))
+    _scale(panels[0, 0], mechanism, int(sides[0]) * height[1])
     shown = "follower (does not bend)" if mechanism.follower.is_rigid else f"follower ({name}), deflection × {factor:g}"
     handles = [
         Line2D([], [], color=BLUE, linewidth=2.0, label=shown),
@@ -85,26 +91,41 @@ def _about_the_chord(mechanism: Mechanism, rows: dict[str, Array], arc_lengths: 
 
 
 def _factor(largest: float, length: float) -> float:
-    """A round factor by which the largest deflection (m) becomes at most `SHOWN` of the length; 1 where nothing bends."""
-    if not largest > 1e-9 * length:
-        return 1.0
-    exact = SHOWN * length / largest
-    decade = 10.0 ** np.floor(np.log10(exact))
-    return float(max(step * decade for step in STEPS if step * decade <= exact))
+    """A round factor, at least 1, by which the largest deflection (m) becomes at most `SHOWN` of the length; 1 where nothing bends."""
+    return max(1.0, _round_below(SHOWN * length / largest)) if largest > 1e-9 * length else 1.0
 
 
-def _draw(axes: Axes, mechanism: Mechanism, crank_angle: float, along: Array, across: Array) -> None:
+def _round_below(value: float) -> float:
+    """The largest of 1, 2, 5, 10, ... times a power of ten that does not exceed a value."""
+    decade = 10.0 ** math.floor(math.log10(value))
+    return max(step * decade for step in STEPS if step * decade <= value)
+
+
+def _placed(mechanism: Mechanism, crank_angles: Array, along: Array, across: Array) -> Array:
+    """Places of the follower's points in the frame of O, m, shape (n, m, 2)."""
+    chord = rigid_motion(mechanism, crank_angles, 0.0).follower_angle[:, None]
+    x = mechanism.pivot_distance + along * np.cos(chord) - across * np.sin(chord)
+    return np.stack([x, along * np.sin(chord) + across * np.cos(chord)], axis=-1)
+
+
+def _limits(mechanism: Mechanism, followers: Array, sides: Array) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Limits of what is drawn, m, with a margin: along n1, and along n2 counted towards each panel's side."""
+    d, LA, L = mechanism.pivot_distance, mechanism.crank.length, mechanism.follower.length
+    x, y = followers[..., 0], sides[:, None] * followers[..., 1]
+    width = min(-LA, d - L, float(x.min())), max(d, float(x.max()))
+    height = min(-LEAST * L, float(y.min())), max(LA, float(y.max()))
+    return (width[0] - MARGIN * L, width[1] + MARGIN * L), (height[0] - MARGIN * L, height[1] + MARGIN * L)
+
+
+def _draw(axes: Axes, mechanism: Mechanism, crank_angle: float, follower: Array, side: int) -> None:
     pivot = np.array([mechanism.pivot_distance, 0.0])
     slider = mechanism.crank.length * np.array([np.cos(crank_angle), np.sin(crank_angle)])
-    chord = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).follower_angle)
-    forward, sideways = np.array([np.cos(chord), np.sin(chord)]), np.array([-np.sin(chord), np.cos(chord)])
-    follower = pivot + along[:, None] * forward + across[:, None] * sideways
-    straight = np.array([pivot, pivot + mechanism.follower.length * forward])
-    round_trip = mechanism.crank.length * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 73))
-    axes.plot(round_trip.real, round_trip.imag, color="#BBBBBB", linewidth=0.6, zorder=1.0)
+    straight = pivot + mechanism.follower.length * np.array([[0.0], [1.0]]) * (slider - pivot) / np.hypot(*(slider - pivot))
+    turn = mechanism.crank.length * np.exp(1j * side * np.linspace(0.0, np.pi, 37))
+    axes.plot(turn.real, turn.imag, color="#BBBBBB", linewidth=0.6, zorder=1.0)
     axes.plot(*straight.T, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=2.0)
     axes.plot(*follower.T, color=BLUE, linewidth=2.0, zorder=3.0)
-    axes.plot(*np.array([[0.0, 0.0], slider]).T, color="black", linewidth=2.4, solid_capstyle="round", zorder=4.0)
+    axes.plot([0.0, slider[0]], [0.0, slider[1]], color="black", linewidth=2.4, solid_capstyle="round", zorder=4.0)
     axes.plot(0.0, 0.0, "o", color="black", markersize=4.0, zorder=5.0)
     axes.plot(*pivot, "^", color="black", markersize=6.5, zorder=5.0)
     axes.plot(*slider, "s", color=VERMILION, markeredgecolor="black", markeredgewidth=0.6, markersize=5.0, zorder=6.0)
@@ -112,22 +133,22 @@ def _draw(axes: Axes, mechanism: Mechanism, crank_angle: float, along: Array, ac
         axes.plot(*follower[-1], "o", color=BLUE, markersize=5.0, zorder=5.0)
 
 
-def _frame(panels: NDArray[Any], mechanism: Mechanism) -> None:
-    """Equal scales and room for everything that moves; no ticks but a bar of 100 mm and names in the first panel."""
-    d, LA, L = mechanism.pivot_distance, mechanism.crank.length, mechanism.follower.length
-    swing = L * LA / d + 0.8 * SHOWN * L
-    left = min(d - L, -LA)
-    for axes in panels.flat:
-        axes.set_aspect("equal")
-        axes.set_xlim(left - 0.05 * L, d + 0.06 * L)
-        axes.set_ylim(-swing, swing)
-        axes.set_xticks([])
-        axes.set_yticks([])
-        for spine in axes.spines.values():
-            spine.set_color("#CCCCCC")
-            spine.set_linewidth(0.6)
-    first = panels[0, 0]
-    first.plot([d - BAR, d], [-0.75 * swing] * 2, color="black", linewidth=1.2)
-    first.text(d - 0.5 * BAR, -0.72 * swing, f"{1000 * BAR:.0f} mm", fontsize=SMALL, ha="center", va="bottom")
-    first.text(d, 0.12 * swing, "P", fontsize=SMALL, ha="center", va="bottom")
-    first.text(0.0, 0.08 * swing, "O", fontsize=SMALL, ha="center", va="bottom")
+def _frame(axes: Axes, width: tuple[float, float], height: tuple[float, ...]) -> None:
+    """Equal scales, no ticks: lengths are read off the bar in the first panel."""
+    axes.set_aspect("equal")
+    axes.set_xlim(*width)
+    axes.set_ylim(*height)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for spine in axes.spines.values():
+        spine.set_color("#CCCCCC")
+        spine.set_linewidth(0.6)
+
+
+def _scale(axes: Axes, mechanism: Mechanism, far: float) -> None:
+    """A bar of round length on the side that reaches out to `far` (m), and the names of the two fixed points."""
+    d, bar = mechanism.pivot_distance, _round_below(BAR * mechanism.follower.length)
+    axes.plot([d - 1.2 * bar, d - 0.2 * bar], [0.8 * far] * 2, color="black", linewidth=1.2)
+    axes.annotate(f"{1000.0 * bar:g} mm", (d - 0.7 * bar, 0.8 * far), (0.0, 2.0), textcoords="offset points", fontsize=SMALL, ha="center")
+    for x, name in ((0.0, "O"), (d, "P")):
+        axes.annotate(name, (x, 0.0), (0.0, 4.5), textcoords="offset points", fontsize=SMALL, ha="center")

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from cases.comparison import EXTREMES, HALVES, REFERENCE, CaseResult, Check, largest_differences
 from reports.plots.picture import Picture, picture
-from reports.plots.style import BAND, FONT_SIZE, GREY, LIGHT, SMALL, legend_above, look, new_figure, tidy
+from reports.plots.style import BAND, FONT_SIZE, GREY, LIGHT, SMALL, legend_above, look, new_figure, number, tidy
 
 PERCENT: Final = 100.0
 LINEAR: Final = 1.0  # %: the frequency axis is linear within, logarithmic beyond
@@ -108,7 +108,7 @@ def _axes(frequencies: Axes, extremes: Axes, results: Sequence[CaseResult]) -> N
     low, high = frequencies.dataLim.intervalx
     frequencies.set_xlim(min(-1.4 * LINEAR, 1.3 * low), max(20.0, 1.3 * high))
     shown = [tick for tick in FREQUENCY_TICKS if frequencies.get_xlim()[0] <= tick <= frequencies.get_xlim()[1]]
-    frequencies.set_xticks(shown, [f"{tick:+g}" if tick else "0" for tick in shown])
+    frequencies.set_xticks(shown, [number(tick, "+g") if tick else "0" for tick in shown])
     frequencies.set_xticks([], minor=True)
     frequencies.axvline(0.0, color=look(REFERENCE).colour, linewidth=2.0, zorder=1.0)
     extremes.set_xscale("log")
@@ -155,6 +155,9 @@ def _handles(engines: Sequence[str], results: Sequence[CaseResult]) -> list[Arti
         handles.append(
             Line2D([], [], linestyle="none", marker="o", color=GREY, markerfacecolor=face, markersize=MARKER, label=f"{half}-return")
         )
-    handles.append(Patch(facecolor=LIGHT, label="tolerance"))
-    handles.append(Patch(facecolor=BAND, label="known model error"))
+    kinds = {check.tolerance.kind for result in results for check in result.checks}
+    if "relative_difference" in kinds:
+        handles.append(Patch(facecolor=LIGHT, label="tolerance"))
+    if "ratio" in kinds:
+        handles.append(Patch(facecolor=BAND, label="known model error"))
     return handles

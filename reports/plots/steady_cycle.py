@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cases.comparison import REFERENCE, CaseResult
 from cases.engine_run import EngineRun
 from cases.steady_run import NOT_SETTLED
-from reports.plots.style import FONT_SIZE, SMALL, tidy
+from reports.plots.style import FONT_SIZE, SMALL, number, tidy
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ def cycle_axis(panels: Sequence[Axes], turning: int, mark: str = "#444444") -> N
         axes.tick_params(labelbottom=axes is panels[-1])
     panels[-1].set_xlabel("cycle (0.5: quick return)", fontsize=FONT_SIZE)
     above = panels[0].secondary_xaxis("top")
-    above.set_xticks(TICKS, [f"{180 + turning * 360 * tick:.0f}°" for tick in TICKS])
+    above.set_xticks(TICKS, [f"{number(180 + turning * 360 * tick)}°" for tick in TICKS])
     above.tick_params(labelsize=SMALL, length=2.5, width=0.6)
     above.set_xlabel("crank angle", fontsize=FONT_SIZE)
 

@@ -53,6 +53,12 @@ class Look:
         """Keywords of a line."""
         return {"color": self.colour, "linestyle": self.line, "linewidth": self.width, "zorder": self.order}
 
+    @property
+    def of_sample(self) -> dict[str, Any]:
+        """Keywords of its short sample in a legend: dashes begin with the sample."""
+        line = self.line if isinstance(self.line, str) else (0.0, self.line[1])
+        return self.of_line | {"linestyle": line}
+
 
 #: The reference is a broad line below the others, so that one sees where they lie on it; the dashes of exudyn and mujoco alternate.
 _LOOKS: Final = {
@@ -100,6 +106,11 @@ def legend_above(figure: Figure, handles: Iterable[Artist], columns: int) -> Non
     figure.legend(
         handles=list(handles), loc="outside upper center", ncols=columns, fontsize=SMALL, frameon=False, handlelength=3.4, columnspacing=1.2
     )
+
+
+def number(value: float, form: str = "g") -> str:
+    """A number for a reader: with a minus sign, as on matplotlib's axes, not a hyphen."""
+    return f"{value:{form}}".replace("-", "−")
 
 
 def plain_numbers(axes: Axes, which: str) -> None:

@@ -1,5 +1,6 @@
 """Every picture of the report: it renders without a warning whatever became of the runs, is small, and says what it shows."""
 
+import dataclasses
 import io
 import warnings
 from collections.abc import Callable, Iterator
@@ -14,9 +15,10 @@ from PIL import Image
 from cases.comparison import CaseResult
 from cases.experiment import MeasuredCurve, axis_labels
 from cases.measures import time_scale
+from reference_model.mechanism import PrescribedSpeed
 from reports.plots import convergence, cycle, forces, heat_map, mechanism, overview, sensitivity, spectrogram
 from reports.plots.picture import Picture, picture
-from tests.reports.plotted_results import made_up_result
+from tests.reports.plotted_results import made_up_result, with_mechanism
 
 #: Bytes. Four pictures for each of 24 runs shall leave the page below 5 MB with its base64: 40 kB each on average. The made-up curves
 #: are busier than real ones, which take 35 kB at most; the heat map, of which there is one, may have more.
@@ -205,7 +207,40 @@ def test_a_backward_crank_is_labelled_backwards() -> None:
     figure = OF_ONE_CASE["forces"](TROUBLES["backwards"])
     assert figure is not None
     above = figure.axes[0].child_axes[0]
-    assert [label.get_text() for label in above.get_xticklabels()] == ["180°", "90°", "0°", "-90°", "-180°"]
+    assert [label.get_text() for label in above.get_xticklabels()] == ["180°", "90°", "0°", "−90°", "−180°"]
+
+
+def test_a_prescribed_speed_shows_the_torque_that_it_takes() -> None:
+    settled = TROUBLES["settled"]
+    crank = dataclasses.replace(settled.case.mechanism.crank, drive=PrescribedSpeed(speed=16.6))
+    result = with_mechanism(settled, crank=crank)
+    figure = OF_ONE_CASE["forces"](result)
+    _check(figure)
+    assert figure is not None
+    assert figure.axes[1].get_ylabel() == "drive torque (N m)"
+    np.testing.assert_array_equal(np.asarray(figure.axes[1].lines[0].get_ydata()), result.runs["thesis"].cycle["crank_torque"])
+
+
+def test_the_loop_stays_closed_where_deflection_is_magnified() -> None:
+    result = TROUBLES["settled"]
+    figure = mechanism.draw_mechanism(result)
+    assert figure is not None
+    (factor,) = [float(text.rpartition("× ")[2]) for text in _texts(figure) if "×" in text]
+    assert factor in (2.0, 5.0, 10.0)
+    LA = result.case.mechanism.crank.length
+    for axes in figure.axes:
+        follower = np.column_stack([np.asarray(values) for values in axes.lines[2].get_data()])
+        slider = np.array([np.asarray(values)[0] for values in axes.lines[6].get_data()])
+        assert np.hypot(*slider) == pytest.approx(LA, rel=1e-12)
+        # drawn in pieces of 8 mm, which cut a curve of 0.5 m radius by 16 um; small slopes leave as much again
+        assert _distance(slider, follower) < 1e-4
+
+
+def _distance(point: np.ndarray, line: np.ndarray) -> float:
+    """Least distance of a point from a line of straight pieces, m."""
+    pieces, away = np.diff(line, axis=0), point - line[:-1]
+    share = np.clip(np.sum(away * pieces, axis=1) / np.sum(pieces**2, axis=1), 0.0, 1.0)
+    return float(np.min(np.hypot(*(away - share[:, None] * pieces).T)))
 
 
 def test_a_rigid_follower_has_no_strain_panel() -> None:
@@ -233,3 +268,30 @@ def test_pictures_with_nothing_to_compare_are_left_out() -> None:
     assert convergence.convergence_figure(pd.DataFrame()) is None
     assert convergence.cost_figure(pd.DataFrame()) is None
     assert sensitivity.sensitivity_figure(pd.DataFrame()) is None
+
+
+def test_all_pictures_describe_themselves() -> None:
+    result = TROUBLES["settled"]
+    made = [
+        cycle.cycle_figure(result, _labels(result)),
+        mechanism.mechanism_figure(result),
+        forces.force_figure(result),
+        spectrogram.spectrogram_figure(result, time_scale(result.case.mechanism)),
+        overview.overview_figure(RUNS[:2]),
+        heat_map.heat_map_figure(RUNS[:2]),
+        convergence.convergence_figure(_convergence_table()),
+        convergence.cost_figure(_cost_table()),
+        sensitivity.sensitivity_figure(_sensitivity_table()),
+    ]
+    texts = [shown.alt for shown in made if shown is not None]
+    assert len(set(texts)) == len(made)
+    assert all("thesis-24" in text for text in texts[:4])
+
+
+def test_a_single_engine_has_pictures_of_its_own_but_no_comparison() -> None:
+    result = TROUBLES["settled"]
+    alone = dataclasses.replace(result, runs={"own": dataclasses.replace(result.runs["exudyn"])}, checks=())
+    for draw in OF_ONE_CASE.values():
+        _check(draw(alone))
+    assert overview.overview_figure([alone]) is None
+    assert heat_map.heat_map_figure([alone]) is None
