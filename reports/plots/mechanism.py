@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from cases.comparison import CaseResult
 from engines.trajectory import REQUIRED
@@ -22,6 +23,7 @@ Array = NDArray[np.float64]
 
 INSTANTS: Final = 8  # of a cycle, evenly in crank angle; half of them before the return
 SHOWN: Final = 0.15  # of the follower's length: the magnified deflection is at most that
+STRAIGHT: Final = 1e-6  # of the follower's length: a deflection below is interpolation, not bending
 STEPS: Final = (1.0, 2.0, 5.0)  # of the factor
 POINTS: Final = 81  # along the follower
 BAR: Final = 0.2  # of the follower's length: the scale's bar is a round length of at most that
@@ -54,7 +56,7 @@ def draw_mechanism(result: CaseResult) -> Figure | None:
     mechanism = result.case.mechanism
     cycle, turning = fraction(run.cycle["crank_angle"]), direction(run)
     instants = np.arange(INSTANTS) / INSTANTS
-    rows = {column: np.interp(instants, cycle, run.cycle[column]) for column in REQUIRED}
+    rows = {column: CubicSpline(cycle, run.cycle[column])(instants) for column in REQUIRED}
     arc_lengths = np.linspace(0.0, mechanism.follower.length, POINTS)
     along, across = _about_the_chord(mechanism, rows, arc_lengths)
     of_tip = _about_the_chord(mechanism, {column: run.cycle[column] for column in REQUIRED}, arc_lengths[-1:])[1]
@@ -92,7 +94,7 @@ def _about_the_chord(mechanism: Mechanism, rows: dict[str, Array], arc_lengths: 
 
 def _factor(largest: float, length: float) -> float:
     """A round factor, at least 1, by which the largest deflection (m) becomes at most `SHOWN` of the length; 1 where nothing bends."""
-    return max(1.0, _round_below(SHOWN * length / largest)) if largest > 1e-9 * length else 1.0
+    return max(1.0, _round_below(SHOWN * length / largest)) if largest > STRAIGHT * length else 1.0
 
 
 def _round_below(value: float) -> float:

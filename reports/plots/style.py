@@ -6,7 +6,7 @@ readers tell apart; line styles and markers say the same again for grey prints.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -24,6 +24,9 @@ WIDTH: Final = 5.0  # in, 480 CSS pixels
 WHOLE: Final = 32  # 1/32 in is 3 CSS pixels and exact in binary: sizes in pixels are whole numbers
 FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
 SMALL: Final = 8.0  # pt, ticks and notes
+
+SAMPLE: Final = 3.4  # sizes of the letters, length of a legend's sample
+POINTS_PER_INCH: Final = 72.0
 
 BLACK: Final = "#000000"
 ORANGE: Final = "#E69F00"
@@ -101,11 +104,24 @@ def note(axes: Axes, x: float, y: float, text: str, **keywords: Any) -> None:
     axes.text(x, y, text, bbox=ground, **chosen)
 
 
-def legend_above(figure: Figure, handles: Iterable[Artist], columns: int) -> None:
-    """A legend above all axes, where it covers nothing."""
+def legend_above(figure: Figure, handles: Sequence[Artist], most_columns: int) -> None:
+    """A legend above all axes, where it covers nothing, in as many columns as fit."""
+    fitting = [count for count in range(most_columns, 1, -1) if _legend_width(handles, count) < POINTS_PER_INCH * WIDTH]
     figure.legend(
-        handles=list(handles), loc="outside upper center", ncols=columns, fontsize=SMALL, frameon=False, handlelength=3.4, columnspacing=1.2
+        handles=list(handles),
+        loc="outside upper center",
+        ncols=fitting[0] if fitting else 1,
+        fontsize=SMALL,
+        frameon=False,
+        handlelength=SAMPLE,
+        columnspacing=1.2,
     )
+
+
+def _legend_width(handles: Sequence[Artist], columns: int) -> float:
+    """Estimate in points: letters are about 0.58 of the size wide, a sample and its gaps take a few sizes."""
+    longest = [max((len(str(handle.get_label())) for handle in column), default=0) for column in np.array_split(np.array(handles), columns)]
+    return SMALL * sum(0.58 * letters + SAMPLE + 2.0 for letters in longest)
 
 
 def number(value: float, form: str = "g") -> str:

@@ -114,6 +114,12 @@ def _check(figure: Figure | None, limit: int = LARGEST) -> Picture:
     assert image.size == (2 * rendered.width, 2 * rendered.height)
     assert rendered.width == 480
     assert all(_has_data(axes) for axes in figure.axes)
+    everything = figure.get_tightbbox()  # in
+    width, height = figure.get_size_inches()
+    assert everything.x0 >= 0.0  # nothing is cut off
+    assert everything.y0 >= 0.0
+    assert everything.x1 <= width
+    assert everything.y1 <= height
     return rendered
 
 
@@ -174,6 +180,7 @@ def test_failures_are_named_in_the_overview() -> None:
 
 def test_a_synthetic_curve_is_marked_as_such() -> None:
     figure = cycle.draw_cycle(TROUBLES["settled"], (), [CURVE])
+    _check(figure)
     assert figure is not None
     assert any("synthetic" in text for text in _texts(figure))
     shown = cycle.cycle_figure(TROUBLES["settled"], (), [CURVE])
@@ -221,12 +228,18 @@ def test_a_prescribed_speed_shows_the_torque_that_it_takes() -> None:
     np.testing.assert_array_equal(np.asarray(figure.axes[1].lines[0].get_ydata()), result.runs["thesis"].cycle["crank_torque"])
 
 
-def test_the_loop_stays_closed_where_deflection_is_magnified() -> None:
-    result = TROUBLES["settled"]
-    figure = mechanism.draw_mechanism(result)
+def test_the_factor_of_the_deflection_is_stated() -> None:
+    figure = mechanism.draw_mechanism(TROUBLES["settled"])
     assert figure is not None
     (factor,) = [float(text.rpartition("× ")[2]) for text in _texts(figure) if "×" in text]
-    assert factor in (2.0, 5.0, 10.0)
+    assert factor == 5.0  # 13 mm (10 mm and what the loop adds) of 635 mm, shown as at most 0.15 of the length, in steps 1, 2, 5, 10
+
+
+@pytest.mark.parametrize("trouble", ["settled", "backwards", "rigid"])
+def test_the_loop_is_drawn_closed(trouble: str) -> None:
+    result = TROUBLES[trouble]
+    figure = mechanism.draw_mechanism(result)
+    assert figure is not None
     LA = result.case.mechanism.crank.length
     for axes in figure.axes:
         follower = np.column_stack([np.asarray(values) for values in axes.lines[2].get_data()])
