@@ -1,0 +1,123 @@
+"""What the natural frequencies of the crank held still say about the thesis' readings and its suspicion of the slider joint."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from engines.registry import engine
+from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import FrozenModes, frozen_crank_modes
+
+Array = NDArray[np.float64]
+
+#: Crank angles at which modes are looked at, rad: farthest to nearest; the way back mirrors them.
+ANGLES: Final = np.linspace(math.pi, 0.0, 61)
+MODES: Final = 3
+
+LBF_PER_IN: Final = 4.4482216152605 / 0.0254  # N/m
+#: Joint stiffnesses that are tried, N/m: rigid, and 1000 lbf/in.
+STIFFNESSES: Final = (math.inf, 1000.0 * LBF_PER_IN)
+#: A lowering of the first mode as large as the discrepancies that the thesis speaks of.
+LOWERING: Final = 0.05
+
+
+@dataclass(frozen=True)
+class Range:
+    """Smallest and largest value over the crank angle."""
+
+    low: float
+    high: float
+
+    def holds(self, value: float) -> bool:
+        """Whether a value lies within."""
+        return self.low <= value <= self.high
+
+
+@dataclass(frozen=True)
+class JointEffect:
+    """A slider joint of some stiffness (N/m): change of the mean first frequency in each half, and where the third mode lies (Hz)."""
+
+    stiffness: float
+    change_pre: float
+    change_post: float
+    third_mode: Range
+
+
+def converged_modes(mechanism: Mechanism) -> list[FrozenModes]:
+    """Modes at each of `ANGLES`."""
+    return [frozen_crank_modes(mechanism, float(angle), MODES) for angle in ANGLES]
+
+
+def ranges(frequencies: Array) -> list[Range]:
+    """Range of each mode over the crank angle from frequencies of shape (angles, modes), Hz."""
+    return [Range(float(column.min()), float(column.max())) for column in frequencies.T]
+
+
+def converged_ranges(mechanism: Mechanism) -> list[Range]:
+    """Ranges of the first three converged modes, Hz."""
+    return ranges(np.array([mode.frequencies for mode in converged_modes(mechanism)]))
+
+
+def engine_ranges(name: str, mechanism: Mechanism, count: int) -> list[Range]:
+    """Ranges of an engine's first modes at its default settings, Hz; fewer than `count` if it has fewer."""
+    chosen = engine(name)
+    settings = chosen.settings_for(chosen.default_accuracy, mechanism)
+    return ranges(np.array([chosen.natural_frequencies(mechanism, float(angle), count, settings) for angle in ANGLES[::6]]))
+
+
+def share_with_signs(mechanism: Mechanism, mode: int, signs: tuple[int, int, int]) -> float:
+    """At which share of the crank angles a mode (from 0) bends the three gauges with these signs, or all reversed."""
+    gauges = np.array(mechanism.follower.strain_gauges)
+    wanted = np.array(signs)
+    found = [np.sign(modes.curvature(gauges)[mode]) for modes in converged_modes(mechanism)]
+    return float(np.mean([abs(float(wanted @ pattern)) == wanted.size for pattern in found]))
+
+
+def joint_effects(mechanism: Mechanism, crank_angle: Array, time: Array) -> list[JointEffect]:
+    """How a linearly soft joint moves the first mode before and after the return.
+
+    Tried are `STIFFNESSES` and the stiffness that lowers the first mode by `LOWERING` before the return.
+
+    Args:
+        mechanism: with a rigid joint.
+        crank_angle: of a steady cycle, rad, shape (n,).
+        time: s, shape (n,).
+    """
+    halves = _half_weights(crank_angle, time)
+    rigid = _first(mechanism, math.inf)
+
+    def change(stiffness: float, half: int) -> float:
+        soft = _first(mechanism, stiffness)
+        return float(halves[half] @ soft / (halves[half] @ rigid) - 1.0)
+
+    soft = float(np.exp(brentq(lambda exponent: change(float(np.exp(exponent)), 0) + LOWERING, math.log(1e2), math.log(1e7), rtol=1e-4)))
+    return [
+        JointEffect(stiffness, change(stiffness, 0), change(stiffness, 1), converged_ranges(_with_joint(mechanism, stiffness))[2])
+        for stiffness in (*STIFFNESSES, soft)
+    ]
+
+
+def _with_joint(mechanism: Mechanism, stiffness: float) -> Mechanism:
+    return replace(mechanism, slider=replace(mechanism.slider, joint_stiffness=stiffness))
+
+
+def _first(mechanism: Mechanism, stiffness: float) -> Array:
+    """First natural frequency at each of `ANGLES`, Hz."""
+    softened = _with_joint(mechanism, stiffness)
+    return np.array([frozen_crank_modes(softened, float(angle), 1).frequencies[0] for angle in ANGLES])
+
+
+def _half_weights(crank_angle: Array, time: Array) -> tuple[Array, Array]:
+    """Per half the time that a steady cycle spends near each of `ANGLES`, as weights of sum 1."""
+    turned = np.abs(crank_angle - crank_angle[0])
+    steps = np.linspace(0.0, math.pi, ANGLES.size)
+    weights = []
+    for offset in (0.0, math.pi):
+        instants = np.interp(offset + steps, turned, time)
+        spans = np.gradient(instants)
+        weights.append(spans / spans.sum())
+    return weights[0], weights[1][::-1]

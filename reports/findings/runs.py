@@ -1,0 +1,25 @@
+"""Which run of the thesis a case is."""
+
+from collections.abc import Sequence
+
+from cases.comparison import CaseResult
+from cases.library.thesis import RUNS, run_name
+
+
+def run_number(case_name: str) -> int | None:
+    """Number of the run whose library case has this name, None for any other case."""
+    return {run_name(number): number for number in RUNS}.get(case_name)
+
+
+def of_run(results: Sequence[CaseResult], number: int) -> CaseResult | None:
+    """The result of a run, if it is among the cases shown. A case file of the same name is no run of the thesis."""
+    for result in results:
+        if result.case.name == run_name(number) and result.case.source == "library":
+            return result
+    return None
+
+
+def thesis_runs(results: Sequence[CaseResult]) -> dict[int, CaseResult]:
+    """The runs of the thesis among the cases shown, by number."""
+    found = ((number, of_run(results, number)) for number in RUNS)
+    return {number: result for number, result in found if result is not None}

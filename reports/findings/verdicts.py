@@ -1,0 +1,255 @@
+"""What becomes of each of the thesis' statements: it holds, it cannot follow from the model, or it cannot be checked."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from cases.comparison import HALVES, REFERENCE, CaseResult
+from cases.experiment import Statement, statements
+from reports.findings.agreement import differences
+from reports.findings.evidence import Evidence
+from reports.findings.runs import of_run, thesis_runs
+from reports.words import listed, number, percent, span
+
+HOLDS: Final = "holds"
+IN_PART: Final = "holds in part"
+NOT: Final = "does not hold"
+CANNOT_FOLLOW: Final = "cannot follow from the model"
+UNCHECKABLE: Final = "cannot be checked"
+
+MODEL: Final = "thesis"
+#: "Accurate", said of a frequency, is read as: within these ratios to the converged one.
+ACCURATE: Final = (0.97, 1.05)
+#: An effect that differs between the halves by less than this part of itself is the same in both.
+ALIKE: Final = 0.1
+#: A mode has a pattern of signs if it shows it at this share of the crank angles.
+MOSTLY: Final = 0.9
+#: Frequencies that differ by more than this depend on what was changed; three times the consensus' least uncertainty of 0.5 %.
+DEPENDS: Final = 0.015
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A statement, what becomes of it, and the numbers that decide; `inference` marks a reading that the numbers allow but do not prove."""
+
+    statement: Statement
+    verdict: str
+    numbers: str
+    inference: bool = False
+
+
+@dataclass(frozen=True)
+class Basis:
+    """What verdicts are drawn from.
+
+    Attributes:
+        results: cases shown.
+        evidence: on the run that the thesis shows as its example; None if that run is not among the cases.
+        measured: quantity of a statement -> run -> ratio simulation / experiment; empty as long as no measured waveform exists.
+    """
+
+    results: Sequence[CaseResult]
+    evidence: Evidence | None
+    measured: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
+
+
+def verdicts(basis: Basis) -> list[Verdict]:
+    """One per statement, in the order of the thesis."""
+    return [_RULES.get(statement.id, _relation)(statement, basis) for statement in statements()]
+
+
+def post_over_pre(results: Sequence[CaseResult], engine: str) -> dict[int, float]:
+    """Run -> first-mode frequency after the return over that before it, where both are resolvable."""
+    found = {}
+    for number_of_run, result in thesis_runs(results).items():
+        run = result.runs.get(engine)
+        pair = tuple(run.consensus_frequency(half) for half in HALVES) if run is not None and run.usable else (None, None)
+        if pair[0] is not None and pair[1] is not None:
+            found[number_of_run] = pair[1] / pair[0]
+    return found
+
+
+def _relation(statement: Statement, basis: Basis) -> Verdict:
+    """A ratio simulation / experiment, which takes a measured waveform."""
+    values = basis.measured.get(statement.quantity, {})
+    share = statement.share_of(values)
+    if share is None:
+        return Verdict(statement, UNCHECKABLE, "It compares with measured waveforms, and none survives.")
+    counted = sum(run in values for run in statement.runs)
+    numbers = (
+        f"{percent(share, '.0f')} of the {counted} runs with measured curves show a ratio of {_limits(statement)};"
+        f" the words ask for {percent(statement.share, '.0f')}."
+    )
+    return Verdict(statement, HOLDS if statement.holds(values) else NOT, numbers)
+
+
+def _first_mode(statement: Statement, basis: Basis) -> Verdict:
+    if basis.evidence is None:
+        return _not_shown(statement)
+    found = basis.evidence.converged[0]
+    overlap = max(0.0, min(found.high, statement.high) - max(found.low, statement.low)) / (statement.high - statement.low)
+    verdict = HOLDS if overlap == 1.0 else IN_PART if overlap > 0.0 else NOT
+    place = "lies within" if overlap == 1.0 else "overlaps the upper part of" if found.low < statement.low else "overlaps"
+    run = of_run(basis.results, statement.runs[0])
+    reference = run.runs.get(REFERENCE) if run else None
+    means = [reference.consensus_frequency(half) for half in HALVES] if reference is not None and reference.usable else []
+    told = listed([f"{number(mean, '.1f')} Hz" for mean in means if mean is not None])
+    numbers = (
+        f"With the crank held, the converged first mode runs from {span(found.low, found.high, '.1f')} Hz over the crank angle;"
+        f" the printed range {place} this."
+        + (f" Its time mean in the simulated cycle is {told}, before and after the return." if told else "")
+        + " The measured waveform itself is lost."
+    )
+    return Verdict(statement, verdict, numbers)
+
+
+def _second_mode(statement: Statement, basis: Basis) -> Verdict:
+    if basis.evidence is None:
+        return _not_shown(statement)
+    second, third = basis.evidence.converged[1:3]
+    numbers = (
+        f"With the crank held, the second converged mode lies at {span(second.low, second.high, '.0f')} Hz, the third at"
+        f" {span(third.low, third.high, '.0f')} Hz, the single cubic's second at"
+        f" {span(basis.evidence.cubic[1].low, basis.evidence.cubic[1].high, '.0f')} Hz."
+    )
+    if second.holds(statement.low):
+        return Verdict(statement, HOLDS, numbers)
+    if third.holds(statement.low):
+        return Verdict(statement, NOT, f"{numbers} {statement.low:g} Hz is the third mode, not the second.", inference=True)
+    return Verdict(statement, NOT, numbers)
+
+
+def _signs(statement: Statement, basis: Basis) -> Verdict:
+    if basis.evidence is None:
+        return _not_shown(statement)
+    alternating, alike = basis.evidence.alternating, basis.evidence.alike
+    fast = [str(mode + 1) for mode, share in enumerate(alternating) if share >= MOSTLY]
+    numbers = (
+        "Strains 1 and 3 against strain 2: mode "
+        + ", mode ".join(f"{mode + 1} at {percent(share, '.0f')}" for mode, share in enumerate(alternating))
+        + f" of the crank angles. All three alike: mode 1 at {percent(alike[0], '.0f')}."
+    )
+    if alike[0] >= MOSTLY and fast:
+        return Verdict(statement, HOLDS, f"{numbers} The signs are those of mode {' and '.join(fast)}.", inference=True)
+    return Verdict(statement, NOT, numbers)
+
+
+def _depends(statement: Statement, basis: Basis) -> Verdict:
+    groups: dict[str, dict[float, list[tuple[float, float]]]] = {"crank length": {}, "tip mass": {}}
+    for result in thesis_runs(basis.results).values():
+        run, mechanism = result.runs.get(REFERENCE), result.case.mechanism
+        mean = run.consensus_frequency("pre") if run is not None and run.usable else None
+        if mean is not None and mechanism.tip is not None:
+            length, mass = mechanism.crank.length, mechanism.tip.mass
+            groups["crank length"].setdefault(mass, []).append((length, mean))
+            groups["tip mass"].setdefault(length, []).append((mass, mean))
+    changes = {name: _largest_change(group) for name, group in groups.items()}
+    if None in changes.values():
+        return Verdict(statement, UNCHECKABLE, "The cases shown do not vary crank length and tip mass one at a time.")
+    numbers = "; ".join(f"{name} alone: up to {percent(change or 0.0, '.0f')}" for name, change in changes.items())
+    holds = all(change is not None and change > DEPENDS for change in changes.values())
+    return Verdict(statement, HOLDS if holds else NOT, f"Reference, mean first-mode frequency before the return: {numbers}.")
+
+
+def _largest_change(groups: Mapping[float, list[tuple[float, float]]]) -> float | None:
+    """Largest ratio less one of frequencies within a group, whose members differ in the first of each pair."""
+    spreads = [max(f for _, f in pairs) / min(f for _, f in pairs) - 1.0 for pairs in groups.values() if len({x for x, _ in pairs}) > 1]
+    return max(spreads) if spreads else None
+
+
+def _post_excess(statement: Statement, basis: Basis) -> Verdict:
+    """The reference in the place of the experiment: whether the single cubic alone could make the halves differ as the words say."""
+    if basis.measured.get(statement.quantity):
+        return _relation(statement, basis)
+    halves = {engine: post_over_pre(basis.results, engine) for engine in (MODEL, REFERENCE)}
+    excess = {run: halves[MODEL][run] / halves[REFERENCE][run] for run in halves[MODEL] if run in halves[REFERENCE]}
+    if not excess:
+        return Verdict(statement, UNCHECKABLE, "No run shown is resolved in both halves by both the single cubic and the reference.")
+    told = [f"{engine} {_median_and_range(list(ratios.values()))}" for engine, ratios in halves.items()]
+    numbers = (
+        f"First-mode frequency after / before the return: {'; '.join(told)}. Excess of the single cubic over the reference, after / before:"
+        f" {_median_and_range(list(excess.values()))}; the words: {_limits(statement)} in {percent(statement.share, '.0f')} of the runs."
+    )
+    if not statement.holds(excess):
+        return Verdict(statement, CANNOT_FOLLOW, f"{numbers} The single cubic is too stiff in both halves alike.")
+    return Verdict(statement, UNCHECKABLE, f"{numbers} The measured waveforms that would decide are lost.")
+
+
+def _median_and_range(ratios: Sequence[float]) -> str:
+    return f"median {number(float(np.median(ratios)), '.3f')} ({span(min(ratios), max(ratios), '.3f')}, {len(ratios)} runs)"
+
+
+def _joint(statement: Statement, basis: Basis) -> Verdict:
+    effects = [effect for effect in basis.evidence.joints if effect.change_pre < 0.0] if basis.evidence else []
+    if not effects:
+        return _not_shown(statement)
+    effect = min(effects, key=lambda found: found.stiffness)
+    alike = abs(effect.change_post - effect.change_pre) < ALIKE * abs(effect.change_pre)
+    numbers = (
+        f"A linearly soft joint of {number(effect.stiffness / 1e3, '.3g')} kN/m lowers the first mode of run {statement.runs[-1]} by"
+        f" {percent(-effect.change_pre, '.2f')} before and {percent(-effect.change_post, '.2f')} after the return."
+    )
+    if alike:
+        return Verdict(statement, CANNOT_FOLLOW, f"{numbers} It lowers both halves alike and cannot make them differ.", inference=True)
+    return Verdict(statement, UNCHECKABLE, f"{numbers} It could make the halves differ.")
+
+
+def _two_modes(statement: Statement, basis: Basis) -> Verdict:
+    ratios = [found.ratio for found in differences(basis.results, MODEL, "frequency")]
+    if not ratios:
+        return Verdict(statement, UNCHECKABLE, "No half cycle of the runs shown is resolved by both the single cubic and the reference.")
+    numbers = (
+        f"First-mode frequency of the single cubic over the converged one: median {number(float(np.median(ratios)), '.3f')},"
+        f" {span(min(ratios), max(ratios), '.3f')} in {len(ratios)} half cycles."
+    )
+    if basis.evidence is not None:
+        second = [f"{span(found.low, found.high, '.0f')} Hz" for found in (basis.evidence.cubic[1], basis.evidence.converged[1])]
+        numbers += f" Second mode with the crank held, run {statement.runs[-1]}: {second[0]} against {second[1]}."
+    inside = [ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in ratios]
+    verdict = HOLDS if all(inside) else IN_PART if any(inside) else NOT
+    return Verdict(statement, verdict, numbers)
+
+
+def _more_elements(statement: Statement, basis: Basis) -> Verdict:
+    counts: dict[str, set[int]] = {MODEL: set(), REFERENCE: set()}
+    for result in basis.results:
+        for name, found in counts.items():
+            run = result.runs.get(name)
+            if run is not None and run.usable:
+                found.add(int(run.document["degrees_of_freedom"]))
+    if not all(counts.values()):
+        return Verdict(statement, UNCHECKABLE, "Not both of the single cubic and the reference completed a case shown.")
+    single, many = max(counts[MODEL]), min(counts[REFERENCE])
+    numbers = (
+        f"The reference is the same method with more shapes: {_counted(counts[REFERENCE])} degrees of freedom, the crank's included,"
+        f" against {_counted(counts[MODEL])}."
+    )
+    return Verdict(statement, HOLDS if many >= 2 * single else IN_PART, numbers)
+
+
+def _not_shown(statement: Statement) -> Verdict:
+    return Verdict(statement, UNCHECKABLE, f"Run {statement.runs[-1]} is not among the cases shown, or its reference did not settle.")
+
+
+def _counted(values: set[int]) -> str:
+    return str(min(values)) if len(values) == 1 else f"{min(values)} to {max(values)}"
+
+
+def _limits(statement: Statement) -> str:
+    if np.isinf(statement.high):
+        return f"at least {statement.low:g}"
+    return f"at most {statement.high:g}" if np.isinf(statement.low) else f"{statement.low:g} to {statement.high:g}"
+
+
+_RULES: Final[Mapping[str, Callable[[Statement, Basis], Verdict]]] = {
+    "first-mode-range": _first_mode,
+    "second-mode": _second_mode,
+    "second-mode-signs": _signs,
+    "frequency-depends-on-crank": _depends,
+    "post-excess": _post_excess,
+    "joint-cause": _joint,
+    "two-modes": _two_modes,
+    "more-elements": _more_elements,
+}

@@ -1,0 +1,92 @@
+"""What the thesis leaves open, and accuracy beside cost."""
+
+from typing import Final
+
+import pandas as pd
+
+from reports.pages.blocks import Chapter
+from reports.pages.content import Content
+from reports.tables import studies as tables
+from reports.words import case_label, listed, percent, size
+
+_ABSENT: Final = "This belongs to runs 10 and 24 of the thesis and is shown when both are among the cases."
+#: What two solutions may differ by to confirm each other.
+CONFIRMED: Final = 5e-4
+#: A change of more than this part is worth a word; the measure itself has a floor of 0.5 %.
+NOTABLE: Final = 0.01
+
+
+def open_points(content: Content) -> Chapter:
+    """Sensitivity to what the thesis does not say."""
+    chapter = Chapter("open", "What the thesis leaves open", "Open points")
+    if content.studies is None or content.studies.sensitivity.empty:
+        chapter.text(_ABSENT, "note")
+        return chapter
+    frame = content.studies.sensitivity
+    chapter.text(
+        "Each row changes one thing that the thesis does not publish or that cannot be read, and brings the reference to its steady state"
+        f" again. {_strongest(frame, 'first_mode_frequency', 'the first-mode frequency')}"
+        f" {_strongest(frame, 'first_mode_amplitude', 'an amplitude')}"
+    )
+    chapter.figures(
+        (
+            content.pictures.of_all.get("sensitivity"),
+            "Relative change (%) of first-mode frequency and amplitude with each open point; the mark is the median of the channels,"
+            " the line reaches over all of them.",
+        )
+    )
+    chapter.table(tables.sensitivity(frame))
+    return chapter
+
+
+def _strongest(frame: pd.DataFrame, quantity: str, words: str) -> str:
+    """A sentence on the changes that move a quantity by more than `NOTABLE`, the strongest first."""
+    known = frame[(frame["quantity"] == quantity) & frame["relative_change"].notna()]
+    largest = known.assign(size=known["relative_change"].abs()).groupby("change")["size"].max().sort_values(ascending=False)
+    notable = [f"{change} ({size(float(value))})" for change, value in largest.items() if value > NOTABLE]
+    if not notable:
+        return f"Nothing tried moves {words} by more than {percent(NOTABLE, '.0f')}."
+    return f"What moves {words} by more than {percent(NOTABLE, '.0f')} somewhere: {listed(notable)}."
+
+
+def accuracy_and_cost(content: Content) -> Chapter:
+    """Error beside solve time; convergence; solve times of all runs."""
+    chapter = Chapter("accuracy", "Accuracy and cost", "Accuracy, cost")
+    studies = content.studies
+    if studies is None:
+        chapter.text(f"Accuracy against a confirmed solution, and convergence of the reference: {_ABSENT[0].lower()}{_ABSENT[1:]}", "note")
+    else:
+        if studies.failures:
+            chapter.text("Not computed:", "warning")
+            chapter.points(studies.failures)
+        _confirmation(chapter, studies.confirmation)
+        if not studies.accuracy.empty:
+            errors = [f"{row['engine']} {size(float(row['tip_deflection']))}" for row in studies.accuracy.to_dict("records")]
+            chapter.text(f"At its default accuracy each engine errs in run 24's tip deflection by: {', '.join(errors)}.")
+            chapter.table(tables.accuracy(studies.accuracy))
+        if not studies.convergence.empty:
+            chapter.heading("Convergence of the reference", "convergence")
+            chapter.figures(
+                (content.pictures.of_all.get("convergence"), "Error of the reference (% of RMS) in run 24 over its number of shapes."),
+                (content.pictures.of_all.get("cost"), "Error (%) of each engine at its default accuracy in run 24 over its solve time."),
+            )
+            chapter.table(tables.convergence(studies.convergence))
+    chapter.heading("Solve times to the steady state", "solve-times")
+    chapter.table(tables.solve_times(content.results))
+    return chapter
+
+
+def _confirmation(chapter: Chapter, frame: pd.DataFrame) -> None:
+    if frame.empty:
+        chapter.text("No second engine confirms the converged solution: the errors below are against it alone.", "warning")
+        return
+    row = frame.iloc[0]
+    difference = float(row["tip_deflection"])
+    confirmed = difference <= CONFIRMED
+    chapter.text(
+        f"The converged solution of {case_label('thesis-24')} ({row['engine']}, {row['settings']}) and that of {row['confirmed_by']}"
+        f" ({row['with_settings']}) differ by {size(difference)} in the tip deflection:"
+        f" {'they confirm' if confirmed else 'they do not confirm'} each other to {percent(CONFIRMED)}.",
+        "" if confirmed else "warning",
+    )
+    chapter.table(tables.confirmation(frame))

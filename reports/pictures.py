@@ -1,0 +1,148 @@
+"""All pictures of the report: from the store where they are there, else drawn in processes of their own, one per case."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from cases.comparison import CaseResult
+from cases.experiment import AxisLabels, MeasuredCurve, axis_labels
+from cases.progress import with_progress
+from cases.store import Entry, Store
+from cases.studies import Studies
+from cases.workers import PRELOAD, Job, Limits, run_jobs
+from reports.cache import content_of, content_of_curves, page_key
+from reports.findings.runs import run_number
+from reports.plots.picture import Picture
+
+#: Pictures of one case, in the order of the page.
+OF_CASE: Final = ("cycle", "mechanism", "forces", "spectrogram")
+#: Pictures of all cases together.
+OF_ALL: Final = ("overview", "heat_map")
+#: Pictures of the studies.
+OF_STUDIES: Final = ("convergence", "cost", "sensitivity")
+
+_LIMITS: Final = Limits(seconds=600.0)  # drawing takes a few seconds
+_PRELOAD: Final = (*PRELOAD, "matplotlib.figure", "reports.pictures")
+_ALL: Final = "all cases"
+_STUDIES: Final = "the studies"
+
+Drawn = dict[str, Picture | None]
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """What was drawn; None for a picture that has nothing to show.
+
+    Attributes:
+        of_all: name of `OF_ALL` or `OF_STUDIES` -> picture.
+        of_case: case -> name of `OF_CASE` -> picture.
+        failures: sentences on what could not be drawn.
+    """
+
+    of_all: Drawn = field(default_factory=dict)
+    of_case: dict[str, Drawn] = field(default_factory=dict)
+    failures: tuple[str, ...] = ()
+
+
+def draw_pictures(
+    results: Sequence[CaseResult], studies: Studies | None, curves: Sequence[MeasuredCurve], store: Store, jobs: int | None = None
+) -> Pictures:
+    """All pictures of the page.
+
+    Raises:
+        StoreError: a picture cannot be stored.
+        KeyboardInterrupt: Ctrl-C; what was drawn is stored.
+    """
+    work: dict[str, Job] = {}
+    names: dict[str, str] = {}
+    found: dict[str, Drawn] = {}
+    inputs: dict[str, Any]
+    everything = [content_of(result) for result in results]
+    orders: list[tuple[str, Mapping[str, Any], Job]] = [(_ALL, {"results": everything}, Job(_ALL, draw_all, (list(results),)))]
+    if studies is not None:
+        tables = {name: getattr(studies, name) for name in ("convergence", "accuracy", "sensitivity")}
+        texts: dict[str, Any] = {name: table.to_csv() for name, table in tables.items()}
+        orders.append((_STUDIES, texts, Job(_STUDIES, draw_studies, tuple(tables.values()))))
+    for result, content in zip(results, everything, strict=True):
+        labels, its_curves = _of_run(result, curves)
+        inputs = {"result": content, "labels": labels, "curves": content_of_curves(its_curves)}
+        orders.append((result.case.name, inputs, Job(result.case.name, draw_case, (result, labels, its_curves))))
+    for name, determined_by, job in orders:
+        key = page_key(f"pictures of {name if name in (_ALL, _STUDIES) else 'a case'}", determined_by)
+        entry = store.get(key)
+        if entry is not None:
+            found[name] = _unpacked(entry)
+        else:
+            work[key] = Job(key, job.function, job.arguments)
+            names[key] = name
+    failures = []
+    for outcome in with_progress(run_jobs(work.values(), jobs, _LIMITS, _PRELOAD), len(work), "pictures"):
+        key = outcome.job.name
+        if not outcome.completed:
+            failures.append(f"pictures of {names[key]}: drawing {outcome.failure}")
+            continue
+        found[names[key]] = outcome.value
+        store.put(key, *_packed(outcome.value))
+    of_all = found.pop(_ALL, {}) | found.pop(_STUDIES, {})
+    return Pictures(of_all, found, tuple(failures))
+
+
+def draw_case(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequence[MeasuredCurve]) -> Drawn:
+    """The pictures `OF_CASE` of a case."""
+    from cases.measures import time_scale
+    from reports.plots.cycle import cycle_figure
+    from reports.plots.forces import force_figure
+    from reports.plots.mechanism import mechanism_figure
+    from reports.plots.spectrogram import spectrogram_figure
+
+    return {
+        "cycle": cycle_figure(result, labels, curves),
+        "mechanism": mechanism_figure(result),
+        "forces": force_figure(result),
+        "spectrogram": spectrogram_figure(result, time_scale(result.case.mechanism)),
+    }
+
+
+def draw_all(results: Sequence[CaseResult]) -> Drawn:
+    """The pictures `OF_ALL`."""
+    from reports.plots.heat_map import heat_map_figure
+    from reports.plots.overview import overview_figure
+
+    return {"overview": overview_figure(results), "heat_map": heat_map_figure(results)}
+
+
+def draw_studies(convergence: pd.DataFrame, accuracy: pd.DataFrame, sensitivity: pd.DataFrame) -> Drawn:
+    """The pictures `OF_STUDIES`; the tables are those of `cases.studies.Studies`."""
+    from reports.plots.convergence import convergence_figure, cost_figure
+    from reports.plots.sensitivity import sensitivity_figure
+
+    return {
+        "convergence": convergence_figure(convergence),
+        "cost": cost_figure(accuracy) if not accuracy.empty else None,
+        "sensitivity": sensitivity_figure(sensitivity),
+    }
+
+
+def _of_run(result: CaseResult, curves: Sequence[MeasuredCurve]) -> tuple[tuple[AxisLabels, ...], list[MeasuredCurve]]:
+    number = run_number(result.case.name) if result.case.source == "library" else None
+    if number is None:
+        return (), []
+    return axis_labels(number), [curve for curve in curves if curve.run == number]
+
+
+def _packed(drawn: Drawn) -> tuple[dict[str, Any], dict[str, Any]]:
+    document: dict[str, Any] = {}
+    arrays = {}
+    for name, shown in drawn.items():
+        document[name] = None
+        if shown is not None:
+            document[name] = {"mime": shown.mime, "width": shown.width, "height": shown.height, "alt": shown.alt}
+            arrays[name] = np.frombuffer(shown.data, dtype=np.uint8)
+    return document, arrays
+
+
+def _unpacked(entry: Entry) -> Drawn:
+    return {name: None if about is None else Picture(data=entry.arrays[name].tobytes(), **about) for name, about in entry.document.items()}

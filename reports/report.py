@@ -1,0 +1,155 @@
+"""The report: engines on cases, studies, pictures and tables, put together into one page with its CSV files beside it."""
+
+import csv
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from cases.case import Case
+from cases.cross_validation import cross_validate
+from cases.engine_run import PARTS
+from cases.experiment import load_curves
+from cases.fingerprint import code_fingerprint
+from cases.store import Store
+from cases.studies import ACCURACY_CASE, OPEN_RUNS, Studies, run_studies
+from engines.registry import MAIN
+from reports.findings.evidence import evidence
+from reports.findings.measured import measured_comparisons
+from reports.findings.runs import of_run, run_number
+from reports.machine import machine_facts
+from reports.output import OutputError, write_file
+from reports.page import page
+from reports.pages.answer import answer
+from reports.pages.blocks import Chapter
+from reports.pages.comparison import disagreement, runs_by_engines
+from reports.pages.content import Content
+from reports.pages.experiment import experiment, published
+from reports.pages.per_run import per_run
+from reports.pages.provenance import files, provenance, verification
+from reports.pages.studies import accuracy_and_cost, open_points
+from reports.pages.thesis_view import thesis_view
+from reports.pictures import draw_pictures
+from reports.tables.provenance import catalogue
+from reports.tables.table import Table
+from reports.verification import verification as stored_verification
+
+PAGE: Final = "index.html"
+#: The list of all CSV files, by which the next report in the same folder knows which files are an earlier report's.
+CATALOGUE: Final = "tables.csv"
+#: The run that the thesis shows as its example.
+EXAMPLE: Final = run_number(ACCURACY_CASE)
+
+
+@dataclass(frozen=True)
+class Written:
+    """What a report left behind: the page, and what is in it."""
+
+    page: Path
+    content: Content
+    tables: tuple[Table, ...]
+
+    @property
+    def failed(self) -> bool:
+        """Whether an engine did not complete a case, or a study could not be made."""
+        studies = self.content.studies
+        return any(trouble.is_failure for trouble in self.content.troubles) or bool(studies is not None and studies.failures)
+
+
+def check_folder(folder: Path) -> None:
+    """Find out now whether the report can be written to a folder later, and create it.
+
+    Raises:
+        OutputError: it is a file, or cannot be created or written to.
+    """
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"--output {folder}: this is a file; give a folder")
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        if (folder / PAGE).is_dir():
+            raise OutputError(f"--output {folder}: {PAGE} in it is a folder")
+    except (OSError, ValueError) as error:  # ValueError: a null byte
+        reason = (error.strerror or str(error)).lower() if isinstance(error, OSError) else "no file name can hold its characters"
+        raise OutputError(f"--output {str(folder)!r:.200}: it cannot be written ({reason})") from error
+
+
+def write_report(cases: Sequence[Case], folder: Path, store: Store, jobs: int | None = None, engines: Sequence[str] = MAIN) -> Written:
+    """Compute what is missing, and write the page and its tables.
+
+    Args:
+        cases: at least one.
+        folder: where it goes; see `check_folder`.
+        store: results and pictures are taken from here and kept here.
+        jobs: processes at a time; None: one per core.
+        engines: names.
+
+    Raises:
+        CaseError: a measured curve that breaks its documented form; nothing has been computed then.
+        OutputError, StoreError: something cannot be written.
+        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+    """
+    curves = load_curves()
+    results = cross_validate(cases, store, engines, jobs=jobs)
+    studies = _studies(cases, store, jobs)
+    example = of_run(results, EXAMPLE) if EXAMPLE else None
+    content = Content(
+        results=results,
+        studies=studies,
+        evidence=evidence(example, store) if example is not None else None,
+        curves=curves,
+        comparisons=measured_comparisons(results, curves),
+        pictures=draw_pictures(results, studies, curves, store, jobs),
+        verification=stored_verification(store.folder),
+        facts=machine_facts(),
+        code=code_fingerprint(PARTS),
+        notices=tuple(store.notices),
+    )
+    return write(content, folder)
+
+
+def write(content: Content, folder: Path) -> Written:
+    """Write page and tables, and remove tables of an earlier report in the same folder that this one does not have.
+
+    Raises:
+        OutputError: something cannot be written.
+    """
+    chapters = chapters_of(content)
+    tables = tuple(table for chapter in chapters for table in chapter.tables)
+    stale = _earlier_tables(folder) - {table.file for table in tables}
+    for table in tables:
+        write_file(folder / table.file, table.csv().encode())
+    write_file(folder / PAGE, page(chapters, content.facts.get("date", "")).encode())
+    for name in stale:
+        (folder / name).unlink(missing_ok=True)
+    return Written(folder / PAGE, content, tables)
+
+
+def chapters_of(content: Content) -> list[Chapter]:
+    """All chapters in their order."""
+    makers: tuple[Callable[[Content], Chapter], ...] = (
+        answer, runs_by_engines, disagreement, thesis_view, open_points, accuracy_and_cost,
+        experiment, published, per_run, provenance, verification,
+    )  # fmt: skip
+    chapters = [make(content) for make in makers]
+    tables = [table for chapter in chapters for table in chapter.tables]
+    about = {"date": content.facts.get("date", ""), "code": content.code}
+    return [*chapters, files(content, catalogue(tables, about))]
+
+
+def _studies(cases: Sequence[Case], store: Store, jobs: int | None) -> Studies | None:
+    """The studies, if the report is about all runs that they are about."""
+    shown = {case.name for case in cases if case.source == "library"}
+    return run_studies(store, jobs) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
+
+
+def _earlier_tables(folder: Path) -> set[str]:
+    """CSV files of an earlier report in the folder, by its own list; plain names only."""
+    try:
+        rows = list(csv.DictReader((folder / CATALOGUE).read_text("utf-8").splitlines()))
+    except (OSError, ValueError, csv.Error):
+        return set()
+    names = {str(row.get("file") or "") for row in rows} | {CATALOGUE}
+    return {name for name in names if name.endswith(".csv") and Path(name).name == name}

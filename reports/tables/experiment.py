@@ -1,0 +1,157 @@
+"""What is left of the experiment, held against the engines."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from cases.comparison import REFERENCE, CaseResult
+from cases.experiment import MeasuredCurve, channel_is_usable, measured_crank_speed
+from cases.library import Inconsistency
+from cases.library.thesis import RUNS, run_name
+from reports.findings.axes import AxisComparison
+from reports.findings.measured import Comparison
+from reports.findings.runs import thesis_runs
+from reports.findings.verdicts import MODEL
+from reports.tables.table import Cell, Column, Table, TableBuilder
+from reports.words import HALF, case_label, channel_name
+
+
+def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison]) -> Table:
+    """Per run the crank speed, which measurements are valid, and the simulated peaks over the largest axis label."""
+    builder = TableBuilder(
+        "experiment",
+        "Per run: measured crank speed (table 3.1) and the speed simulated; which measurements section 3.5 calls valid; largest"
+        " legible axis label of the appendix' figure and the simulated peak over it (printed strain read as percent). A label bounds"
+        " the plotted curves roughly and from below: labels are missing, and measured curves share the axes.",
+        (
+            Column("case", "run"),
+            Column("measured_speed", "measured", "rad/s", ".3f", group="crank speed"),
+            Column("simulated_speed", "simulated", "rad/s", ".3f", group="crank speed", meaning="mean of the reference's steady cycle"),
+            Column("acceleration_valid", "acceleration", group="valid"),
+            Column("strain_valid", "strain", group="valid"),
+            Column("acceleration_label", "label", "m/s²", ".1f", group="tip acceleration"),
+            Column(f"acceleration_{MODEL}", MODEL, "1", ".2f", group="tip acceleration", meaning="peak over label"),
+            Column(f"acceleration_{REFERENCE}", REFERENCE, "1", ".2f", group="tip acceleration", meaning="peak over label"),
+            Column("strain_label", "label", "1", ".2g", "%", 100.0, group="strain, largest of three"),
+            Column(f"strain_{MODEL}", MODEL, "1", ".2f", group="strain, largest of three", meaning="peak over label"),
+            Column(f"strain_{REFERENCE}", REFERENCE, "1", ".2f", group="strain, largest of three", meaning="peak over label"),
+        ),
+    )
+    for number_of_run, result in thesis_runs(results).items():
+        cells: dict[str, Any] = {}
+        for axis in (found for found in axes if found.run == number_of_run):
+            prefix = "acceleration" if axis.channel == "tip_acceleration" else "strain"
+            cells[f"{prefix}_label"] = axis.largest_label
+            for engine in (MODEL, REFERENCE):
+                cells[f"{prefix}_{engine}"] = axis.ratio(engine)
+        measured = measured_crank_speed(number_of_run)
+        reference = result.runs.get(REFERENCE)
+        if reference is not None and reference.usable:
+            angle, time = reference.cycle["crank_angle"], reference.cycle["time"]
+            cells["simulated_speed"] = float(angle[-1] - angle[0]) / float(time[-1] - time[0])
+        builder.add(
+            case=Cell(result.case.name, case_label(result.case.name)),
+            measured_speed=Cell(None, "none printed", "tables 3.1 and 5.2 say N/A") if measured is None else measured,
+            acceleration_valid=channel_is_usable(number_of_run, "tip_acceleration"),
+            strain_valid=channel_is_usable(number_of_run, "strain_1"),
+            **cells,
+        )
+    return builder.table()
+
+
+def curves(found: Sequence[MeasuredCurve]) -> Table:
+    """The measured curves with what they declare."""
+    builder = TableBuilder(
+        "curves",
+        "Measured curves that were found, with what their files declare.",
+        (
+            Column("run", "run", form="d"),
+            Column("channel", "channel"),
+            Column("origin", "origin"),
+            Column("usable", "called valid in section 3.5"),
+            Column("unit", "declared unit"),
+            Column("sign", "sign"),
+            Column("axis", "axis"),
+            Column("points", "points", form="d"),
+            Column("source", "source"),
+        ),
+    )
+    for curve in found:
+        builder.add(
+            run=curve.run,
+            channel=Cell(curve.channel, channel_name(curve.channel)),
+            origin=Cell(curve.origin, mark="open" if curve.origin == "synthetic" else ""),
+            usable=curve.usable,
+            points=int(curve.values.size),
+            source=curve.source,
+            **{key: curve.declared[key] for key in ("unit", "sign", "axis")},
+        )
+    return builder.table()
+
+
+def curve_comparison(found: Sequence[Comparison], engines: Sequence[str]) -> Table:
+    """Engines over measured curves, per half."""
+    builder = TableBuilder(
+        "curve_comparison",
+        "Engines over measured curves: first-mode frequency and amplitude of the curve (measured like an engine's cycle) and each engine's"
+        " number over it. Extremes of a curve are taken after a zero-phase low-pass at 200 Hz.",
+        (
+            Column("case", "run"),
+            Column("channel", "channel"),
+            Column("origin", "origin"),
+            Column("half", "half"),
+            Column("frequency", "curve", "Hz", ".2f", uncertainty="frequency_uncertainty", group="first-mode frequency"),
+            Column("frequency_uncertainty", "±", "Hz", ".2f", in_page=False),
+            *(Column(f"frequency_{name}", name, "1", ".3f", group="first-mode frequency", meaning="engine / curve") for name in engines),
+            Column("amplitude", "curve", "SI", ".3g", group="first-mode amplitude"),
+            *(Column(f"amplitude_{name}", name, "1", ".3f", group="first-mode amplitude", meaning="engine / curve") for name in engines),
+            Column("minimum", "minimum", "SI", ".3g", group="extremes of the curve"),
+            Column("maximum", "maximum", "SI", ".3g", group="extremes of the curve"),
+        ),
+        grouped=True,
+    )
+    for item in found:
+        name = run_name(item.curve.run)
+        cells: dict[str, Any] = {}
+        for short, quantity in (("frequency", "first_mode_frequency"), ("amplitude", "first_mode_amplitude")):
+            value = item.measure[quantity]
+            cells[short] = Cell(None, "n. r.", item.measure["reason"], "open") if value is None else value
+            for engine in engines:
+                its = item.engines.get(engine, {}).get(quantity)
+                cells[f"{short}_{engine}"] = its / value if its is not None and value else None
+        builder.add(
+            case=Cell(name, case_label(name)),
+            channel=Cell(item.curve.channel, channel_name(item.curve.channel)),
+            origin=Cell(item.curve.origin, mark="open" if item.curve.origin == "synthetic" else ""),
+            half=Cell(item.half, HALF[item.half]),
+            frequency_uncertainty=item.measure["first_mode_frequency_uncertainty"],
+            minimum=item.measure["minimum"],
+            maximum=item.measure["maximum"],
+            **cells,
+        )
+    return builder.table()
+
+
+def inconsistencies(found: Sequence[Inconsistency]) -> Table:
+    """Where the thesis contradicts itself or leaves a gap."""
+    builder = TableBuilder(
+        "inconsistencies",
+        "Published inconsistencies and gaps, and what is used here instead. Nothing is mended silently.",
+        (
+            Column("runs", "runs"),
+            Column("what", "what"),
+            Column("published", "published"),
+            Column("used", "used here"),
+            Column("reason", "because"),
+        ),
+    )
+    for item in found:
+        builder.add(runs=_runs(item.runs), what=item.what, published=item.published, used=item.used, reason=item.reason)
+    return builder.table()
+
+
+def _runs(numbers: Sequence[int]) -> str:
+    if tuple(numbers) == tuple(RUNS):
+        return "all"
+    if len(numbers) > 2 and list(numbers) == list(range(numbers[0], numbers[-1] + 1)):
+        return f"{numbers[0]} to {numbers[-1]}"
+    return ", ".join(map(str, numbers))

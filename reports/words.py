@@ -1,0 +1,81 @@
+"""Numbers and names as the report writes them."""
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from reports.findings.runs import run_number
+
+MINUS: Final = "−"
+#: A blank at which no line breaks.
+TIED: Final = "\N{NO-BREAK SPACE}"
+HALF: Final = {"pre": "pre-return", "post": "post-return"}
+QUANTITY: Final = {
+    "consensus_frequency": "first-mode frequency, consensus",
+    "first_mode_frequency": "first-mode frequency",
+    "first_mode_amplitude": "first-mode amplitude",
+    "second_mode_frequency": "second-mode frequency",
+    "minimum": "minimum",
+    "maximum": "maximum",
+}
+
+
+def number(value: float, form: str) -> str:
+    """A number in the page: a true minus sign, no negative zero, words for what is no number."""
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
+    text = format(value, form)
+    if text.startswith("-") and not any(digit in text for digit in "123456789"):
+        text = text[1:]  # -0.00 is no less than 0.00
+    return text.replace("-", MINUS)
+
+
+def percent(share: float, form: str = ".2f") -> str:
+    """A fraction in percent."""
+    return f"{number(100.0 * share, form)}{TIED}%"
+
+
+def percents(low: float, high: float, form: str) -> str:
+    """A range of fractions in percent."""
+    return f"{span(100.0 * low, 100.0 * high, form)}{TIED}%"
+
+
+def size(share: float) -> str:
+    """A relative difference in percent, without its sign, to two figures."""
+    value = abs(100.0 * share)
+    return f"{number(value, '.0f' if value >= 10.0 else '.1f' if value >= 1.0 else '.2g')}{TIED}%"
+
+
+def span(low: float, high: float, form: str) -> str:
+    """A range."""
+    return f"{number(low, form)} to {number(high, form)}"
+
+
+def channel_name(column: str | None) -> str:
+    """A trajectory column in words; None is the consensus of all."""
+    return "all channels" if column is None else column.replace("_", " ")
+
+
+def case_label(name: str) -> str:
+    """The text "run 24" for a run of the thesis, the case's name otherwise."""
+    run = run_number(name)
+    return name if run is None else f"run{TIED}{run}"
+
+
+def place(case: str, half: str, channel: str | None) -> str:
+    """Where a number is from: "run 24, pre-return, strain 2"."""
+    return f"{case_label(case)}, {HALF[half]}, {channel_name(channel)}"
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """Words as "a, b and c"; "none" if there are none."""
+    if len(words) < 2:
+        return words[0] if words else "none"
+    return f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """A number with its noun: "1 case", "3 cases"."""
+    return f"{count}{TIED}{one if count == 1 else many or one + 's'}"
