@@ -1,12 +1,14 @@
 """Engines against the reference, case by case, with the tolerances of the cases' data."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
 from cases.case import Case
 from cases.engine_run import EngineRun
 from cases.measures import CHANNELS
+from cases.measures.consensus import Consensus, consensus
 from cases.steady_run import REFUSED, SETTLED
 from cases.tolerances import Tolerance, tolerances_for
 
@@ -96,7 +98,10 @@ def _checks(name: str, run: EngineRun, reference: EngineRun, tolerance: Toleranc
             scale = reference.peak(channel) if channel and tolerance.quantity in EXTREMES else abs(pair[1])
             if scale > 0.0:
                 deviation = tolerance.deviation(pair[0], pair[1], scale)
-                found.append(Check(name, tolerance.quantity, half, channel, deviation, tolerance))
+                uncertainty = (
+                    0.0 if tolerance.quantity in EXTREMES else abs(deviation) * _relative_uncertainty(run, reference, half, channel)
+                )
+                found.append(Check(name, tolerance.quantity, half, channel, deviation, tolerance.widened(uncertainty)))
     return found
 
 
@@ -111,13 +116,32 @@ def values(run: EngineRun, other: EngineRun, quantity: str, half: str, channel: 
         channel: a trajectory column; None for the consensus.
     """
     if quantity == "consensus_frequency" or channel is None:
-        pair = run.consensus_frequency(half), other.consensus_frequency(half)
+        shared = _shared(run, other, half)
+        pair = _consensus(run, half, shared).first_mode_frequency, _consensus(other, half, shared).first_mode_frequency
     else:
         mine, its = run.measure(half, channel), other.measure(half, channel)
         if mine is None or its is None:
             return None
         pair = mine[quantity], its[quantity]
     return None if pair[0] is None or pair[1] is None else (float(pair[0]), float(pair[1]))
+
+
+def _consensus(run: EngineRun, half: str, channels: Sequence[str]) -> Consensus:
+    """Consensus over the given channels: two runs can be compared over those only that both resolve."""
+    measures = [measure for channel in channels if (measure := run.measure(half, channel))]
+    frequencies = [measure["first_mode_frequency"] for measure in measures]
+    return consensus(half, frequencies, [measure["first_mode_frequency_uncertainty"] for measure in measures])
+
+
+def _shared(run: EngineRun, other: EngineRun, half: str) -> list[str]:
+    return [name for name in CHANNELS if values(run, other, "first_mode_frequency", half, name)]
+
+
+def _relative_uncertainty(run: EngineRun, other: EngineRun, half: str, channel: str | None) -> float:
+    """Claimed uncertainties of both first-mode frequencies relative to their values, in quadrature; zero where not resolvable."""
+    channels = [name for name in _shared(run, other, half) if channel in (None, name)]
+    both = [_consensus(one, half, channels) for one in (run, other)]
+    return math.hypot(*(c.uncertainty / c.first_mode_frequency for c in both if c.first_mode_frequency and c.uncertainty))
 
 
 def largest_differences(run: EngineRun, other: EngineRun) -> dict[str, float | None]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cases.measures import CHANNELS, Cycle, Settling, cut_cycles
 from engines.accurate import check_trajectory, simulate
-from engines.base import Engine, EngineFailure, Refusal
+from engines.base import Engine, EngineFailure, Refusal, Simulation
 from engines.registry import engine as engine_of_name
 from engines.settings import SettingError, Settings
 from engines.start import Start, standard_start
@@ -74,7 +74,11 @@ def steady_run(task: Task) -> SteadyRun:
             raise Refusal(reason)
         document["version"] = engine.version()
         settings, start = _settle_settings(engine, task, document)
-        cycle = _march(engine, task.mechanism, start, settings, document)
+        cycle = settle(engine.prepare(task.mechanism, start, settings), start.crank_speed, document)
+        if not document["settled"]:
+            document.update(status=NOT_SETTLED, remark=f"not settled after {document['cycles']} cycles")
+        else:
+            document["status"] = SETTLED if document["reached"] else INACCURATE
     except (Refusal, SettingError) as refusal:
         document["remark"] = str(refusal)
     except EngineFailure as failure:
@@ -106,14 +110,20 @@ def _settle_settings(engine: Engine, task: Task, document: dict[str, Any]) -> tu
     return result.settings, start
 
 
-def _march(
-    engine: Engine, mechanism: Mechanism, start: Start, settings: Settings, document: dict[str, Any]
-) -> dict[str, NDArray[np.float64]]:
-    """Cycle after cycle until settled or given up; the last whole cycle."""
-    simulation = engine.prepare(mechanism, start, settings)
+def settle(simulation: Simulation, crank_speed: float, document: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
+    """Advance cycle after cycle until settled or given up; the last whole cycle, column by column.
+
+    Args:
+        simulation: stands where the search begins.
+        crank_speed: rad/s, about; only the length of the pieces depends on it.
+        document: gets "settled", "cycles", "settling_error", "solve_seconds" and "simulated_seconds".
+
+    Raises:
+        EngineFailure: the run broke down.
+    """
     settling = Settling()
     solve_seconds = 0.0
-    speed = start.crank_speed
+    speed = crank_speed
     rows: Trajectory | None = None
     last: Cycle | None = None
     while not (settling.settled or settling.given_up):
@@ -124,8 +134,7 @@ def _march(
         document.update(solve_seconds=solve_seconds, simulated_seconds=simulation.time)
         rows = join([rows, piece]) if rows else piece
         speed = float(np.mean(piece["crank_speed"]))
-        columns = dict(rows.columns)
-        cycles = cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)
+        cycles = whole_cycles(rows)
         for cycle in cycles:
             last = cycle
             if settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in CHANNELS})):
@@ -136,8 +145,10 @@ def _march(
             rows = Trajectory({name: values[first:] for name, values in rows.columns.items()}, 0.0)
     error = settling.error_estimate
     document.update(settled=settling.settled, cycles=settling.cycles, settling_error=error if math.isfinite(error) else None)
-    if not settling.settled:
-        document.update(status=NOT_SETTLED, remark=f"not settled after {settling.cycles} cycles")
-    else:
-        document["status"] = SETTLED if document["reached"] else INACCURATE
     return {"time": last.time, "crank_angle": last.crank_angle, **last.channels} if last else {}
+
+
+def whole_cycles(rows: Trajectory) -> list[Cycle]:
+    """The whole cycles in a trajectory, with all its columns."""
+    columns = dict(rows.columns)
+    return cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)

@@ -1,7 +1,7 @@
 """Which deviations from the reference are accepted: read from `data/tolerances.toml`, where each has its reason."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Literal, get_args
 
 from cases.data import read_toml
@@ -13,7 +13,7 @@ Quantity = Literal["consensus_frequency", "first_mode_frequency", "minimum", "ma
 
 _SOURCE: Final = "tolerances.toml"
 _OTHERS: Final = "others"
-_KEYS: Final = frozenset({"case", "tag", "engines", "quantity", "channel", "half", "kind", "low", "high", "reason"})
+_KEYS: Final = frozenset({"case", "tag", "engines", "quantity", "channel", "half", "kind", "low", "high", "measure_uncertainty", "reason"})
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,7 @@ class Tolerance:
         kind: how the deviation is formed: engine / reference, or (engine - reference) / scale; the scale is the reference's value
             for a frequency, the channel's largest magnitude in the reference's cycle for an extreme.
         reason: why this much.
+        measure_uncertainty: whether the claimed uncertainties of both measures, in quadrature, widen the band.
     """
 
     quantity: Quantity
@@ -38,10 +39,15 @@ class Tolerance:
     high: float
     kind: Kind
     reason: str
+    measure_uncertainty: bool = False
 
     def deviation(self, value: float, reference: float, scale: float) -> float:
         """The deviation of an engine's `value` from the reference's, of this tolerance's kind. `scale` > 0 as described."""
         return value / reference if self.kind == "ratio" else (value - reference) / scale
+
+    def widened(self, uncertainty: float) -> "Tolerance":
+        """The tolerance of a pair of measures whose ratio is uncertain by `uncertainty`, where that counts."""
+        return replace(self, low=self.low - uncertainty, high=self.high + uncertainty) if self.measure_uncertainty else self
 
     def accepts(self, deviation: float) -> bool:
         """Whether a deviation lies within; NaN does not."""
@@ -94,12 +100,13 @@ def _tolerance(entry: Mapping[str, Any]) -> Tolerance:
         high=float(entry["high"]),
         kind=entry["kind"],
         reason=entry["reason"],
+        measure_uncertainty=bool(entry.get("measure_uncertainty", False)),
     )
 
 
 def _check(entry: Mapping[str, Any]) -> None:
     where = f"tolerance of {entry.get('quantity', '?')}"
-    missing = (_KEYS - {"case", "tag", "channel", "half"}) - set(entry)
+    missing = (_KEYS - {"case", "tag", "channel", "half", "measure_uncertainty"}) - set(entry)
     if missing or set(entry) - _KEYS:
         key = sorted(missing or set(entry) - _KEYS)[0]
         raise CaseError(

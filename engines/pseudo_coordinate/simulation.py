@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import EngineFailure, Simulation
+from engines.start import Start
 from engines.trajectory import Trajectory
 from reference_model import integrate
 from reference_model.model import ExplicitModel, ObservationFailed
@@ -41,6 +42,17 @@ class ExplicitSimulation(Simulation):
         self._tolerance = tolerance
         self._method = method
         self._step = 0.0
+
+    def present_start(self) -> Start:
+        """The present state as a start for any engine.
+
+        Raises:
+            TypeError: the model has no moving shapes; only those are smooth enough to begin another engine with.
+        """
+        if not isinstance(self.model, MovingShapeModel):
+            raise TypeError("only a model with moving shapes gives a start")
+        deflection, rate = self.model.deflection(self.state)
+        return Start(float(self.state[0]), float(self.state[self.model.modes + 2]), deflection, rate)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `engines.base.Simulation.advance`."""
