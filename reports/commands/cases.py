@@ -10,15 +10,13 @@ from reports.commands.options import json_option
 @json_option
 def command(tag: str | None, as_json: bool) -> None:
     """List the cases of the library: name, tags, title."""
-    from cases.case_file import load_case
-    from cases.library import case_names
+    from cases.library import catalogue
     from reports.output import print_json, print_table
 
-    cases = [load_case(name) for name in case_names()]
-    known = sorted({each for case in cases for each in case.tags})
+    known = sorted({each for entry in catalogue() for each in entry.tags})
     if tag is not None and tag not in known:
         raise click.UsageError(f'--tag "{tag}": no case has this tag; accepted: {", ".join(known)}')
-    chosen = [case for case in cases if tag is None or tag in case.tags]
+    chosen = catalogue(tag)
     if as_json:
         print_json([{"name": case.name, "tags": case.tags, "title": case.title} for case in chosen])
     else:

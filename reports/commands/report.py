@@ -25,13 +25,11 @@ def command(cases: Sequence[str], output: str, jobs: int | None) -> int:
     from cases.library import catalogue
     from cases.store import Store
     from reports.command_line import ENGINE_TROUBLE, GOOD
-    from reports.report import check_folder, write_report
+    from reports.report import write_report
 
-    folder = Path(output)
     loaded = [load(case, {}) for case in dict.fromkeys(cases or [entry.name for entry in catalogue("thesis")])]
     _check_names([case.name for case in loaded])
-    check_folder(folder)
-    written = write_report(loaded, folder, Store(), jobs)
+    written = write_report(loaded, Path(output), Store(), jobs)
     _print(written)
     return ENGINE_TROUBLE if written.failed else GOOD
 

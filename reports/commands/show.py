@@ -1,5 +1,7 @@
 """`quickreturn show`: a scene in SI, and what each engine makes of it."""
 
+import itertools
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -65,7 +67,21 @@ def _print(document: dict[str, Any]) -> None:
             click.echo(f"\n{model['engine']}: {model['refused']}")
             continue
         click.echo(f"\n{model['engine']}: {model['degrees_of_freedom']} degrees of freedom")
-        print_table([*(("  body", body) for body in model["bodies"]), *(("  joint", joint) for joint in model["joints"])] or [("", "")])
+        lines = [("  body", body) for body in grouped(model["bodies"])] + [("  joint", joint) for joint in grouped(model["joints"])]
+        print_table(lines or [("", "")])
+
+
+def grouped(texts: Sequence[str]) -> list[str]:
+    """Neighbours that differ in their numbers alone as one line: "link 1: rod", "link 2: rod" become "link 1 to 2: rod"."""
+    lines = []
+    for _, group in itertools.groupby(texts, lambda text: re.sub(r"\d+", "#", text)):
+        members = list(group)
+        first, last = re.search(r"\d+", members[0]), re.search(r"\d+", members[-1])
+        if len(members) > 1 and first and last:
+            lines.append(f"{members[0][: first.end()]} to {last[0]}{members[0][first.end() :]}")
+        else:
+            lines += members
+    return lines
 
 
 def _text(value: Any) -> str:

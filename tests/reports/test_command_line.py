@@ -344,3 +344,9 @@ def test_main_returns_the_code_and_raises_nothing(capsys: pytest.CaptureFixture[
     assert max(map(len, errors.splitlines())) < 1000
     assert "\x1b" not in errors
     assert "Traceback" not in errors
+
+
+def test_show_groups_parts_that_differ_in_their_numbers_alone() -> None:
+    from reports.commands.show import grouped
+
+    assert grouped(["crank", "link 1: rod", "link 2: rod", "link 3: rod", "tip"]) == ["crank", "link 1 to 3: rod", "tip"]
