@@ -244,17 +244,16 @@ def integrate_lsoda(
             fun, y, times, tfirst=True, rtol=1e-14, atol=tolerance * scales, mxstep=100_000, full_output=True, printmessg=False
         )
     good, status = len(states), REACHED_END
-    for row in range(len(states)):
+    if info["message"] != "Integration successful.":
+        # the rows after the first one not reached are not even initialised
+        good, status = 1 + int(np.argmax(info["tcur"] < times[1:] - 1e-12)), STEP_TOO_SMALL
+    for row in range(good):
         if not (np.all(np.isfinite(states[row])) and right_hand_side(p, w, states[row], rate)):
             good, status = row, NOT_A_NUMBER
             break
         if w.slider[0] > p.L:
             good, status = row, LEFT_FOLLOWER
             break
-    else:
-        if info["message"] != "Integration successful.":
-            good = 1 + int(np.searchsorted(info["tcur"], times[1:], side="left").size and np.argmax(info["tcur"] < times[1:] - 1e-12))
-            status = STEP_TOO_SMALL
     return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][-1]), 0.0)
 
 

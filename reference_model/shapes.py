@@ -60,13 +60,18 @@ def hermite_elements(length: float, elements: int) -> ShapeSet:
         length: L, m.
         elements: number of elements; 2 shapes each.
     """
-    h = length / elements
-    # rows: deflection left, slope left, deflection right, slope right; columns: powers of u
-    cubic = np.array([[1, 0, -3, 2], [0, h, -2 * h, h], [0, 0, 3, -2], [0, 0, -h, h]], dtype=float)
+    return hermite_between(np.linspace(0.0, length, elements + 1))
+
+
+def hermite_between(nodes: NDArray[np.float64]) -> ShapeSet:
+    """Cubic Hermite elements between given nodes (m, ascending, from 0 to L); coordinates as in `hermite_elements`."""
+    elements = len(nodes) - 1
     coefficients = np.zeros((elements, 4, 2 * elements + 2))
-    for e in range(elements):
+    for e, h in enumerate(np.diff(nodes)):
+        # rows: deflection left, slope left, deflection right, slope right; columns: powers of u
+        cubic = np.array([[1, 0, -3, 2], [0, h, -2 * h, h], [0, 0, 3, -2], [0, 0, -h, h]], dtype=float)
         coefficients[e, :, 2 * e : 2 * e + 4] = cubic.T
-    return ShapeSet(np.linspace(0.0, length, elements + 1), coefficients[:, :, 2:].copy(), elements == 1)
+    return ShapeSet(nodes, coefficients[:, :, 2:].copy(), elements == 1)
 
 
 def clamped_free_modes(length: float, count: int) -> ShapeSet:

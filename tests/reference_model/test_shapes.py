@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
+from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_between, hermite_elements, no_shapes
 from reference_model.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables, cumulate, find_cell, partial_weights
 
 L = 0.7
@@ -123,3 +123,12 @@ def test_cumulated_integrals_equal_adaptive_quadrature() -> None:
 def test_cells_are_found_at_their_edges_and_beyond() -> None:
     edges = np.array([0.0, 1.0, 3.0])
     assert [find_cell(edges, x) for x in (-1.0, 0.0, 0.5, 1.0, 2.9, 3.0, 9.0)] == [0, 0, 0, 1, 1, 1, 1]
+
+
+def test_hermite_elements_of_unequal_size_reproduce_a_cubic() -> None:
+    nodes = np.array([0.0, 0.1, 0.45, L])
+    shapes = hermite_between(nodes)
+    cubic = np.polynomial.Polynomial([0.0, 0.0, 1.0, 2.0])
+    eta = np.column_stack([cubic(nodes[1:]), cubic.deriv()(nodes[1:])]).ravel()
+    x = np.linspace(0.0, L, 30)
+    np.testing.assert_allclose(shapes.evaluate(x) @ eta, cubic(x), atol=1e-14)  # rounding

@@ -1,0 +1,178 @@
+"""The rigid mechanism: closed form, kinetostatics, and the flexible model's way there."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from reference_model.dynamics import right_hand_side
+from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from reference_model.parameters import build_workspace
+from reference_model.rigid import rigid_kinetostatics, rigid_motion
+from tests.engines.scenes import run_24
+from tests.reference_model.motion import Array, error, reference, rigid, run, thesis
+
+STIFF = {"bending_stiffness": math.inf}
+
+
+def everything(**changes: dict[str, Any]) -> Mechanism:
+    """Run 24 with all that the thesis leaves out."""
+    full = run_24(gravity=(2.0, -9.81), slider=Slider(mass=0.3, inertia=4e-4), tip={"center_of_mass": 0.0127}, base={"damping": 0.01})
+    for part, change in changes.items():
+        full = dataclasses.replace(
+            full, **{part: dataclasses.replace(getattr(full, part), **change) if isinstance(change, dict) else change}
+        )
+    return full
+
+
+def place(mechanism: Mechanism, q1: float) -> tuple[float, float]:
+    """S and q2 from the complex loop LA exp(i q1) - d = s exp(i q2)."""
+    loop = mechanism.crank.length * np.exp(1j * q1) - mechanism.pivot_distance
+    return float(abs(loop)), float(np.angle(-loop)) + math.pi
+
+
+@pytest.mark.parametrize("q1", [math.pi, 2.0, 0.3, -1.1, 8.0])
+def test_closed_form_and_its_derivatives(q1: float) -> None:
+    mechanism, speed, acceleration, h = run_24(), 11.0, -70.0, 1e-4
+
+    def at(t: float) -> Array:
+        return np.array(place(mechanism, q1 + speed * t + 0.5 * acceleration * t * t))
+
+    motion = rigid_motion(mechanism, np.array(q1), speed, acceleration)
+    # fourth-order stencils: (speed h)^4 of the value, and rounding 1e-16 / h^2
+    first = (at(-2 * h) - 8 * at(-h) + 8 * at(h) - at(2 * h)) / (12 * h)
+    second = (-at(-2 * h) + 16 * at(-h) - 30 * at(0) + 16 * at(h) - at(2 * h)) / (12 * h * h)
+    np.testing.assert_allclose([motion.slider_position, motion.follower_angle], at(0), atol=1e-14)
+    np.testing.assert_allclose([motion.slider_speed, motion.follower_speed], first, atol=1e-8)
+    np.testing.assert_allclose([motion.slider_acceleration, motion.follower_acceleration], second, atol=1e-4)
+
+
+def energies(mechanism: Mechanism, q1: float) -> tuple[float, float]:
+    """Inertia reduced to the crank (twice the kinetic energy at unit speed) and gravity's energy, from places of mass points alone."""
+    beam, tip, slider, crank, h = mechanism.follower, mechanism.tip, mechanism.slider, mechanism.crank, 1e-3
+    assert tip is not None
+    x, weights = np.polynomial.legendre.leggauss(3)
+    x, weights = 0.5 * beam.length * (x + 1), 0.5 * beam.length * beam.mass_per_length * weights
+    masses = np.r_[weights, tip.mass, crank.mass, slider.mass]
+
+    def points(angle: float) -> Array:
+        q2 = place(mechanism, angle)[1]
+        on_follower = mechanism.pivot_distance + np.exp(1j * q2) * np.r_[x, beam.length + tip.center_of_mass]
+        return np.r_[on_follower, np.exp(1j * angle) * np.array([crank.center_of_mass, crank.length])]
+
+    def slope(function: Any) -> Any:
+        return (function(q1 - 2 * h) - 8 * function(q1 - h) + 8 * function(q1 + h) - function(q1 + 2 * h)) / (12 * h)
+
+    turning = slope(lambda angle: place(mechanism, angle)[1])
+    reduced = masses @ np.abs(slope(points)) ** 2 + crank.inertia
+    reduced += (mechanism.base.inertia + tip.inertia + slider.inertia) * turning**2
+    height = points(q1)
+    return float(reduced), float(-masses @ (mechanism.gravity[0] * height.real + mechanism.gravity[1] * height.imag))
+
+
+@pytest.mark.parametrize("mechanism", [run_24(follower=STIFF), everything(follower=STIFF)], ids=["run 24", "everything"])
+def test_infinite_stiffness_is_one_equation_for_the_crank(mechanism: Mechanism) -> None:
+    """I(q1) q1'' + I'(q1) q1'^2 / 2 + V'(q1) = T - c q1' - c2 (dq2/dq1)^2 q1', all by differences of places."""
+    drive, h = mechanism.crank.drive, 1e-3
+
+    def equation(_: float, y: Array) -> list[float]:
+        q1, speed = y
+        inertia, _v = energies(mechanism, q1)
+        before, after = energies(mechanism, q1 - h), energies(mechanism, q1 + h)
+        slopes = [(b - a) / (2 * h) for a, b in zip(before, after, strict=True)]
+        turning = (place(mechanism, q1 + h)[1] - place(mechanism, q1 - h)[1]) / (2 * h)
+        damping = drive.damping + mechanism.base.damping * turning**2  # type: ignore[union-attr]
+        torque = drive.torque - damping * speed - slopes[1] - 0.5 * slopes[0] * speed**2  # type: ignore[union-attr]
+        return [speed, torque / inertia]
+
+    columns = run(rigid(mechanism), 0.5, 50, 1e-11)[1]
+    times = np.linspace(0.0, 0.5, 51)
+    found = solve_ivp(equation, (0, 0.5), [math.pi, drive.initial_speed], "DOP853", times, rtol=1e-10, atol=1e-10)
+    # second-order differences with h = 1e-3: 1e-6 of the derivative terms
+    np.testing.assert_allclose(columns["crank_angle"], found.y[0], atol=2e-6)
+    np.testing.assert_allclose(columns["crank_speed"], found.y[1], atol=2e-5)
+    motion = rigid_motion(mechanism, columns["crank_angle"], columns["crank_speed"])
+    np.testing.assert_allclose(columns["slider_position"], motion.slider_position, rtol=1e-13)
+    np.testing.assert_allclose(columns["follower_angle"], motion.follower_angle, rtol=1e-13)
+    assert np.max(np.abs(columns["tip_deflection"])) == 0.0
+
+
+@pytest.mark.parametrize("prescribed", [False, True])
+def test_kinetostatics_is_the_dynamics_read_backwards(prescribed: bool) -> None:
+    mechanism = everything(follower=STIFF)
+    if prescribed:
+        mechanism = dataclasses.replace(mechanism, crank=dataclasses.replace(mechanism.crank, drive=PrescribedSpeed(speed=-14.0)))
+    model = rigid(mechanism)
+    states, columns = run(model, 0.5, 40, 1e-10)
+    acceleration = np.zeros(len(states))
+    if not prescribed:
+        for row, y in enumerate(states):
+            rate = np.empty_like(y)
+            right_hand_side(model.parameters, build_workspace(model.parameters.tables), y, rate)
+            acceleration[row] = rate[1]
+    force, torque = rigid_kinetostatics(mechanism, columns["crank_angle"], columns["crank_speed"], acceleration)
+    # closed forms on both sides: rounding
+    np.testing.assert_allclose(columns["slider_force"], force, atol=1e-10 * np.max(np.abs(force)))
+    np.testing.assert_allclose(columns["crank_torque"], torque, atol=1e-10 * np.max(np.abs(torque)))
+
+
+def test_stiffening_approaches_the_rigid_mechanism_at_first_order() -> None:
+    """Deflection, and the distance of the motion from the rigid one, fall like 1 / EI."""
+    stiffness = run_24().follower.bending_stiffness
+    ideal = run(rigid(run_24(follower=STIFF)), 0.2, 40, 1e-11)[1]
+    deflections, distances = [], []
+    for factor in (1e3, 1e4):
+        mechanism = run_24(follower={"bending_stiffness": factor * stiffness, "damping": 50.0})  # damped: no ringing from the start
+        columns = run(thesis(mechanism), 0.2, 40, 1e-11, method="LSODA")[1]
+        deflections.append(float(np.sqrt(np.mean(columns["tip_deflection"][5:] ** 2))))
+        distances.append(error(columns["tip_y"], ideal["tip_y"]))
+    # first-order ratio 10, up to a tenth for what the ringing leaves
+    assert deflections[0] / deflections[1] == pytest.approx(10.0, rel=0.1)
+    assert distances[0] / distances[1] == pytest.approx(10.0, rel=0.2)
+    assert distances[1] < 1e-4
+
+
+def test_prescribed_speed_is_the_limit_of_a_heavy_flywheel() -> None:
+    """The flywheel's speed varies like 1 / inertia, and so does the motion's distance from that at constant speed."""
+    speed = 16.0
+    crank = run_24().crank
+    constant = dataclasses.replace(run_24(), crank=dataclasses.replace(crank, drive=PrescribedSpeed(speed=speed)))
+    expected = run(reference(constant, 6), 0.5, 250, 1e-9)[1]
+    distances = []
+    for inertia in (30.0, 300.0):
+        drive = TorqueDrive(torque=0.0, damping=0.0, initial_speed=speed)
+        heavy = dataclasses.replace(run_24(), crank=dataclasses.replace(crank, drive=drive, inertia=inertia))
+        distances.append(error(run(reference(heavy, 6), 0.5, 250, 1e-9)[1]["tip_deflection"], expected["tip_deflection"]))
+    assert distances[0] / distances[1] == pytest.approx(10.0, rel=0.05)  # second order: the ratio of the inertias
+    assert distances[1] < 1e-3
+
+
+def test_small_slider_mass_and_inertia_approach_none() -> None:
+    without = run(reference(run_24(), 6), 0.3, 60, 1e-10)[1]
+    for quantity, size in (("mass", 0.1), ("inertia", 1e-4)):
+        distances = []
+        for factor in (1.0, 0.1, 0.01):
+            columns = run(reference(run_24(slider={quantity: factor * size}), 6), 0.3, 60, 1e-10)[1]
+            distances.append(error(columns["tip_deflection"], without["tip_deflection"]))
+        assert distances[0] > 1e-5  # it acts
+        assert distances[1] / distances[2] == pytest.approx(10.0, rel=0.05)  # in proportion
+
+
+def test_gravity_sags_the_standing_follower_as_a_static_beam() -> None:
+    """Crank held at 180 deg by a flywheel, follower damped to rest: overhang and span under uniform load and tip weight."""
+    crank = dataclasses.replace(run_24().crank, drive=PrescribedSpeed(speed=1e-9))
+    g = 0.5  # m/s^2: small deflections
+    mechanism = dataclasses.replace(run_24(gravity=(0.0, g), follower={"damping": 2.0}), crank=crank)
+    columns = run(reference(mechanism, 6), 8.0, 8, 1e-7)[1]
+    beam, tip = mechanism.follower, mechanism.tip
+    assert tip is not None
+    s, L, q, P = mechanism.pivot_distance + crank.length, beam.length, beam.mass_per_length * g, tip.mass * g
+    # at q1 = 180 deg the follower points along -n1, so b2 = -n2: gravity along +n2 pulls along -b2
+    inboard_gauge = beam.strain_gauges[0]
+    reaction = (0.5 * q * L**2 + P * L) / s
+    moment = reaction * (s - inboard_gauge) - 0.5 * q * (L - inboard_gauge) ** 2 - P * (L - inboard_gauge)
+    assert columns["strain_1"][-1] == pytest.approx(0.5 * beam.thickness * moment / beam.bending_stiffness, rel=1e-4)
+    assert columns["slider_force"][-1] == pytest.approx(reaction, rel=1e-4)
