@@ -28,10 +28,10 @@ from engines.registry import MAIN, engine
 from engines.start import standard_start
 from reference_model.mechanism import Mechanism, Tip
 
-#: The case on which accuracy is shown, and the settings whose two solutions confirm each other.
+#: The case on which accuracy is shown, and the settings whose three solutions confirm each other.
 ACCURACY_CASE: Final = "thesis-24"
 CONVERGED: Final = ("reference", {"modes": "9", "tolerance": "1e-9"})
-CONFIRMING: Final = ("exudyn", {"elements": "32", "step": "1e-4"})
+CONFIRMING: Final = {"exudyn": {"elements": "32", "step": "1e-4"}, "mujoco": {"links": "60", "armature": "0"}}
 #: Rows of the convergence table; the last of each is the solution it is measured against.
 SHAPE_COUNTS: Final = (2, 4, 6, 8, 10, 12, 16, 20, 24)
 TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
@@ -48,7 +48,8 @@ class Studies:
     Attributes:
         accuracy: one row per engine at its default accuracy: engine, settings, error of each column of `ESTIMATED` against the
             converged solution, error_estimate (of the tip deflection, the engine's own), solve_seconds, setup_seconds, remark.
-        confirmation: one row: engine and settings of both solutions, and their difference for each column of `ESTIMATED`.
+        confirmation: one row per confirming engine: engine and settings of both solutions, and their difference for each column of
+            `ESTIMATED`.
         convergence: see `engines.pseudo_coordinate.convergence.convergence_table`.
         sensitivity: one row per run, change, half and quantity: run, change, half, quantity, channel, nominal, value, relative_change;
             value and relative_change are NaN where not resolvable.
@@ -72,7 +73,7 @@ def run_studies(store: Store, jobs: int | None = None) -> Studies:
     case = load_case(ACCURACY_CASE)
     work: dict[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]] = {
         ("converged",): (_trajectory, (case, *CONVERGED)),
-        ("confirming",): (_trajectory, (case, *CONFIRMING)),
+        **{("confirming", name): (_trajectory, (case, name, settings)) for name, settings in CONFIRMING.items()},
         ("convergence",): (_convergence, (case,)),
         **{("default", name): (_trajectory, (case, name, None)) for name in MAIN},
     }
@@ -165,8 +166,10 @@ def _accuracy_tables(found: Found, failures: list[str]) -> tuple[pd.DataFrame, p
         errors = {column: relative_error(columns[column], truth[column]) for column in ESTIMATED}
         rows.append(about | {"settings": _settings_text(about["settings"])} | errors)
     confirmation = []
-    if ("confirming",) in found:
-        about, columns = found["confirming",]
+    for name in CONFIRMING:
+        if ("confirming", name) not in found:
+            continue
+        about, columns = found["confirming", name]
         row: dict[str, Any] = {column: relative_error(columns[column], truth[column]) for column in ESTIMATED}
         texts = {"engine": document["engine"], "settings": _settings_text(document["settings"])}
         texts |= {"confirmed_by": about["engine"], "with_settings": _settings_text(about["settings"])}
