@@ -81,7 +81,7 @@ def write_report(cases: Sequence[Case], folder: Path, store: Store, jobs: int | 
 
     Args:
         cases: at least one.
-        folder: where it goes; see `check_folder`.
+        folder: where it goes; it is created, and found out about before anything runs (see `check_folder`).
         store: results and pictures are taken from here and kept here.
         jobs: processes at a time; None: one per core.
         engines: names.
@@ -91,6 +91,7 @@ def write_report(cases: Sequence[Case], folder: Path, store: Store, jobs: int | 
         OutputError, StoreError: something cannot be written.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
+    check_folder(folder)
     curves = load_curves()
     results = cross_validate(cases, store, engines, jobs=jobs)
     studies = _studies(cases, store, jobs)

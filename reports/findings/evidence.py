@@ -7,11 +7,21 @@ from typing import Any, Final
 from cases.comparison import REFERENCE, CaseResult
 from cases.store import Store
 from reports.cache import content_of, kept
-from reports.findings.frozen_crank import JointEffect, Range, converged_ranges, engine_ranges, joint_effects, share_with_signs
+from reports.findings.frozen_crank import (
+    JointEffect,
+    Range,
+    converged_ranges,
+    cubic_ranges,
+    excess_of_elements,
+    joint_effects,
+    share_with_signs,
+)
 
 #: Signs of strains 1, 2, 3.
 ALTERNATING: Final = (1, -1, 1)
 ALIKE: Final = (1, 1, 1)
+#: "Doubling or tripling": numbers of cubic elements.
+ELEMENTS: Final = (1, 2, 3)
 
 
 @dataclass(frozen=True)
@@ -23,6 +33,7 @@ class Evidence:
         cubic: ranges of the modes of the thesis' single cubic, Hz.
         alternating: per converged mode the share of crank angles at which strains 1 and 3 have one sign and strain 2 the other.
         alike: the same for all three of one sign.
+        elements: largest excess of the first frequency with one, two and three cubic elements over the converged one, relative.
         joints: what a soft slider joint does; empty where there is no reference cycle.
     """
 
@@ -30,6 +41,7 @@ class Evidence:
     cubic: tuple[Range, ...]
     alternating: tuple[float, ...]
     alike: tuple[float, ...]
+    elements: tuple[float, ...]
     joints: tuple[JointEffect, ...]
 
 
@@ -41,6 +53,7 @@ def evidence(result: CaseResult, store: Store) -> Evidence:
         cubic=tuple(Range(**found) for found in document["cubic"]),
         alternating=tuple(document["alternating"]),
         alike=tuple(document["alike"]),
+        elements=tuple(document["elements"]),
         joints=tuple(
             JointEffect(
                 stiffness=float(found["stiffness"]),
@@ -62,8 +75,9 @@ def _document(result: CaseResult) -> dict[str, Any]:
     converged = converged_ranges(mechanism)
     return {
         "converged": [dataclasses.asdict(found) for found in converged],
-        "cubic": [dataclasses.asdict(found) for found in engine_ranges("thesis", mechanism, 2)],
+        "cubic": [dataclasses.asdict(found) for found in cubic_ranges(mechanism, 2)],
         "alternating": [share_with_signs(mechanism, mode, ALTERNATING) for mode in range(len(converged))],
         "alike": [share_with_signs(mechanism, mode, ALIKE) for mode in range(len(converged))],
+        "elements": [excess_of_elements(mechanism, elements) for elements in ELEMENTS],
         "joints": [dataclasses.asdict(found) | {"stiffness": repr(found.stiffness)} for found in joints],  # JSON has no infinity
     }

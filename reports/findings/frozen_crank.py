@@ -62,11 +62,22 @@ def converged_ranges(mechanism: Mechanism) -> list[Range]:
     return ranges(np.array([mode.frequencies for mode in converged_modes(mechanism)]))
 
 
-def engine_ranges(name: str, mechanism: Mechanism, count: int) -> list[Range]:
-    """Ranges of an engine's first modes at its default settings, Hz; fewer than `count` if it has fewer."""
-    chosen = engine(name)
-    settings = chosen.settings_for(chosen.default_accuracy, mechanism)
-    return ranges(np.array([chosen.natural_frequencies(mechanism, float(angle), count, settings) for angle in ANGLES[::6]]))
+def cubic_ranges(mechanism: Mechanism, count: int) -> list[Range]:
+    """Ranges of the first modes of the thesis' single cubic, Hz."""
+    return ranges(cubic_frequencies(mechanism, 1, count))
+
+
+def cubic_frequencies(mechanism: Mechanism, elements: int, count: int) -> Array:
+    """Frequencies of the thesis' model with a number of cubic elements at every sixth of `ANGLES`, Hz, shape (angles, modes)."""
+    chosen = engine("thesis")
+    settings = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts({"elements": str(elements)})
+    return np.array([chosen.natural_frequencies(mechanism, float(angle), count, settings) for angle in ANGLES[::6]])
+
+
+def excess_of_elements(mechanism: Mechanism, elements: int) -> float:
+    """Largest excess of the first frequency of a number of cubic elements over the converged one, relative."""
+    converged = _first(mechanism, math.inf)[::6]
+    return float(np.max(np.abs(cubic_frequencies(mechanism, elements, 1)[:, 0] / converged - 1.0)))
 
 
 def share_with_signs(mechanism: Mechanism, mode: int, signs: tuple[int, int, int]) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from cases.comparison import REFERENCE, CaseResult
 from cases.measures import CHANNELS
 from cases.steady_run import SETTLED
+from engines.registry import engine
 from reports.findings.agreement import Kind, differences, engines_of, resolvable, spread
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, MODEL, NOT, UNCHECKABLE
 from reports.pages.blocks import Chapter
@@ -37,8 +38,9 @@ def answer(content: Content) -> Chapter:
             " 3); its consensus weighs the channels that resolve it. ± is one standard deviation of the measure itself, at least 0.5 %"
             " of the consensus: two engines that share a wrong model can agree far better than that.",
             "n. r. means not resolvable: the measure gives no number rather than a bad one. – means that there is nothing to show.",
-            f"Δ is relative to the engine {REFERENCE}. It is the converged form of the thesis' own method; that it is right follows"
-            " from the engines that share nothing with it (exudyn: nodal coordinates and a sliding joint; mujoco: a chain of rigid links).",
+            f"Δ is relative to the engine {REFERENCE}; of frequencies, over the channels that both engines resolve. It is the thesis'"
+            f" approach, converged ({engine(REFERENCE).method}). That it is right follows from the engines that share nothing with it:"
+            " exudyn has nodal coordinates and a sliding joint, mujoco a chain of rigid links.",
             f"An engine agrees if it misses no tolerance, agrees but for a few if it misses at most {percent(FEW, '.0f')} of them, and"
             " departs otherwise. ✗ marks a missed tolerance or a failure. Tolerances and their reasons are in the chapter Disagreement.",
             "Every table is beside this page as a CSV file, in full precision and SI units.",
@@ -70,8 +72,8 @@ def _scope(content: Content) -> str:
     return f"{said}{settled} of {len(runs)} simulations reached their steady state and the accuracy asked; not so {shown}."
 
 
-def _verdict(results: Sequence[CaseResult], engine: str) -> str:
-    checks = [check for result in results for check in result.checks if check.engine == engine]
+def _verdict(results: Sequence[CaseResult], name: str) -> str:
+    checks = [check for result in results for check in result.checks if check.engine == name]
     missed = sum(not check.passed for check in checks)
     if not checks:
         return "has no tolerance to meet"
@@ -83,9 +85,9 @@ def _verdict(results: Sequence[CaseResult], engine: str) -> str:
     )
 
 
-def _against_reference(results: Sequence[CaseResult], engine: str) -> str:
-    told = _differences(results, engine, REFERENCE, ("frequency", "amplitude", "extreme"))
-    return f"{engine} {_verdict(results, engine)}. {told}" if told else ""
+def _against_reference(results: Sequence[CaseResult], name: str) -> str:
+    told = _differences(results, name, REFERENCE, ("frequency", "amplitude", "extreme"))
+    return f"{name} {_verdict(results, name)}. {told}" if told else ""
 
 
 def _pair(results: Sequence[CaseResult], first: str, second: str) -> str:
@@ -93,9 +95,9 @@ def _pair(results: Sequence[CaseResult], first: str, second: str) -> str:
     return f"{first} against {second}, which share neither coordinates nor joint. {told}" if told else ""
 
 
-def _differences(results: Sequence[CaseResult], engine: str, other: str, kinds: Sequence[Kind]) -> str:
+def _differences(results: Sequence[CaseResult], name: str, other: str, kinds: Sequence[Kind]) -> str:
     """Median and largest difference per kind, and where the largest of all is."""
-    found = {kind: shown for kind in kinds if (shown := spread(differences(results, engine, kind, other))) is not None}
+    found = {kind: shown for kind in kinds if (shown := spread(differences(results, name, kind, other))) is not None}
     if not found:
         return ""
     worst = max((shown.worst for shown in found.values()), key=lambda difference: abs(difference.relative))

@@ -1,12 +1,12 @@
 """One section per case: pictures, notes, a small table."""
 
-from cases.comparison import CaseResult
+from cases.comparison import CaseResult, Check
 from cases.library import inconsistencies
 from cases.library.thesis import RUNS
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables.engines import case_table
-from reports.words import HALF, QUANTITY, TIED, case_label, channel_name, counted, number
+from reports.words import HALF, QUANTITY, TIED, case_label, channel_name, counted, number, percent, percents, span
 
 
 def per_run(content: Content) -> Chapter:
@@ -46,12 +46,19 @@ def _section(chapter: Chapter, result: CaseResult, content: Content) -> None:
         chapter.text("There is no cycle to draw.", "warning")
     chapter.table(case_table(result))
     missed = [
-        f"{check.engine}, {QUANTITY[check.quantity]}, {HALF[check.half]}, {channel_name(check.channel)}: {number(check.deviation, '+.4g')}"
+        f"{check.engine}, {QUANTITY[check.quantity]}, {HALF[check.half]}, {channel_name(check.channel)}: {_deviation(check)}"
         for check in result.missed
     ]
     if missed:
         chapter.text(f"{counted(len(missed), 'tolerance')} missed (see Disagreement):", "warning")
         chapter.points(missed)
+
+
+def _deviation(check: Check) -> str:
+    """A deviation in words, with what is accepted."""
+    if check.tolerance.kind == "ratio":
+        return f"{number(check.deviation, '.3f')} times the reference's (accepted: {span(check.tolerance.low, check.tolerance.high, 'g')})"
+    return f"{percent(check.deviation, '+.2f')} (accepted: {percents(check.tolerance.low, check.tolerance.high, '+g')})"
 
 
 def _cycle_caption(result: CaseResult, label: str) -> str:

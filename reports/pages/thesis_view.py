@@ -30,7 +30,7 @@ def thesis_view(content: Content) -> Chapter:
     """The chapter."""
     chapter = Chapter("thesis", "What the thesis saw", "Thesis")
     chapter.text(
-        f"The engine {MODEL} is the thesis' model as published: one cubic for the whole follower. The reference is the same method,"
+        f"The engine {MODEL} is the thesis' model as published: one cubic for the whole follower. The reference is the same approach,"
         " converged. Their difference is the model error of the single cubic, as the thesis' author would have met it with a perfect"
         " experiment."
     )

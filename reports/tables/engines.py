@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.comparison import HALVES, REFERENCE, CaseResult
+from cases.comparison import HALVES, REFERENCE, CaseResult, values
 from cases.engine_run import EngineRun
 from cases.measures import CHANNELS
 from cases.steady_run import INACCURATE
@@ -49,7 +49,16 @@ def _number_columns() -> list[Column]:
         columns += [
             Column(key, "f₁", "Hz", ".2f", uncertainty=f"{key}_uncertainty", group=group, meaning="consensus over resolvable channels"),
             Column(f"{key}_uncertainty", "±", "Hz", ".2f", in_page=False),
-            Column(f"{key}_difference", "Δ", "1", "+.2f", "%", 100.0, group=group, meaning="(engine − reference) / reference"),
+            Column(
+                f"{key}_difference",
+                "Δ",
+                "1",
+                "+.2f",
+                "%",
+                100.0,
+                group=group,
+                meaning="(engine − reference) / reference",
+            ),
         ]
     for channel in CHANNELS:
         unit, shown_unit, form, factor = _UNITS[channel]
@@ -77,8 +86,9 @@ def _frequency_cells(run: EngineRun, reference: EngineRun | None, half: str, mar
         reasons = [f"{channel_name(channel)}: {(run.measure(half, channel) or {}).get('reason', '')}" for channel in CHANNELS]
         return {key: Cell(None, _UNRESOLVABLE, "; ".join(reasons), "open")}
     (width,) = (found["uncertainty"] for found in run.document["consensus"] if found["half"] == half)
-    other = reference.consensus_frequency(half) if reference is not None and reference.usable and not is_reference else None
-    difference = Cell(None) if other is None else Cell(value / other - 1.0, mark=mark)
+    comparable = reference is not None and reference.usable and not is_reference
+    pair = values(run, reference, "consensus_frequency", half, None) if comparable and reference is not None else None
+    difference = Cell(None) if pair is None else Cell(pair[0] / pair[1] - 1.0, mark=mark)
     return {key: Cell(value), f"{key}_uncertainty": Cell(width), f"{key}_difference": difference}
 
 
@@ -103,9 +113,9 @@ def measures(results: Sequence[CaseResult]) -> Table:
     """Every measure of every engine, one row per case, engine, half and channel. A file only."""
     columns = [Column(key, key) for key in ("case", "engine", "status", "half", "channel")]
     frequencies = ("first_mode_frequency", "first_mode_frequency_uncertainty", "second_mode_frequency")
-    values = ("first_mode_amplitude", "first_mode_amplitude_uncertainty", "minimum", "maximum")
+    amplitudes = ("first_mode_amplitude", "first_mode_amplitude_uncertainty", "minimum", "maximum")
     columns += [Column(key, key, "Hz", "g") for key in frequencies]
-    columns += [Column(key, key, "SI", "g") for key in values]
+    columns += [Column(key, key, "SI", "g") for key in amplitudes]
     columns += [Column("reason", "reason")]
     builder = TableBuilder(
         "measures",
@@ -167,7 +177,7 @@ def case_table(result: CaseResult) -> Table:
             Column("status", "status"),
             Column("pre_frequency", "f₁ pre", "Hz", ".2f"),
             Column("post_frequency", "f₁ post", "Hz", ".2f"),
-            Column("peak_tip_acceleration", "tip acceleration", "m/s²", ".1f", group="peak"),
+            Column("peak_tip_acceleration", "tip acc.", "m/s²", ".1f", group="peak"),
             *(Column(f"peak_{name}", name.replace("_", " "), "1", ".0f", "10⁻⁶", 1e6, group="peak") for name in CHANNELS[1:]),
             Column("peak_slider_force", "slider force", "N", ".2f", group="peak"),
             Column("crank_speed", "mean", "rad/s", ".3f", group="crank speed"),

@@ -146,12 +146,13 @@ def summary(results: Sequence[CaseResult]) -> Table:
         ),
         grouped=True,
     )
-    groups: dict[tuple[str, str, float, float, str], list[Check]] = {}
+    groups: dict[tuple[str, str, str, str], list[Check]] = {}
     for check in (check for result in results for check in result.checks):
-        offset = 1.0 if check.tolerance.kind == "ratio" else 0.0
-        key = (check.engine, check.quantity, check.tolerance.low - offset, check.tolerance.high - offset, check.tolerance.reason)
-        groups.setdefault(key, []).append(check)
-    for (engine, quantity, low, high, reason), checks in groups.items():
+        groups.setdefault((check.engine, check.quantity, check.tolerance.kind, check.tolerance.reason), []).append(check)
+    for (engine, quantity, kind, reason), checks in groups.items():
+        offset = 1.0 if kind == "ratio" else 0.0
+        low, high = max(check.tolerance.low for check in checks) - offset, min(check.tolerance.high for check in checks) - offset
+        widened = "; widened by the uncertainties of both measures, the narrowest is shown"
         failed = sum(not check.passed for check in checks)
         builder.add(
             engine=engine,
@@ -160,6 +161,6 @@ def summary(results: Sequence[CaseResult]) -> Table:
             high=high,
             checked=len(checks),
             missed=Cell(failed, mark="missed" if failed else ""),
-            reason=reason,
+            reason=reason + (widened if checks[0].tolerance.measure_uncertainty else ""),
         )
     return builder.table()

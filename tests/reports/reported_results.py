@@ -1,0 +1,89 @@
+"""Made-up results with all that a report reads, and a reader of finished pages."""
+
+from html.parser import HTMLParser
+
+from cases.comparison import CaseResult
+from tests.reports.plotted_results import made_up_result
+
+DEGREES_OF_FREEDOM = {"thesis": 3, "reference": 17, "exudyn": 70, "mujoco": 20}
+
+
+def reported_result(name: str, statuses: dict[str, str] | None = None, seed: int = 0) -> CaseResult:
+    """All four engines on a case of the library, with complete documents."""
+    result = made_up_result(name, statuses, seed)
+    for engine, run in result.runs.items():
+        run.document.update(
+            method="made up",
+            accuracy=1e-3,
+            remark="" if run.usable else "failed at t = 0.25 s: the beam <snapped>; try another beam",
+            settled=run.usable,
+            cycles=12,
+            settling_error=5e-4,
+            simulated_seconds=6.0,
+            error_estimate=8e-4,
+            error_estimates={"tip_deflection": 8e-4, "strain_3": 9e-4},
+            settings={"elements": 16, "step": 1e-4},
+            degrees_of_freedom=DEGREES_OF_FREEDOM[engine],
+            reached=True,
+        )
+    return result
+
+
+class PageReader(HTMLParser):
+    """Tables (file -> header keys and rows of (text, value)), links, sources and text of a page."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.tables: dict[str, list[list[tuple[str, str]]]] = {}
+        self.heads: dict[str, list[str]] = {}
+        self.links: list[str] = []
+        self.sources: list[str] = []
+        self.tags: set[str] = set()
+        self.anchors: list[str] = []
+        self.text = ""
+        self._file = ""
+        self._cell: list[str] | None = None
+        self._spans: dict[str, tuple[int, tuple[str, str]]] = {}
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        found = {name: value or "" for name, value in attrs}
+        self.tags.add(tag)
+        self.links += [found["href"]] if "href" in found else []
+        self.sources += [found["src"]] if "src" in found else []
+        self.anchors += [found["id"]] if "id" in found else []
+        if tag == "table":
+            self._file = found["data-file"]
+            self.tables[self._file], self.heads[self._file] = [], []
+        elif "data-column" in found:
+            self.heads[self._file].append(found["data-column"])
+        elif tag == "tr" and self._file:
+            self.tables[self._file].append([])
+        elif "data-value" in found:
+            self._cell = ["", found["data-value"], found.get("rowspan", "")]
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag in ("td", "th") and self._cell is not None:
+            text, value, span = self._cell
+            row = self.tables[self._file][-1]
+            if span:
+                self._spans[self._file] = (int(span), (text, value))
+            row.append((text, value))
+            self._cell = None
+        if tag == "table":
+            self.tables[self._file] = self._whole_rows(self._file)
+            self._file = ""
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+        if self._cell is not None:
+            self._cell[0] += data
+
+    def _whole_rows(self, file: str) -> list[list[tuple[str, str]]]:
+        """Body rows, those that a spanning first cell leaves short completed with it."""
+        rows: list[list[tuple[str, str]]] = []
+        for row in self.tables[file]:
+            if row:
+                short = len(row) < len(self.heads[file])
+                rows.append([rows[-1][0], *row] if short else row)
+        return rows

@@ -1,0 +1,251 @@
+"""The finished page: complete, self-contained, and of one mind with its CSV files."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from cases.case_file import load_case
+from cases.comparison import compare
+from cases.experiment import load_curves
+from cases.fingerprint import code_fingerprint
+from cases.library import case_text
+from cases.store import Store
+from cases.studies import Studies
+from reports import report as report_module
+from reports.findings.measured import measured_comparisons
+from reports.machine import machine_facts
+from reports.output import OutputError
+from reports.page import page
+from reports.pages.answer import answer
+from reports.pages.content import Content
+from reports.pictures import OF_CASE, draw_pictures
+from reports.report import CATALOGUE, chapters_of, check_folder, write, write_report
+from reports.tables.table import Table
+from reports.verification import FILE, PARTS, verification
+from tests.reports.conftest import Call
+from tests.reports.reported_results import PageReader, reported_result
+
+ERRORS = dict.fromkeys(("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force"), 0.001)
+
+
+def studies() -> Studies:
+    """Made-up tables with the columns of real ones."""
+    engine = {"settings": "step = 1e-4", "solve_seconds": 1.5, "setup_seconds": 0.1, "remark": "", "error_estimate": 9e-4}
+    accuracy = [{"engine": name, "degrees_of_freedom": 17, **engine, **ERRORS} for name in ("thesis", "reference")]
+    confirmation = [{"engine": "reference", "settings": "a", "confirmed_by": "exudyn", "with_settings": "b", **ERRORS}]
+    solved = {"tolerance": 1e-9, "solve_seconds": 0.5}
+    convergence = [{"shapes": n, "is_reference": n == 8, **solved, **dict.fromkeys(ERRORS, 0.1 / n)} for n in (2, 4, 8)]
+    sensitivity = [
+        {"run": "thesis-24", "change": change, "half": half, "quantity": quantity, "channel": channel, "nominal": 16.0, "value": 15.0,
+         "relative_change": relative}
+        for change, relative in (("EI + 5 %", 0.024), ("slider mass 0.1 kg", float("nan")))
+        for half in ("pre", "post")
+        for quantity, channel in (("first_mode_frequency", "consensus"), ("first_mode_amplitude", "strain_2"))
+    ]  # fmt: skip
+    return Studies(
+        accuracy=pd.DataFrame(accuracy),
+        confirmation=pd.DataFrame(confirmation),
+        convergence=pd.DataFrame(convergence),
+        sensitivity=pd.DataFrame(sensitivity),
+        failures=(),
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A report on two made-up cases, in one of which an engine failed, with pictures and studies."""
+    place = tmp_path_factory.mktemp("report")
+    results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
+    pictures = draw_pictures(results, studies(), [], Store(place / "store"), jobs=2)
+    assert pictures.failures == ()
+    content = Content(results=results, studies=studies(), pictures=pictures, facts=machine_facts(), code="abc", notices=("a <notice>",))
+    write(content, place)
+    return place
+
+
+@pytest.fixture(scope="module")
+def read(folder: Path) -> PageReader:
+    return PageReader((folder / "index.html").read_text("utf-8"))
+
+
+def test_the_page_refers_to_nothing_but_itself_and_its_tables(folder: Path, read: PageReader) -> None:
+    assert "script" not in read.tags
+    assert "link" not in read.tags
+    assert all(source.startswith("data:image/") for source in read.sources)
+    for link in read.links:
+        assert link.removeprefix("#") in read.anchors if link.startswith("#") else (folder / link).is_file(), link
+    text = (folder / "index.html").read_text("utf-8")
+    assert "http://" not in text
+    assert "https://" not in text
+    assert "@import" not in text
+    assert "url(" not in text
+
+
+def test_every_picture_of_every_case_is_there_with_words_for_it(folder: Path, read: PageReader) -> None:
+    # per case, all cases together (two), and the studies (three)
+    assert len(read.sources) == 2 * len(OF_CASE) + 2 + 3
+    assert 'alt=""' not in (folder / "index.html").read_text("utf-8")
+
+
+def test_every_table_in_the_page_says_what_its_csv_file_says(folder: Path, read: PageReader) -> None:
+    assert len(read.tables) >= 15
+    for file, rows in read.tables.items():
+        written = list(csv.DictReader((folder / file).read_text("utf-8").splitlines()))
+        assert len(written) == len(rows), file
+        for shown, row in zip(rows, written, strict=True):
+            assert [value for _, value in shown] == [row[head] for head in read.heads[file]], file
+
+
+def test_shown_numbers_are_the_files_numbers_rounded(folder: Path) -> None:
+    table = next(table for table in tables_of(folder) if table.name == "run_by_engine")
+    frequency = [column.key for column in table.columns].index("pre_frequency")
+    for row in table.rows:
+        value = row[frequency].value
+        if isinstance(value, float):
+            shown = table.page_text(row, frequency).split(" ± ")[0]
+            assert float(shown) == pytest.approx(value, abs=0.005)  # two decimals
+
+
+def tables_of(folder: Path) -> list[Table]:
+    results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
+    return [table for chapter in chapters_of(Content(results=results)) for table in chapter.tables]
+
+
+def test_the_catalogue_lists_every_file_and_no_other(folder: Path) -> None:
+    listed = {row["file"] for row in csv.DictReader((folder / CATALOGUE).read_text("utf-8").splitlines())}
+    assert listed | {CATALOGUE} == {path.name for path in folder.glob("*.csv")}
+
+
+def test_a_failure_is_told_in_full_and_what_comes_from_outside_is_escaped(folder: Path, read: PageReader) -> None:
+    text = (folder / "index.html").read_text("utf-8")
+    assert "the beam <snapped>" in read.text
+    assert "<snapped>" not in text
+    assert "a <notice>" in read.text
+    failures = read.tables["failures.csv"]
+    assert [(row[0][1], row[1][1], row[2][1]) for row in failures] == [("thesis-06", "exudyn", "failed")]
+    assert "7 of 8 simulations" in read.text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_the_chapters_stand_in_their_order(read: PageReader) -> None:
+    wanted = ["answer", "runs", "disagreement", "thesis", "open", "accuracy", "experiment", "inconsistencies", "each-run", "provenance"]
+    assert [anchor for anchor in read.anchors if anchor in wanted] == wanted
+    assert len(set(read.anchors)) == len(read.anchors)
+
+
+def test_a_later_report_removes_the_tables_of_an_earlier_one_and_nothing_else(tmp_path: Path) -> None:
+    write(Content(results=[reported_result("thesis-24"), reported_result("thesis-06")]), tmp_path)
+    (tmp_path / "mine.csv").write_text("kept")
+    assert (tmp_path / "run_thesis_06.csv").is_file()
+    write(Content(results=[reported_result("thesis-24")]), tmp_path)
+    assert not (tmp_path / "run_thesis_06.csv").exists()
+    assert (tmp_path / "mine.csv").read_text() == "kept"
+
+
+@pytest.mark.parametrize(
+    ("missed", "words"),
+    [(0, "agrees with the reference in all"), (1, "agrees with the reference but for a few"), (12, "departs from the reference")],
+)
+def test_words_on_agreement_follow_their_thresholds(missed: int, words: str) -> None:
+    result = reported_result("thesis-24")
+    measures = result.runs["mujoco"].document["measures"]
+    for measure in measures:
+        other = result.runs["reference"].measure(measure["half"], measure["channel"])
+        assert other is not None
+        measure.update({key: other[key] for key in ("minimum", "maximum", "first_mode_frequency")})
+    for consensus, other in zip(result.runs["mujoco"].document["consensus"], result.runs["reference"].document["consensus"], strict=True):
+        consensus.update(other)
+    for measure in measures * 2:
+        if missed > 0:
+            measure["minimum" if measure["maximum"] == 1e9 else "maximum"] = 1e9
+            missed -= 1
+    first = answer(Content(results=[compare(result.case, result.runs)])).blocks[0]
+    lines = getattr(first, "items", ())
+    assert any(line.startswith(f"mujoco {words}") for line in lines), lines
+
+
+def test_a_synthetic_curve_is_shown_with_this_word(tmp_path: Path) -> None:
+    result = reported_result("thesis-24")
+    cycle = result.runs["reference"].cycle
+    phase = np.linspace(0.0, 1.0, 400)
+    values = np.interp(phase, np.linspace(0.0, 1.0, cycle["strain_2"].size), cycle["strain_2"])
+    header = "# run = 24\n# channel = strain_2\n# unit = strain\n# sign = +1\n# axis = phase\n# origin = synthetic\n# source = made up\n"
+    (tmp_path / "curve.csv").write_text(header + "".join(f"{x}, {y}\n" for x, y in zip(phase, values, strict=True)))
+    curves = load_curves(tmp_path)
+    content = Content(results=[result], curves=curves, comparisons=measured_comparisons([result], curves))
+    read = PageReader(page(chapters_of(content), ""))
+    assert {row[2][1] for row in read.tables["curve_comparison.csv"]} == {"synthetic"}
+    assert "is synthetic: made up to test" in read.text
+
+
+def test_verification_is_shown_as_long_as_the_code_is_the_same(tmp_path: Path) -> None:
+    assert "not been run" in verification(tmp_path).absent
+    chapter = {"title": "Faults", "text": "All survived.", "columns": ["fault", "share"], "rows": [["disk full", 0.5], ["killed", None]]}
+    document = {"code": code_fingerprint(PARTS), "date": "today", "chapters": [chapter]}
+    (tmp_path / FILE).write_text(json.dumps(document))
+    read = PageReader(page(chapters_of(Content(results=[reported_result("thesis-24")], verification=verification(tmp_path))), ""))
+    assert "All survived." in read.text
+    assert read.tables["verification_1.csv"][0][0][1] == "disk full"
+    (tmp_path / FILE).write_text(json.dumps(document | {"code": "other"}))
+    assert "other code" in verification(tmp_path).absent
+    (tmp_path / FILE).write_text("{")
+    assert "cannot be read" in verification(tmp_path).absent
+
+
+def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for bad in (tmp_path / "file", tmp_path / "file" / "below", Path("/proc/nowhere")):
+        with pytest.raises(OutputError, match="--output"):
+            check_folder(bad)
+
+
+def test_a_bad_folder_is_told_before_anything_runs(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(report_module, "cross_validate", lambda *_, **__: pytest.fail("an engine ran"))
+    (tmp_path / "file").write_text("")
+    code, output, errors = call("report", "thesis-17", "--output", "file")
+    assert (code, output) == (2, "")
+    assert errors.startswith("quickreturn: --output file: this is a file")
+
+
+def test_unknown_cases_and_doubles_are_refused(call: Call) -> None:
+    assert call("report", "thesis-25").code == 2
+    Path("twin.toml").write_text(case_text("thesis-24"))
+    code, _, errors = call("report", "thesis-24", "./twin.toml")
+    assert code == 2
+    assert "two cases are called" in errors
+
+
+@pytest.mark.parametrize(("status", "expected"), [("settled", 0), ("inaccurate", 0), ("failed", 3), ("not settled", 3)])
+def test_exit_codes_tell_whether_every_engine_completed(call: Call, monkeypatch: pytest.MonkeyPatch, status: str, expected: int) -> None:
+    monkeypatch.setenv("QUICKRETURN_STORE", "store")
+    monkeypatch.setattr(report_module, "cross_validate", lambda *_, **__: [reported_result("thesis-17", {"mujoco": status})])
+    monkeypatch.setattr(report_module, "draw_pictures", lambda *_: draw_pictures([], None, [], Store()))
+    code, output, errors = call("report", "thesis-17")
+    assert (code, errors) == (expected, "")
+    lines = output.splitlines()
+    assert lines[0] == str(Path("reports/output/index.html"))
+    assert len(lines) == 4
+    assert Path(lines[0]).is_file()
+
+
+def test_a_second_report_computes_and_draws_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two engines on the run that settles soonest; then the same again with nothing allowed to run."""
+    case, store = load_case("thesis-17"), Store(tmp_path / "store")
+    first = write_report([case], tmp_path / "first", store, jobs=2, engines=("thesis", "reference"))
+    assert {run.status for run in first.content.results[0].runs.values()} <= {"settled", "not settled"}
+    assert first.content.results[0].runs["reference"].status == "settled"
+
+    def refuse(*jobs: object, **_: object) -> None:
+        assert not list(jobs[0]), "a job was started"  # type: ignore[call-overload]
+        return iter(())  # type: ignore[return-value]
+
+    monkeypatch.setattr("cases.runner.run_jobs", refuse)
+    monkeypatch.setattr("reports.pictures.run_jobs", refuse)
+    second = write_report([case], tmp_path / "second", store, jobs=2, engines=("thesis", "reference"))
+    for table in first.tables:
+        if table.name not in ("machine", "tables"):  # these two name the time
+            assert (tmp_path / "first" / table.file).read_bytes() == (tmp_path / "second" / table.file).read_bytes()
+    assert second.content.pictures.of_case == first.content.pictures.of_case

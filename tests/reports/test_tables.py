@@ -1,0 +1,76 @@
+"""A table's page and CSV form, from the same cells."""
+
+import csv
+import io
+import math
+
+import pytest
+
+from reports.tables.table import Cell, Column, TableBuilder
+from reports.words import counted, listed, number, percent, size
+
+
+def builder() -> TableBuilder:
+    columns = (
+        Column("run", "run"),
+        Column("frequency", "f", "Hz", ".2f", uncertainty="width"),
+        Column("width", "±", "Hz", ".2f", in_page=False),
+        Column("strain", "strain", "1", ".1f", "10⁻⁶", 1e6),
+        Column("cycles", "cycles", form="d"),
+    )
+    return TableBuilder("example", "An example.", columns, grouped=True)
+
+
+def test_a_csv_file_has_every_column_in_full_precision_with_units() -> None:
+    table = builder()
+    table.add(run="a", frequency=1.0 / 3.0, width=0.1, strain=1.23456789e-4, cycles=7)
+    rows = list(csv.DictReader(io.StringIO(table.table().csv())))
+    assert list(rows[0]) == ["run", "frequency [Hz]", "width [Hz]", "strain [1]", "cycles"]
+    assert float(rows[0]["frequency [Hz]"]) == 1.0 / 3.0  # to the last bit
+    assert rows[0]["cycles"] == "7"
+
+
+def test_the_page_shows_units_of_its_own_uncertainties_and_whole_counts() -> None:
+    table = builder()
+    table.add(run="a", frequency=16.6667, width=0.1234, strain=1.2346e-4, cycles=7)
+    shown = table.table()
+    assert [shown.page_text(shown.rows[0], index) for index in shown.shown] == ["a", "16.67 ± 0.12", "123.5", "7"]
+
+
+def test_what_is_missing_is_a_dash_in_the_page_and_empty_in_the_file() -> None:
+    table = builder()
+    table.add(run="a", frequency=Cell(None, "n. r.", "too, faint", "open"), strain=math.nan)
+    shown = table.table()
+    assert [shown.page_text(shown.rows[0], index) for index in shown.shown] == ["a", "n. r.", "–", "–"]
+    (row,) = csv.DictReader(io.StringIO(shown.csv()))
+    assert (row["frequency [Hz]"], row["frequency remark"], row["strain [1]"]) == ("", "too, faint", "")
+
+
+def test_a_mark_does_not_rest_on_colour_alone() -> None:
+    table = builder()
+    table.add(run="a", frequency=Cell(1.0, mark="missed"))
+    shown = table.table()
+    assert shown.page_text(shown.rows[0], 1).startswith("✗ ")
+
+
+def test_rows_of_one_group_are_kept_together() -> None:
+    table = builder()
+    for run in ("a", "a", "b"):
+        table.add(run=run)
+    assert [len(body) for body in table.table().bodies] == [2, 1]
+
+
+def test_a_column_that_does_not_exist_is_an_error() -> None:
+    with pytest.raises(KeyError, match="no column typo"):
+        builder().add(typo=1.0)
+
+
+def test_numbers_are_written_as_people_write_them() -> None:
+    assert number(-1.5, ".1f") == "−1.5"
+    assert number(-0.001, ".2f") == "0.00"  # no negative zero
+    assert number(math.inf, ".1f") == "∞"
+    assert percent(0.0123) == "1.23\N{NO-BREAK SPACE}%"
+    assert [size(share) for share in (0.123, -0.0123, 0.00123)] == [f"{text}\N{NO-BREAK SPACE}%" for text in ("12", "1.2", "0.12")]
+    assert listed(["a", "b", "c"]) == "a, b and c"
+    assert counted(1, "run") == "1\N{NO-BREAK SPACE}run"
+    assert counted(2, "half", "halves") == "2\N{NO-BREAK SPACE}halves"
