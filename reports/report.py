@@ -52,9 +52,8 @@ class Written:
 
     @property
     def failed(self) -> bool:
-        """Whether an engine did not complete a case, or a study could not be made."""
-        studies = self.content.studies
-        return any(trouble.is_failure for trouble in self.content.troubles) or bool(studies is not None and studies.failures)
+        """Whether an engine did not complete a case. Studies change a case on purpose: what they cannot make is told in the page."""
+        return any(trouble.is_failure for trouble in self.content.troubles)
 
 
 def check_folder(folder: Path) -> None:

@@ -27,8 +27,8 @@ def number(value: float, form: str) -> str:
     if math.isinf(value):
         return "∞" if value > 0 else f"{MINUS}∞"
     text = format(value, form)
-    if text.startswith("-") and not any(digit in text for digit in "123456789"):
-        text = text[1:]  # -0.00 is no less than 0.00
+    if text[0] in "+-" and not any(digit in text for digit in "123456789"):
+        text = text[1:]  # -0.00 is no less and +0.00 no more than 0.00
     return text.replace("-", MINUS)
 
 
@@ -56,6 +56,11 @@ def span(low: float, high: float, form: str) -> str:
 def channel_name(column: str | None) -> str:
     """A trajectory column in words; None is the consensus of all."""
     return "all channels" if column is None else column.replace("_", " ")
+
+
+def short_name(column: str) -> str:
+    """The same, short enough for the head of a narrow column."""
+    return {"tip_acceleration": "tip acc.", "tip_deflection": "deflection", "slider_force": "force"}.get(column, column.replace("_", " "))
 
 
 def case_label(name: str) -> str:

@@ -10,7 +10,7 @@ from cases.comparison import REFERENCE, CaseResult
 from cases.measures import CHANNELS
 from cases.steady_run import SETTLED
 from engines.registry import engine
-from reports.findings.agreement import Kind, differences, engines_of, resolvable, spread
+from reports.findings.agreement import Kind, differences, engines_of, spread
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, MODEL, NOT, UNCHECKABLE
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
@@ -55,7 +55,7 @@ def _lines(content: Content) -> list[str]:
     others = [name for name in engines_of(results) if name not in (REFERENCE, MODEL)]
     lines += [line for name in others if (line := _against_reference(results, name))]
     lines += [line for first, second in pairwise(others) if (line := _pair(results, first, second))]
-    lines += [line for line in (_cubic(results), _cubic_amplitudes(results), _resolved(results), _statements(content)) if line]
+    lines += [line for line in (_cubic(results), _cubic_amplitudes(results), _statements(content)) if line]
     lines += [line for line in (_experiment(content), _accuracy(content), _open_points(content)) if line]
     return lines
 
@@ -128,15 +128,6 @@ def _cubic_amplitudes(results: Sequence[CaseResult]) -> str:
     return f"Its first-mode amplitudes over the converged ones, all channels, medians and ranges: {', '.join(parts)}." if parts else ""
 
 
-def _resolved(results: Sequence[CaseResult]) -> str:
-    parts = []
-    for name in engines_of(results):
-        found, total = resolvable(results, name)
-        if total:
-            parts.append(f"{name} {found} of {total}")
-    return f"Half cycles whose first mode can be resolved at all: {', '.join(parts)}." if parts else ""
-
-
 def _statements(content: Content) -> str:
     found = content.verdicts
     counts = [(verdict, sum(item.verdict == verdict for item in found)) for verdict in (HOLDS, IN_PART, NOT, CANNOT_FOLLOW, UNCHECKABLE)]
@@ -166,10 +157,8 @@ def _accuracy(content: Content) -> str:
     if studies is None or studies.accuracy.empty:
         return ""
     errors = [f"{row['engine']} {size(float(row['tip_deflection']))}" for row in studies.accuracy.to_dict("records")]
-    confirmed = ""
-    if not studies.confirmation.empty:
-        row = studies.confirmation.iloc[0]
-        confirmed = f" (a solution that {row['engine']} and {row['confirmed_by']} agree on to {size(float(row['tip_deflection']))})"
+    others = [f"{row['confirmed_by']} to {size(float(row['tip_deflection']))}" for row in studies.confirmation.to_dict("records")]
+    confirmed = f" (confirmed by {listed(others)})" if others else ""
     return (
         f"Error of the tip deflection in run 24, 2 s, at default accuracy, against the converged solution{confirmed}: {', '.join(errors)}."
     )

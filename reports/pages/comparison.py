@@ -3,6 +3,7 @@
 from typing import Final
 
 from cases.comparison import EXTREMES
+from reports.findings.agreement import engines_of, resolvable
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables import engines as engine_tables
@@ -18,9 +19,17 @@ def runs_by_engines(content: Content) -> Chapter:
     if content.troubles:
         told = [f"{trouble.engine} on {case_label(trouble.case)}: {trouble.status}" for trouble in content.troubles]
         chapter.text(f"Not simply settled: {'; '.join(told)}. Why, in the engines' words, is under Provenance.", "warning")
+    chapter.text(_resolved(content))
     chapter.table(engine_tables.run_by_engine(content.results))
     chapter.table(engine_tables.measures(content.results))
     return chapter
+
+
+def _resolved(content: Content) -> str:
+    """How often the measure gives a number at all."""
+    counts = {name: resolvable(content.results, name) for name in engines_of(content.results)}
+    told = [f"{name} {found} of {total}" for name, (found, total) in counts.items() if total]
+    return f"Half cycles in which the first mode can be resolved: {', '.join(told)}." if told else ""
 
 
 def disagreement(content: Content) -> Chapter:

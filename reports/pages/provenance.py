@@ -46,6 +46,9 @@ def provenance(content: Content) -> Chapter:
     if content.pictures.failures:
         chapter.text("Pictures that could not be drawn:", "warning")
         chapter.points(content.pictures.failures)
+    if content.studies is not None and content.studies.failures:
+        chapter.text("Parts of the studies that could not be made:", "warning")
+        chapter.points(content.studies.failures)
     if content.notices:
         chapter.text("Notices of the store:", "note")
         chapter.points(list(content.notices))

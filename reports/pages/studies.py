@@ -7,7 +7,7 @@ import pandas as pd
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables import studies as tables
-from reports.words import case_label, listed, percent, size
+from reports.words import case_label, counted, listed, percent, size
 
 _ABSENT: Final = "This belongs to runs 10 and 24 of the thesis and is shown when both are among the cases."
 #: What two solutions may differ by to confirm each other.
@@ -28,6 +28,7 @@ def open_points(content: Content) -> Chapter:
         f" again. {_strongest(frame, 'first_mode_frequency', 'the first-mode frequency')}"
         f" {_strongest(frame, 'first_mode_amplitude', 'an amplitude')}"
     )
+    chapter.text(_unfinished(content), "warning")
     chapter.figures(
         (
             content.pictures.of_all.get("sensitivity"),
@@ -49,6 +50,13 @@ def _strongest(frame: pd.DataFrame, quantity: str, words: str) -> str:
     return f"What moves {words} by more than {percent(NOTABLE, '.0f')} somewhere: {listed(notable)}."
 
 
+def _unfinished(content: Content) -> str:
+    """That something is missing, where it is."""
+    if content.studies is None or not content.studies.failures:
+        return ""
+    return f"{counted(len(content.studies.failures), 'part')} of the studies could not be made: see Provenance."
+
+
 def accuracy_and_cost(content: Content) -> Chapter:
     """Error beside solve time; convergence; solve times of all runs."""
     chapter = Chapter("accuracy", "Accuracy and cost", "Accuracy, cost")
@@ -56,18 +64,17 @@ def accuracy_and_cost(content: Content) -> Chapter:
     if studies is None:
         chapter.text(f"Accuracy against a confirmed solution, and convergence of the reference: {_ABSENT[0].lower()}{_ABSENT[1:]}", "note")
     else:
-        if studies.failures:
-            chapter.text("Not computed:", "warning")
-            chapter.points(studies.failures)
+        chapter.text(_unfinished(content), "warning")
         _confirmation(chapter, studies.confirmation)
         if not studies.accuracy.empty:
             errors = [f"{row['engine']} {size(float(row['tip_deflection']))}" for row in studies.accuracy.to_dict("records")]
             chapter.text(f"At its default accuracy each engine errs in run 24's tip deflection by: {', '.join(errors)}.")
             chapter.table(tables.accuracy(studies.accuracy))
         if not studies.convergence.empty:
-            chapter.heading("Convergence of the reference", "convergence")
+            shapes = tables.counted_shapes(studies.convergence)
+            chapter.heading("Convergence", "convergence")
             chapter.figures(
-                (content.pictures.of_all.get("convergence"), "Error of the reference (% of RMS) in run 24 over its number of shapes."),
+                (content.pictures.of_all.get("convergence"), f"Error (% of RMS) in run 24 over the number of {shapes}."),
                 (content.pictures.of_all.get("cost"), "Error (%) of each engine at its default accuracy in run 24 over its solve time."),
             )
             chapter.table(tables.convergence(studies.convergence))
@@ -80,13 +87,13 @@ def _confirmation(chapter: Chapter, frame: pd.DataFrame) -> None:
     if frame.empty:
         chapter.text("No second engine confirms the converged solution: the errors below are against it alone.", "warning")
         return
-    row = frame.iloc[0]
-    difference = float(row["tip_deflection"])
-    confirmed = difference <= CONFIRMED
-    chapter.text(
-        f"The converged solution of {case_label('thesis-24')} ({row['engine']}, {row['settings']}) and that of {row['confirmed_by']}"
-        f" ({row['with_settings']}) differ by {size(difference)} in the tip deflection:"
-        f" {'they confirm' if confirmed else 'they do not confirm'} each other to {percent(CONFIRMED)}.",
-        "" if confirmed else "warning",
-    )
+    for row in frame.to_dict("records"):
+        difference = float(row["tip_deflection"])
+        confirmed = difference <= CONFIRMED
+        chapter.text(
+            f"The converged solution of {case_label('thesis-24')} ({row['engine']}) and that of {row['confirmed_by']} differ by"
+            f" {size(difference)} in the tip deflection: they {'confirm' if confirmed else 'do not confirm'} each other to"
+            f" {percent(CONFIRMED)}.",
+            "" if confirmed else "warning",
+        )
     chapter.table(tables.confirmation(frame))
