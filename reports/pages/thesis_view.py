@@ -7,10 +7,11 @@ import numpy as np
 
 from cases.data import read_toml
 from cases.experiment import statements
+from cases.measures import CHANNELS
 from cases.units import BENDING_STIFFNESS, LENGTH, parse_quantity
 from reports.findings.agreement import differences
 from reports.findings.frozen_crank import JointEffect
-from reports.findings.raw_extremes import VISIBLE, Excess, counted_excess
+from reports.findings.raw_extremes import Excess, counted_excess
 from reports.findings.verdicts import CANNOT_FOLLOW, MODEL, NOT
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
@@ -22,6 +23,10 @@ PSI: Final = 6894.757293168361  # Pa
 ALUMINIUM: Final = (10.0e6 * PSI, 10.6e6 * PSI)
 #: Hz, the mode that section 3.4 reads off run 24 (cases/data/thesis_statements.toml).
 SECOND_MODE: Final = next(found.low for found in statements() if found.id == "second-mode")
+#: Channels in which the thesis' slow part is large.
+STRAINS: Final = CHANNELS[1:]
+#: A difference of an excess between the halves that a reader of plots would notice.
+MARKED: Final = 0.02
 #: A ratio this close to one is one.
 EQUAL: Final = 0.01
 
@@ -77,28 +82,34 @@ def _counted(chapter: Chapter, content: Content) -> None:
     chapter.heading("A possible explanation: frequencies counted off plots", "counted")
     strains = {half: [found.median for found in excesses if found.half == half and found.channel != "tip_acceleration"] for half in HALF}
     told = [f"{HALF[half]} {percents(min(found), max(found), '+.1f')}" for half, found in strains.items() if found]
+    fitted = [difference.relative for difference in differences(content.results, MODEL, "frequency")]
     chapter.text(
-        "The thesis compares frequencies read off plots. Counting the extremes of the raw signals, as one does by eye, gives another answer"
-        " than fitting the drifting oscillation: of the single cubic over the converged model, medians in the three strains,"
-        f" {listed(told)}. {_reading(excesses)} An extreme counts if it stands out by {percent(VISIBLE, '.0f')} of the signal's range."
+        "How the thesis took frequencies from its curves it does not say; counting extremes by eye is the obvious way. Counted so, the"
+        f" single cubic's excess over the converged model in the three strains is {listed(told)} (medians over the runs, range over"
+        " channels and over what counts as an extreme), where fitting the drifting oscillation gives"
+        f" {percents(min(fitted), max(fitted), '+.1f')} in both halves alike. {_reading(excesses)}"
     )
     chapter.table(tables.counted(excesses))
 
 
 def _reading(excesses: list[Excess]) -> str:
-    """What the counted frequencies suggest; the fitted ones are the same in both halves."""
-    gaps = []
-    for channel in {found.channel for found in excesses if found.channel != "tip_acceleration"}:
-        medians = {found.half: found.median for found in excesses if found.channel == channel}
-        if len(medians) == len(HALF):
-            gaps.append(medians["post"] - medians["pre"])
-    if gaps and min(gaps) > 0.02:
+    """What the counted frequencies suggest."""
+    larger = []
+    for visible in dict.fromkeys(found.visible for found in excesses):
+        gaps = []
+        for channel in STRAINS:
+            medians = {found.half: found.median for found in excesses if (found.visible, found.channel) == (visible, channel)}
+            gaps += [medians["post"] - medians["pre"]] if len(medians) == len(HALF) else []
+        larger.append(bool(gaps) and min(gaps) > MARKED)
+    times = f"at {sum(larger)} of the {len(larger)} thresholds tried"
+    if all(larger):
         return (
-            "Counted so, the excess is larger after the return in every strain (by more than 2 points), because the slow hump before the"
-            " return is counted among the peaks. That is what the thesis describes. Inference: a possible explanation, not a proof."
+            f"The counted excess is larger after the return in every strain, by more than {percent(MARKED, '.0f')}, {times}, as the thesis"
+            " describes it: the slow hump before the return is counted among the peaks. Inference: a possible explanation, not a proof."
         )
     return (
-        "Counted so, the two halves do not differ in every strain by more than 2 points: this does not explain what the thesis describes."
+        f"The counted excess is larger after the return in every strain, by more than {percent(MARKED, '.0f')}, {times} only: what is"
+        " counted depends on the reader, and explains what the thesis describes at best in part. An inference."
     )
 
 

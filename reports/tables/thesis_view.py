@@ -62,31 +62,31 @@ def _peak_ratios(found: Sequence[Difference]) -> list[float]:
 
 def counted(excesses: Sequence[Excess]) -> Table:
     """Excess of frequencies counted off a plot."""
+    kinds = (("median", "median", "1", "+.1f"), ("low", "least", "1", "+.1f"), ("high", "greatest", "1", "+.1f"), ("runs", "runs", "", "d"))
     builder = TableBuilder(
         "counted_off_plots",
         "Excess of the single cubic's frequency over the converged one if both are counted off plots: half oscillations between visible"
-        " extremes of the raw signal over their time. Not a measure of this report; see the text.",
+        " extremes of the raw signal over their time, in the halves where both resolve the first mode. An extreme is counted if it stands"
+        " out by the part of the signal's range in the first column. Not a measure of this report; see the text.",
         (
+            Column("visible", "counted from", "1", ".1f", "% of range", 100.0),
             Column("channel", "channel"),
             *(
                 Column(f"{half}_{key}", head, unit, form, "%" if unit else None, 100.0 if unit else 1.0, group=HALF[half])
                 for half in HALVES
-                for key, head, unit, form in (
-                    ("median", "median", "1", "+.1f"),
-                    ("low", "least", "1", "+.1f"),
-                    ("high", "greatest", "1", "+.1f"),
-                    ("runs", "runs", "", "d"),
-                )
+                for key, head, unit, form in kinds
             ),
         ),
+        grouped=True,
     )
-    for channel in CHANNELS:
-        cells: dict[str, float | int] = {}
-        for excess in (found for found in excesses if found.channel == channel):
-            numbers = {"median": excess.median, "low": excess.lowest, "high": excess.highest, "runs": excess.count}
-            cells |= {f"{excess.half}_{key}": value for key, value in numbers.items()}
-        if cells:
-            builder.add(channel=channel_name(channel), **cells)
+    for visible in dict.fromkeys(found.visible for found in excesses):
+        for channel in CHANNELS:
+            cells: dict[str, float | int] = {}
+            for excess in (found for found in excesses if (found.visible, found.channel) == (visible, channel)):
+                numbers = {"median": excess.median, "low": excess.lowest, "high": excess.highest, "runs": excess.count}
+                cells |= {f"{excess.half}_{key}": value for key, value in numbers.items()}
+            if cells:
+                builder.add(visible=visible, channel=channel_name(channel), **cells)
     return builder.table()
 
 

@@ -9,6 +9,7 @@ import pytest
 from cases.comparison import HALVES, CaseResult, Check, compare
 from cases.engine_run import EngineRun
 from cases.experiment import MeasuredCurve, statements
+from cases.measures import CHANNELS
 from reports.findings.agreement import differences, spread
 from reports.findings.evidence import Evidence
 from reports.findings.failures import troubles
@@ -23,7 +24,7 @@ from reports.findings.frozen_crank import (
     share_with_signs,
 )
 from reports.findings.measured import Comparison, statement_values
-from reports.findings.raw_extremes import counted_excess, counted_frequency
+from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, verdicts
 from reports.tables.tolerances import cause
 from tests.reports.reported_results import reported_result
@@ -166,20 +167,23 @@ def counted_run(frequency: float, slow: float) -> EngineRun:
     cycle = {"time": time, "crank_angle": np.pi * (1.0 + time)} | dict.fromkeys(
         ("tip_acceleration", "strain_1", "strain_2", "strain_3"), signal
     )
-    return EngineRun({"engine": "x", "status": "settled", "measures": [], "consensus": []}, cycle)
+    resolved = [{"half": half, "first_mode_frequency": frequency, "uncertainty": 0.1} for half in HALVES]
+    return EngineRun({"engine": "x", "status": "settled", "measures": [], "consensus": resolved}, cycle)
 
 
 def test_counting_extremes_of_a_pure_oscillation_gives_its_frequency() -> None:
     run = counted_run(17.0, 0.0)
     for half in ("pre", "post"):
         # instants of the extremes are samples, 0.5 ms apart, in a second: 0.1 %
-        assert counted_frequency(run, half, "strain_2") == pytest.approx(17.0, rel=1e-3)
+        assert counted_frequency(run, half, "strain_2", 0.01) == pytest.approx(17.0, rel=1e-3)
 
 
 def test_the_excess_counted_off_plots_is_that_of_the_frequencies_where_there_is_no_slow_part() -> None:
     result = reported_result("thesis-24")
     runs = {"thesis": counted_run(18.7, 0.0), "reference": counted_run(17.0, 0.0)}
-    for excess in counted_excess([dataclasses.replace(result, runs=runs)]):
+    found = counted_excess([dataclasses.replace(result, runs=runs)])
+    assert len(found) == len(VISIBLE) * len(HALVES) * len(CHANNELS)
+    for excess in found:
         assert excess.median == pytest.approx(0.1, abs=3e-3)  # twice the 0.1 % of a counted frequency, rounded up
 
 
