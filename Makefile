@@ -21,7 +21,7 @@ verify: $(READY)
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy reference_model engines cases reports tests
+	$(BIN)/mypy reference_model engines cases reports
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

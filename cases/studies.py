@@ -23,7 +23,8 @@ from cases.store import Store, key_of
 from cases.workers import PRELOAD, Job, Outcome, run_jobs
 from engines.accurate import ESTIMATED, run_once, simulate
 from engines.base import EngineFailure
-from engines.pseudo_coordinate.convergence import convergence_table
+from engines.convergence import convergence_table
+from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import MAIN, engine
 from engines.start import standard_start
 from reference_model.mechanism import Mechanism, Tip
@@ -32,8 +33,8 @@ from reference_model.mechanism import Mechanism, Tip
 ACCURACY_CASE: Final = "thesis-24"
 CONVERGED: Final = ("reference", {"modes": "9", "tolerance": "1e-9"})
 CONFIRMING: Final = {"exudyn": {"elements": "32", "step": "1e-4"}, "mujoco": {"links": "60", "armature": "0"}}
-#: Rows of the convergence table; the last of each is the solution it is measured against.
-SHAPE_COUNTS: Final = (2, 4, 6, 8, 10, 12, 16, 20, 24)
+#: Modes and tolerances of the convergence table of the reference; the last of each is the solution it is measured against.
+MODES: Final = (1, 2, 3, 4, 5, 6, 7, 9, 11)
 TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
 #: Runs on which the influence of what the thesis leaves open is shown.
 OPEN_RUNS: Final = ("thesis-10", "thesis-24")
@@ -50,7 +51,7 @@ class Studies:
             converged solution, error_estimate (of the tip deflection, the engine's own), solve_seconds, setup_seconds, remark.
         confirmation: one row per confirming engine: engine and settings of both solutions, and their difference for each column of
             `ESTIMATED`.
-        convergence: see `engines.pseudo_coordinate.convergence.convergence_table`.
+        convergence: see `engines.convergence.convergence_table`, for the engine `reference`.
         sensitivity: one row per run, change, half and quantity: run, change, half, quantity, channel, nominal, value, relative_change;
             value and relative_change are NaN where not resolvable.
         failures: sentences on what could not be computed.
@@ -144,7 +145,8 @@ def _trajectory(case: Case, name: str, settings: Mapping[str, str] | None) -> tu
 
 
 def _convergence(case: Case) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
-    table = convergence_table(case.mechanism, SHAPE_COUNTS, TOLERANCES, case.duration, case.output_step)
+    ladder = [ReferenceSettings(modes=modes, tolerance=tolerance) for modes in MODES for tolerance in TOLERANCES]
+    table = convergence_table(ReferenceEngine(), case.mechanism, ladder, case.duration, case.output_step)
     plain = [{str(k): (v.item() if hasattr(v, "item") else v) for k, v in row.items()} for row in table.to_dict("records")]
     return {"rows": plain}, {}
 

@@ -25,10 +25,11 @@ MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 GROUP: Final = "quickreturn.engines"
 
 _MODULES: Final = {
-    "thesis": "engines.pseudo_coordinate.engine:ThesisEngine",
+    "thesis": "engines.pseudo_coordinate.thesis:ThesisEngine",
     "reference": "engines.pseudo_coordinate.reference:ReferenceEngine",
     "exudyn": "engines.exudyn.engine:ExudynEngine",
     "mujoco": "engines.mujoco.engine:MujocoEngine",
+    "fixed-shapes": "engines.pseudo_coordinate.fixed_shapes:FixedShapesEngine",
 }
 
 

@@ -14,9 +14,7 @@ def setting(
     default: Any, meaning: str, *, unit: str = "", low: float = -math.inf, high: float = math.inf, choices: tuple[str, ...] = ()
 ) -> Any:
     """A field of a `Settings` class. `low` and `high` are the accepted range, both inclusive."""
-    return dataclasses.field(
-        default=default, metadata={"meaning": meaning, "unit": unit, "low": low, "high": high, "choices": choices}
-    )
+    return dataclasses.field(default=default, metadata={"meaning": meaning, "unit": unit, "low": low, "high": high, "choices": choices})
 
 
 @dataclass(frozen=True, kw_only=True)

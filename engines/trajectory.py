@@ -76,9 +76,6 @@ class Trajectory:
 
 def join(pieces: list[Trajectory]) -> Trajectory:
     """Consecutive pieces of one simulation as one trajectory; each piece repeats the last row of the one before."""
-    columns = {
-        name: np.concatenate([piece[name][(0 if i == 0 else 1) :] for i, piece in enumerate(pieces)])
-        for name in pieces[0].columns
-    }
+    columns = {name: np.concatenate([piece[name][(0 if i == 0 else 1) :] for i, piece in enumerate(pieces)]) for name in pieces[0].columns}
     statistics = {key: sum(p.statistics.get(key, 0.0) for p in pieces) for key in pieces[0].statistics}
     return Trajectory(columns, sum(p.solve_seconds for p in pieces), statistics)

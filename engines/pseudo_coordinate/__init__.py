@@ -1,1 +1,1 @@
-"""Engines `thesis` and `reference`: the hand-derived explicit model of `reference_model` behind the engine interface."""
+"""Engines `thesis`, `fixed-shapes` and `reference`: the explicit models of `reference_model` behind the engine interface."""

@@ -36,7 +36,7 @@ PERCENT: Final = 100.0
 
 
 def convergence_figure(table: pd.DataFrame) -> Picture | None:
-    """Error of each column over the number of shapes, at the smallest tolerance of the integration.
+    """Error of each column over the number of modes, at the smallest tolerance of the integration.
 
     Args:
         table: of `engines.pseudo_coordinate.convergence.convergence_table`.
@@ -47,7 +47,7 @@ def convergence_figure(table: pd.DataFrame) -> Picture | None:
     figure = draw_convergence(table)
     if figure is None:
         return None
-    return picture(figure, "Error of the reference over its number of shapes, per observable, both axes logarithmic")
+    return picture(figure, "Error of the reference over its number of modes, per observable, both axes logarithmic")
 
 
 def draw_convergence(table: pd.DataFrame) -> Figure | None:
@@ -55,19 +55,19 @@ def draw_convergence(table: pd.DataFrame) -> Figure | None:
     if table.empty:
         return None
     tolerance = table["tolerance"].min()
-    rows = table[(table["tolerance"] == tolerance) & ~table["is_reference"].astype(bool)].sort_values("shapes")
+    rows = table[(table["tolerance"] == tolerance) & ~table["is_reference"].astype(bool)].sort_values("modes")
     if rows.empty:
         return None
     figure = new_figure(3.9)
     axes = figure.subplots()
     handles = []
     for column, (words, colour, marker) in COLUMNS.items():
-        (line,) = axes.plot(rows["shapes"], PERCENT * rows[column], marker=marker, color=colour, linewidth=1.1, markersize=4.5, label=words)
+        (line,) = axes.plot(rows["modes"], PERCENT * rows[column], marker=marker, color=colour, linewidth=1.1, markersize=4.5, label=words)
         handles.append(line)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    tidy(axes, f"shapes (integration tolerance {tolerance:.0e})".replace("e-0", "e-"), "error (% of RMS)")
-    axes.set_xticks(rows["shapes"].tolist(), [str(shapes) for shapes in rows["shapes"]])
+    tidy(axes, f"modes (integration tolerance {tolerance:.0e})".replace("e-0", "e-"), "error (% of RMS)")
+    axes.set_xticks(rows["modes"].tolist(), [str(modes) for modes in rows["modes"]])
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xticks([], minor=True)
     plain_numbers(axes, "y")

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from engines.base import Engine, EngineFailure, Refusal
-from engines.pseudo_coordinate.convergence import CHANNELS, convergence_table
-from engines.pseudo_coordinate.engine import REFERENCE_LADDER, ReferenceEngine, ReferenceSettings, ThesisEngine, ThesisSettings
+from engines.convergence import CHANNELS, convergence_table
+from engines.pseudo_coordinate.fixed_shapes import LADDER, FixedShapesEngine, FixedShapesSettings
+from engines.pseudo_coordinate.thesis import ThesisEngine, ThesisSettings
 from engines.settings import Settings
 from engines.start import Field, Start, standard_start
 from engines.trajectory import join
@@ -18,7 +19,7 @@ from reference_model.model import ExplicitModel
 from reference_model.natural_modes import frozen_crank_modes
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 
-THESIS, REFERENCE = ThesisEngine(), ReferenceEngine()
+THESIS, FIXED = ThesisEngine(), FixedShapesEngine()
 
 
 @pytest.mark.parametrize(
@@ -31,7 +32,7 @@ THESIS, REFERENCE = ThesisEngine(), ReferenceEngine()
 )
 def test_frozen_crank_frequencies_of_run_24(degrees: int, converged: tuple[float, ...], one_cubic: tuple[float, ...]) -> None:
     angle = math.radians(degrees)
-    found = REFERENCE.natural_frequencies(run_24(), angle, 4, ReferenceSettings())
+    found = FIXED.natural_frequencies(run_24(), angle, 4, FixedShapesSettings())
     np.testing.assert_allclose(found, converged, rtol=5e-5)  # half a unit of the last printed digit
     # cubic elements against spans with polynomials of high degree: a sixteenth of the engine's own tolerance of convergence
     np.testing.assert_allclose(found, frozen_crank_modes(run_24(), angle, 4).frequencies, rtol=2e-7)
@@ -41,12 +42,12 @@ def test_frozen_crank_frequencies_of_run_24(degrees: int, converged: tuple[float
 
 def test_frequencies_with_everything_that_vibrates() -> None:
     mechanism = run_24(slider={"inertia": 2e-4}, tip={"center_of_mass": 0.0127})
-    found = REFERENCE.natural_frequencies(mechanism, 1.0, 4, ReferenceSettings())
+    found = FIXED.natural_frequencies(mechanism, 1.0, 4, FixedShapesSettings())
     np.testing.assert_allclose(found, frozen_crank_modes(mechanism, 1.0, 4).frequencies, rtol=2e-7)
-    assert len(REFERENCE.natural_frequencies(run_24(follower={"bending_stiffness": math.inf}), 1.0, 4, ReferenceSettings())) == 0
+    assert len(FIXED.natural_frequencies(run_24(follower={"bending_stiffness": math.inf}), 1.0, 4, FixedShapesSettings())) == 0
 
 
-@pytest.mark.parametrize(("engine", "settings"), [(THESIS, ThesisSettings(tolerance=1e-9)), (REFERENCE, ReferenceSettings(shapes=8))])
+@pytest.mark.parametrize(("engine", "settings"), [(THESIS, ThesisSettings(tolerance=1e-9)), (FIXED, FixedShapesSettings(shapes=8))])
 def test_pieces_make_the_same_motion_as_one_run(engine: Engine, settings: Settings) -> None:
     start = standard_start(run_24())
     whole = engine.prepare(run_24(), start, settings).advance(0.5, 1e-3)
@@ -65,10 +66,10 @@ def violent() -> Mechanism:
     return run_24(crank={"length": 6.8 * INCH, "drive": drive}, tip=None)
 
 
-@pytest.mark.parametrize("engine", [THESIS, REFERENCE])
+@pytest.mark.parametrize("engine", [THESIS, FIXED])
 def test_a_slider_that_leaves_the_follower_is_a_failure_at_its_time(engine: Engine) -> None:
     mechanism = violent()
-    settings = ThesisSettings(tolerance=1e-9) if engine is THESIS else ReferenceSettings(shapes=8)
+    settings = ThesisSettings(tolerance=1e-9) if engine is THESIS else FixedShapesSettings(shapes=8)
     with pytest.raises(EngineFailure, match="left the follower") as caught:
         engine.prepare(mechanism, standard_start(mechanism), settings).advance(0.5, 1e-3)
     failure, partial = caught.value, caught.value.partial
@@ -84,7 +85,7 @@ def test_leaving_is_timed_by_the_root_of_the_place() -> None:
     mechanism, times = violent(), []
     for step in (1e-3, 1e-4):
         with pytest.raises(EngineFailure) as caught:
-            REFERENCE.prepare(mechanism, standard_start(mechanism), ReferenceSettings(shapes=8)).advance(0.5, step)
+            FIXED.prepare(mechanism, standard_start(mechanism), FixedShapesSettings(shapes=8)).advance(0.5, step)
         times.append(caught.value.time)
     assert times[0] == pytest.approx(times[1], abs=1e-7)  # does not depend on the output grid
 
@@ -93,14 +94,14 @@ def test_a_loop_that_cannot_close_is_refused_at_the_start() -> None:
     x = np.linspace(0.0, run_24().follower.length, 20)
     bent = CubicSpline(x, 0.9 * x**2 / x[-1], bc_type=((1, 0.0), (2, 0.0)))
     with pytest.raises(EngineFailure, match="cannot be closed") as caught:
-        REFERENCE.prepare(run_24(), Start(math.pi, 10.0, bent), ReferenceSettings(shapes=6))
+        FIXED.prepare(run_24(), Start(math.pi, 10.0, bent), FixedShapesSettings(shapes=6))
     assert caught.value.time == 0.0
 
 
 def test_a_follower_bent_beyond_description_fails_with_what_was_computed() -> None:
     """A thousandth of the stiffness: slopes reach 1."""
     mechanism = run_24(follower={"bending_stiffness": 1e-3 * run_24().follower.bending_stiffness})
-    for engine, settings in ((THESIS, ThesisSettings()), (REFERENCE, ReferenceSettings(shapes=6))):
+    for engine, settings in ((THESIS, ThesisSettings()), (FIXED, FixedShapesSettings(shapes=6))):
         with pytest.raises(EngineFailure) as caught:
             engine.prepare(mechanism, standard_start(mechanism), settings).advance(1.0, 1e-3)
         partial = caught.value.partial
@@ -109,9 +110,9 @@ def test_a_follower_bent_beyond_description_fails_with_what_was_computed() -> No
         assert caught.value.time >= partial["time"][-1] - 1e-9
 
 
-@pytest.mark.parametrize("settings", [ReferenceSettings(shapes=8), ReferenceSettings(shapes=8, family="hermite")])
-def test_a_start_from_the_shapes_of_a_running_simulation_continues_it(settings: ReferenceSettings) -> None:
-    simulation = REFERENCE.prepare(run_24(), standard_start(run_24()), settings)
+@pytest.mark.parametrize("settings", [FixedShapesSettings(shapes=8), FixedShapesSettings(shapes=8, family="hermite")])
+def test_a_start_from_the_shapes_of_a_running_simulation_continues_it(settings: FixedShapesSettings) -> None:
+    simulation = FIXED.prepare(run_24(), standard_start(run_24()), settings)
     simulation.advance(0.2, 1e-3)
     assert isinstance(simulation.model, ExplicitModel)
     state, shapes = simulation.state.copy(), simulation.model.shapes
@@ -124,7 +125,7 @@ def test_a_start_from_the_shapes_of_a_running_simulation_continues_it(settings: 
         return value
 
     start = Start(float(state[0]), float(state[n + 1]), field(state[1 : n + 1]), field(state[n + 2 : 2 * n + 2]))
-    again = REFERENCE.prepare(run_24(), start, settings)
+    again = FIXED.prepare(run_24(), start, settings)
     # least squares on consistent data: rounding
     np.testing.assert_allclose(again.state[: 2 * n + 2], state[: 2 * n + 2], atol=1e-10 * np.max(np.abs(state[: 2 * n + 2])))
     one, other = simulation.advance(0.2, 1e-3), again.advance(0.2, 1e-3)
@@ -136,7 +137,7 @@ def test_a_start_bent_like_another_engine_is_met_closely() -> None:
     length = run_24().follower.length
     x = np.linspace(0.0, length, 50)
     bent = CubicSpline(x, 0.02 * (x / length) ** 2, bc_type=((1, 0.0), (2, 2 * 0.02 / length**2)))
-    simulation = REFERENCE.prepare(run_24(), Start(2.0, 10.0, bent), ReferenceSettings(shapes=16))
+    simulation = FIXED.prepare(run_24(), Start(2.0, 10.0, bent), FixedShapesSettings(shapes=16))
     assert isinstance(simulation.model, ExplicitModel)
     found = simulation.model.shapes.evaluate(x) @ simulation.state[1:17]
     # curvature does not vanish at the tip as that of the modes does: a boundary layer
@@ -145,7 +146,7 @@ def test_a_start_bent_like_another_engine_is_met_closely() -> None:
 
 @pytest.mark.parametrize(("key", "value"), [("joint_stiffness", 2e4), ("joint_damping", 1.0)])
 def test_a_compliant_joint_is_refused(key: str, value: float) -> None:
-    for engine in (THESIS, REFERENCE):
+    for engine in (THESIS, FIXED):
         with pytest.raises(Refusal, match=r"slider\.joint_stiffness"):
             engine.check(run_24(slider={key: value}))
 
@@ -153,7 +154,7 @@ def test_a_compliant_joint_is_refused(key: str, value: float) -> None:
 def test_rotary_inertia_on_elements_is_refused() -> None:
     mechanism = run_24(slider={"inertia": 1e-4})
     with pytest.raises(Refusal, match=r"slider\.inertia"):
-        REFERENCE.prepare(mechanism, standard_start(mechanism), ReferenceSettings(shapes=8, family="hermite"))
+        FIXED.prepare(mechanism, standard_start(mechanism), FixedShapesSettings(shapes=8, family="hermite"))
     THESIS.prepare(mechanism, standard_start(mechanism), ThesisSettings())
 
 
@@ -161,7 +162,7 @@ def test_only_what_a_scene_needs_is_built() -> None:
     bare = run_24(tip=None, base={"inertia": 0.0})
     assert THESIS.describe(run_24(), ThesisSettings()).degrees_of_freedom == 3
     assert THESIS.describe(bare, ThesisSettings()).bodies == ("crank", "follower beam (2 shapes)")
-    assert REFERENCE.describe(run_24(follower={"bending_stiffness": math.inf}), ReferenceSettings()).degrees_of_freedom == 1
+    assert FIXED.describe(run_24(follower={"bending_stiffness": math.inf}), FixedShapesSettings()).degrees_of_freedom == 1
     held = run_24(crank={"drive": PrescribedSpeed(speed=10.0)}, tip=Tip(mass=1.0, inertia=0.0))
     description = THESIS.describe(held, ThesisSettings())
     assert description.degrees_of_freedom == 2
@@ -170,7 +171,8 @@ def test_only_what_a_scene_needs_is_built() -> None:
 
 
 def test_convergence_table_falls_towards_its_finest_row() -> None:
-    table = convergence_table(run_24(), (4, 6, 12), (1e-6, 1e-8), 0.3, 1e-3)
+    ladder = [FixedShapesSettings(shapes=shapes, tolerance=tolerance) for shapes in (4, 6, 12) for tolerance in (1e-6, 1e-8)]
+    table = convergence_table(FIXED, run_24(), ladder, 0.3, 1e-3)
     assert list(table["is_reference"]) == [False] * 5 + [True]
     assert table.iloc[-1][list(CHANNELS)].eq(0.0).all()
     tight = table[table["tolerance"] == 1e-8]
@@ -179,9 +181,9 @@ def test_convergence_table_falls_towards_its_finest_row() -> None:
 
 
 def test_ladder_climbs() -> None:
-    shapes, _, errors = zip(*REFERENCE_LADDER, strict=True)
+    shapes, _, errors = zip(*LADDER, strict=True)
     assert list(shapes) == sorted(set(shapes))
     assert list(errors) == sorted(errors, reverse=True)
     for accuracy in (0.05, 1e-2, 1e-3, 1e-4):
-        settings = REFERENCE.settings_for(accuracy, run_24())
+        settings = FIXED.settings_for(accuracy, run_24())
         assert dict(zip(shapes, errors, strict=True))[settings.shapes] <= accuracy

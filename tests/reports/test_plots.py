@@ -69,7 +69,7 @@ def _labels(result: CaseResult) -> tuple:  # type: ignore[type-arg]
 def _convergence_table() -> pd.DataFrame:
     pairs = [(shapes, tolerance) for shapes in (2, 4, 8, 16) for tolerance in (1e-5, 1e-9)]
     rows = [
-        {"shapes": shapes, "tolerance": tolerance, **dict.fromkeys(convergence.COLUMNS, shapes**-2.0), "is_reference": False}
+        {"modes": shapes, "tolerance": tolerance, **dict.fromkeys(convergence.COLUMNS, shapes**-2.0), "is_reference": False}
         for shapes, tolerance in pairs
     ]
     rows[-1] |= dict.fromkeys(convergence.COLUMNS, 0.0) | {"is_reference": True}
