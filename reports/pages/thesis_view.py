@@ -87,7 +87,7 @@ def _counted(chapter: Chapter, content: Content) -> None:
         "How the thesis took frequencies from its curves it does not say; counting extremes by eye is the obvious way. Counted so, the"
         f" single cubic's excess over the converged model in the three strains is {listed(told)} (medians over the runs, range over"
         " channels and over what counts as an extreme), where fitting the drifting oscillation gives"
-        f" {percents(min(fitted), max(fitted), '+.1f')} in both halves alike. {_reading(excesses)}"
+        f" {percents(min(fitted), max(fitted), '+.1f')} over both halves. {_reading(excesses)}"
     )
     chapter.table(tables.counted(excesses))
 
