@@ -2,7 +2,8 @@
 
 First the standard start is simulated over the case's duration, to the accuracy asked (`engines.accurate`): that fixes the settings
 and their error estimate. With these settings the simulation then runs cycle after cycle until it has settled
-(`cases.measures.steady_state`). What is kept is the last cycle, with every column of the trajectory.
+(`cases.measures.steady_state`). An engine that finds its periodic steady state directly need not run there; where it finds none, or
+an unstable one, it marches like the others. What is kept is the last cycle, with every column of the trajectory.
 """
 
 import math
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from cases.measures import CHANNELS, Cycle, Settling, cut_cycles
 from engines.accurate import check_trajectory, simulate
-from engines.base import Engine, EngineFailure, Refusal, Simulation
+from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation
 from engines.registry import engine as engine_of_name
 from engines.settings import SettingError, Settings
 from engines.start import Start, standard_start
@@ -24,6 +25,9 @@ from reference_model.mechanism import Mechanism
 
 #: Grid on which cycles are recorded, s: fifteen samples in a period of the third mode (132 Hz), so that extremes are met to 1 %.
 OUTPUT_STEP: Final = 5e-4
+
+#: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
+ROWS_AFTER: Final = 4
 
 SETTLED: Final = "settled"  # and the accuracy reached by the engine's own estimate
 INACCURATE: Final = "inaccurate"  # settled, but the estimate misses the accuracy asked
@@ -66,6 +70,7 @@ def steady_run(task: Task) -> SteadyRun:
         "cycles": 0,
         "settling_error": None,
         "solve_seconds": None,
+        "periodic_orbit": None,
     }
     cycle: dict[str, NDArray[np.float64]] = {}
     try:
@@ -74,9 +79,12 @@ def steady_run(task: Task) -> SteadyRun:
             raise Refusal(reason)
         document["version"] = engine.version()
         settings, start = _settle_settings(engine, task, document)
-        cycle = settle(engine.prepare(task.mechanism, start, settings), start.crank_speed, document)
+        cycle = _found_directly(engine, task.mechanism, start, settings, document)
+        if not cycle:
+            cycle = settle(engine.prepare(task.mechanism, start, settings), start.crank_speed, document)
         if not document["settled"]:
-            document.update(status=NOT_SETTLED, remark=f"not settled after {document['cycles']} cycles")
+            document["status"] = NOT_SETTLED
+            _add_remark(document, f"not settled after {document['cycles']} cycles")
         else:
             document["status"] = SETTLED if document["reached"] else INACCURATE
     except (Refusal, SettingError) as refusal:
@@ -108,6 +116,45 @@ def _settle_settings(engine: Engine, task: Task, document: dict[str, Any]) -> tu
         degrees_of_freedom=result.description.degrees_of_freedom,
     )
     return result.settings, start
+
+
+def _found_directly(
+    engine: Engine, mechanism: Mechanism, start: Start, settings: Settings, document: dict[str, Any]
+) -> dict[str, NDArray[np.float64]]:
+    """One cycle of the periodic steady state, column by column; empty where the engine must march, with the reason in the document."""
+    try:
+        found = engine.steady_state(mechanism, start, settings)
+    except NoSteadyState as reason:
+        _add_remark(document, f"marched, because no periodic state was found directly: {reason}")
+        return {}
+    if found is None:
+        return {}
+    document["periodic_orbit"] = {
+        "period": found.period,
+        "multipliers": [[multiplier.real, multiplier.imag] for multiplier in found.multipliers],
+        "stable": found.stable,
+        "iterations": found.iterations,
+    }
+    if not found.stable:
+        _add_remark(document, f"marched, because the periodic state found is not stable: a multiplier of {abs(found.multipliers[0]):.3g}")
+        return {}
+    duration = OUTPUT_STEP * (math.ceil(found.period / OUTPUT_STEP) + ROWS_AFTER)
+    piece = found.simulation.advance(duration, OUTPUT_STEP)
+    check_trajectory(piece, duration, OUTPUT_STEP)
+    document.update(
+        settled=True,
+        cycles=math.ceil(found.cycles_of_work),
+        settling_error=found.residual,
+        solve_seconds=found.solve_seconds + piece.solve_seconds,
+        simulated_seconds=found.cycles_of_work * found.period + duration,
+    )
+    cycle = whole_cycles(piece)[0]
+    document["periodic_orbit"]["period"] = float(cycle.time[-1] - cycle.time[0])
+    return {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
+
+
+def _add_remark(document: dict[str, Any], remark: str) -> None:
+    document["remark"] = f"{document['remark']}; {remark}" if document["remark"] else remark
 
 
 def settle(simulation: Simulation, crank_speed: float, document: dict[str, Any]) -> dict[str, NDArray[np.float64]]:

@@ -78,6 +78,36 @@ class Simulation(ABC):
         """
 
 
+class NoSteadyState(Exception):
+    """An engine's direct search for the steady state ended without one; the text is a clause that says why."""
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """A periodic steady state that an engine found directly instead of waiting for it.
+
+    Attributes:
+        simulation: in the steady state, at the slider's farthest place, at time 0.
+        period: s, off by less than the residual.
+        multipliers: Floquet multipliers, the factors by which small disturbances change in a cycle, largest modulus first; those that
+            are nearly zero may be missing.
+        stable: whether a disturbance dies away; marching finds only such a state.
+        iterations: steps of the search.
+        cycles_of_work: the search's effort over that of simulating one cycle.
+        residual: distance from exact repetition, relative to the motion.
+        solve_seconds: wall time of the search from the prepared model.
+    """
+
+    simulation: Simulation
+    period: float
+    multipliers: tuple[complex, ...]
+    stable: bool
+    iterations: int
+    cycles_of_work: float
+    residual: float
+    solve_seconds: float
+
+
 class Engine(ABC):
     """One way of simulating the mechanism. Instances carry no state; everything about a run is in `Settings`."""
 
@@ -127,10 +157,18 @@ class Engine(ABC):
             EngineFailure: the start cannot be reached (time 0).
         """
 
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> SteadyState | None:
+        """The periodic steady state, by a direct search that begins in `start`; None (the default) if the engine has no such search.
+
+        Raises:
+            Refusal: as `prepare`.
+            EngineFailure: as `prepare`.
+            NoSteadyState: the search did not converge.
+        """
+        return None
+
     @abstractmethod
-    def natural_frequencies(
-        self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings
-    ) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
         """Lowest natural frequencies in Hz, ascending, with the crank held at `crank_angle` (rad).
 
         Follower straight, at rest, no gravity, undamped. Fewer than `count` if the model has fewer; shape (<= count,).

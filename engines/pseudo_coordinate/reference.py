@@ -9,10 +9,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from engines.base import Engine, EngineFailure, ModelDescription, Refusal
+from engines.base import Engine, EngineFailure, ModelDescription, NoSteadyState, Refusal, SteadyState
+from engines.pseudo_coordinate import orbit
 from engines.pseudo_coordinate.simulation import ExplicitSimulation
 from engines.settings import Settings, setting
-from engines.start import Start
+from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from reference_model.mechanism import Mechanism
 from reference_model.model import ExplicitModel
@@ -122,6 +123,22 @@ class ReferenceEngine(Engine):
         if not model.can_move(state):
             raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
         return ExplicitSimulation(model, state, own.tolerance, "DOP853", time.perf_counter() - began)
+
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: Settings) -> SteadyState | None:
+        """See `engines.base.Engine.steady_state`; a rigid follower has none to search for but is marched."""
+        return orbit.steady_state(self.prepare(mechanism, start, settings))
+
+    def periodic_start(self, mechanism: Mechanism, settings: Settings) -> Start:
+        """The periodic steady state at the slider's farthest place, as a start for any engine.
+
+        Raises:
+            NoSteadyState: there is none, it was not found, or it is not stable.
+        """
+        found = self.steady_state(mechanism, standard_start(mechanism), settings)
+        if found is None or not found.stable:
+            raise NoSteadyState("the follower is rigid" if found is None else "the periodic state is not stable")
+        assert isinstance(found.simulation, ExplicitSimulation)
+        return found.simulation.present_start()
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
         """Converged, whatever the number of modes kept in simulations."""

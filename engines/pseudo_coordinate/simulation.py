@@ -39,7 +39,7 @@ class ExplicitSimulation(Simulation):
         self.time = 0.0
         self.model = model
         self.state = state
-        self._tolerance = tolerance
+        self.tolerance = tolerance
         self._method = method
         self._step = 0.0
 
@@ -59,9 +59,9 @@ class ExplicitSimulation(Simulation):
         intervals = round(duration / output_step)
         began = time.perf_counter()
         if isinstance(self.model, MovingShapeModel):
-            result = self.model.integrate(self.state, output_step, intervals, self._tolerance, self._step)
+            result = self.model.integrate(self.state, output_step, intervals, self.tolerance, self._step)
         else:
-            result = self.model.integrate(self.state, output_step, intervals, self._tolerance, method=self._method, first_step=self._step)
+            result = self.model.integrate(self.state, output_step, intervals, self.tolerance, method=self._method, first_step=self._step)
         try:
             columns = self.model.observe(result.states)
         except ObservationFailed as failure:

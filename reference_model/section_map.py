@@ -1,0 +1,199 @@
+"""A cycle of the explicit model as a map: from one passage of the slider's farthest place to the next (a Poincare map).
+
+At the farthest place, q1 = 180 deg + k 360 deg, the free quantities are eta, q1' (unless prescribed) and eta'; the slider's arc
+length follows from the loop, and energies do not act back. A cycle is integrated in time for about as long as it takes, and the rest
+of the turn, forward or back, in the crank angle, so that it ends exactly at the farthest place (M. Henon, On the numerical
+computation of Poincare maps, Physica D 5, 1982, 412).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.compilation import compiled
+from reference_model.equations import right_hand_side
+from reference_model.integrate import REACHED_END, error_scales, integrate_dop853
+from reference_model.moving_parameters import EXTRAS, KINDS, MovingParameters, MovingWorkspace, moving_workspace
+
+Array = NDArray[np.float64]
+
+#: Rows of a cycle from which the sizes of the states are taken.
+ROWS = 16
+#: Parts into which one step of the integrator (order 8) is cut for the rest of a turn (order 4): same accuracy for a rest of a few steps.
+PARTS = 16
+#: Longest rest of a turn, in such parts: more would cost as much as another cycle.
+LONGEST_REST = 2000
+
+
+class CycleBroken(Exception):
+    """A state from which no whole cycle can be made: the loop does not close, the integration ends, or the crank stands still."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """The slider's passage through its farthest place, and the way there.
+
+    Attributes:
+        state: state vector, shape (2 n + 5,), with the crank angle of the passage.
+        duration: s, of the way.
+        calls: right-hand sides evaluated.
+        step: s, with which the integration may go on.
+        sizes: RMS along the way of all eta together, of q1' and of all eta' together, for each free quantity, shape as the point's.
+    """
+
+    state: Array
+    duration: float
+    calls: int
+    step: float
+    sizes: Array
+
+
+class SectionMap:
+    """The map of a model's cycle for its free quantities, the "point".
+
+    Args:
+        parameters: of the model.
+        tolerance: of the integration.
+
+    Attributes:
+        cycles: number of cycles made so far.
+        calls: right-hand sides evaluated so far.
+    """
+
+    def __init__(self, parameters: MovingParameters, tolerance: float) -> None:
+        self.parameters = parameters
+        self.tolerance = tolerance
+        self.cycles = 0
+        self.calls = 0
+        self._workspace = moving_workspace(parameters.tables, parameters.n)
+        n = parameters.n
+        self._free = np.array([*range(1, n + 1), *([n + 2] if parameters.crank_is_free else []), *range(n + 3, 2 * n + 3)])
+
+    def point(self, state: Array) -> Array:
+        """The free quantities of a state."""
+        return state[self._free]
+
+    def state(self, point: Array, like: Array) -> Array:
+        """The state with these free quantities, crank angle and (where prescribed) crank speed of another; energies zero.
+
+        Raises:
+            CycleBroken: the loop cannot be closed.
+        """
+        y = like.copy()
+        y[self._free] = point
+        y[-2:] = 0.0
+        if not _close_loop(self.parameters, self._workspace, y, np.empty_like(y)):
+            raise CycleBroken("the loop cannot be closed")
+        return y
+
+    def noise(self, state: Array) -> Array:
+        """Size of the integration's local error for each free quantity, shape as the point's."""
+        return self.tolerance * error_scales(self.parameters, float(state[self.parameters.n + 2]))[self._free]
+
+    def time_to_go(self, state: Array) -> float:
+        """About how long it takes from a state to the slider's next passage through its farthest place, s."""
+        crank_angle, crank_speed = float(state[0]), float(state[self.parameters.n + 2])
+        return (_next_farthest(crank_angle, crank_speed) - crank_angle) / crank_speed
+
+    def passage(self, start: Array, duration: float, step: float = 0.0) -> Passage:
+        """From a state to the slider's next passage through its farthest place.
+
+        Args:
+            start: state vector, anywhere.
+            duration: s, about how long it takes.
+            step: s, to begin with; 0 chooses one.
+
+        Raises:
+            CycleBroken: it does not get there.
+        """
+        n = self.parameters.n
+        end = _next_farthest(float(start[0]), float(start[n + 2]))
+        states = [start[None]]
+        elapsed, calls = 0.0, 0
+        for _ in range(3):
+            result = integrate_dop853(self.parameters, self._workspace, states[-1][-1], duration / ROWS, ROWS, self.tolerance, step)
+            calls, step = calls + result.calls, result.next_step
+            if result.status != REACHED_END or result.states[-1, n + 2] * start[n + 2] <= 0.0:
+                raise CycleBroken("the integration ended within the cycle")
+            states.append(result.states[1:])
+            elapsed += duration
+            duration = (end - result.states[-1, 0]) / result.states[-1, n + 2]
+            if duration < 4.0 * step:
+                break
+        y = states[-1][-1].copy()
+        parts = 1 + int(abs(duration) / step * PARTS)
+        if parts > LONGEST_REST:
+            raise CycleBroken("the cycle ended far from the slider's farthest place")
+        elapsed += _turn_to(self.parameters, self._workspace, y, end, parts, np.empty((4, len(y))))
+        if not math.isfinite(elapsed):
+            raise CycleBroken("the crank stood still")
+        self.cycles += 1
+        self.calls += calls + 4 * parts
+        return Passage(y, elapsed, calls + 4 * parts, step, self._sizes(np.concatenate(states)))
+
+    def _sizes(self, states: Array) -> Array:
+        n = self.parameters.n
+        sizes = np.empty(2 * n + 5)
+        for block in (slice(1, n + 1), slice(n + 2, n + 3), slice(n + 3, 2 * n + 3)):
+            sizes[block] = np.sqrt(np.mean(np.sum(states[:, block] ** 2, axis=1)))
+        return sizes[self._free]
+
+
+def with_fewer_modes(p: MovingParameters, modes: int) -> MovingParameters:
+    """The model with the first modes alone, on the same points: columns of the same tables."""
+    t = p.tables
+    kept = (np.arange(KINDS * (2 * t.G + 2) + EXTRAS)[:, None] * p.n + np.arange(modes)).ravel()
+    return p._replace(n=modes, tables=t._replace(coefficients=np.ascontiguousarray(t.coefficients[:, :, kept])))
+
+
+def _next_farthest(crank_angle: float, crank_speed: float) -> float:
+    """The next crank angle 180 deg + k 360 deg in the direction of rotation; a whole turn on where it stands there."""
+    way = math.copysign(1.0, crank_speed)
+    turns = math.floor((way * crank_angle - math.pi) / (2.0 * math.pi) + 1e-9) + 1
+    return way * (math.pi + 2.0 * math.pi * turns)
+
+
+@compiled
+def _close_loop(p: MovingParameters, w: MovingWorkspace, y: NDArray[np.float64], rate: NDArray[np.float64]) -> bool:
+    """Put the slider where |p(s)| = |PC|, by the secant method from the straight follower; False where it cannot."""
+    n, G = p.n, p.tables.G
+    distance = math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0]))
+    s, slope, last_s, last_excess = distance, 1.0, 0.0, 0.0
+    for i in range(30):
+        y[n + 1] = s
+        if not right_hand_side(p, w, y, rate):
+            return False
+        excess = math.hypot(w.z[G, 0], w.z[G, 1]) - distance
+        if abs(excess) < 1e-15 * p.L:
+            return True
+        if i > 0 and s != last_s:
+            slope = (excess - last_excess) / (s - last_s)
+        last_s, last_excess = s, excess
+        s -= excess / slope
+    return abs(excess) < 1e-12 * p.L
+
+
+@compiled
+def _turn_to(p: MovingParameters, w: MovingWorkspace, y: NDArray[np.float64], angle: float, parts: int, K: NDArray[np.float64]) -> float:
+    """Move the state to a crank angle in classical Runge-Kutta steps of equal angle; the time (s) that passes, nan where it cannot."""
+    size = len(y)
+    h = (angle - y[0]) / parts
+    elapsed = 0.0
+    trial = np.empty(size)
+    for _ in range(parts):
+        for stage in range(4):
+            reach = 0.0 if stage == 0 else h if stage == 3 else 0.5 * h
+            for i in range(size):
+                trial[i] = y[i] + (reach * K[stage - 1, i] if stage > 0 else 0.0)
+            if not right_hand_side(p, w, trial, K[stage]):
+                return math.nan
+            pace = 1.0 / K[stage, 0]
+            elapsed += h * pace * (1.0 if stage in (0, 3) else 2.0) / 6.0
+            for i in range(size):
+                K[stage, i] *= pace
+        for i in range(size):
+            y[i] += h * (K[0, i] + 2.0 * K[1, i] + 2.0 * K[2, i] + K[3, i]) / 6.0
+    y[0] = angle
+    return elapsed

@@ -1,0 +1,175 @@
+"""Steady states found directly, in the runs of the thesis: the same as by marching, and a start for other engines."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cases import steady_run as module
+from cases.case_file import load_case
+from cases.library import case_names
+from cases.measures import CHANNELS
+from cases.steady_run import OUTPUT_STEP, SETTLED, SteadyRun, Task, settle, steady_run
+from engines.base import NoSteadyState, SteadyState
+from engines.pseudo_coordinate.reference import ReferenceEngine
+from engines.registry import engine
+from engines.settings import Settings
+from engines.start import Start, standard_start
+from reference_model.mechanism import Mechanism
+from reference_model.moving_model import MovingShapeModel
+from reference_model.periodic import periodic_orbit
+from reference_model.section_map import SectionMap
+
+Array = NDArray[np.float64]
+
+RUNS = [name for name in case_names() if name.startswith("thesis-")]
+GRID = np.linspace(0.0, 2.0 * np.pi, 400)
+#: Cheap settings: what is compared is one way to the steady state with another, at the same settings.
+SETTINGS = {"modes": "3", "tolerance": "1e-8"}
+
+
+def on_grid(cycle: dict[str, Array]) -> dict[str, Array]:
+    """Channels over the angle turned since the cycle's beginning."""
+    turned = np.abs(cycle["crank_angle"] - cycle["crank_angle"][0])
+    return {name: CubicSpline(turned, cycle[name])(GRID) for name in (*CHANNELS, "crank_speed", "tip_deflection")}
+
+
+def differences(one: dict[str, Array], other: dict[str, Array]) -> dict[str, float]:
+    a, b = on_grid(one), on_grid(other)
+    return {name: float(np.sqrt(np.mean((a[name] - b[name]) ** 2) / np.mean(b[name] ** 2))) for name in a}
+
+
+def marched_distance(name: str) -> float:
+    """Distance between the orbit and the state after 60 cycles or more of marching, relative to the sizes along the cycle."""
+    mechanism = load_case(name).mechanism
+    # two modes: the way to the orbit is the same whatever the number of modes, and 24 times a hundred cycles take their time
+    model = MovingShapeModel(mechanism, 2)
+    state = model.straight_state(math.pi, mechanism.crank.drive.initial_speed)
+    orbit = periodic_orbit(model, state, 1e-7, 1e-10)
+    march = SectionMap(model.parameters, 1e-10)
+    # the slowest disturbance must shrink to 1e-8
+    for _ in range(math.ceil(math.log(1e-8) / math.log(abs(orbit.multipliers[0])))):
+        passage = march.passage(state, orbit.period)
+        state = passage.state
+    assert passage.duration == pytest.approx(orbit.period, rel=1e-7)
+    assert orbit.stable
+    return float(np.max(np.abs(march.point(state) - march.point(orbit.state)) / passage.sizes))
+
+
+@pytest.mark.parametrize("name", ["thesis-06", "thesis-24"])
+def test_same_orbit_as_marching(name: str) -> None:
+    assert marched_distance(name) < 1e-6
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("name", RUNS)
+def test_same_orbit_as_marching_in_every_run(name: str) -> None:
+    assert marched_distance(name) < 1e-6
+
+
+@pytest.fixture(scope="module")
+def found() -> SteadyRun:
+    return steady_run(task("thesis-24", "reference", settings=SETTINGS))
+
+
+def task(name: str, engine_name: str, **changes: Any) -> Task:
+    case = load_case(name)
+    return Task(mechanism=case.mechanism, duration=0.2, engine=engine_name, **changes)
+
+
+def marched(name: str, settings: dict[str, str]) -> dict[str, Array]:
+    """The last cycle, after marching until settled."""
+    mechanism, reference, document = load_case(name).mechanism, ReferenceEngine(), dict[str, Any]()
+    start = standard_start(mechanism)
+    first = reference.settings_for(1e-3, mechanism).with_texts(settings)
+    cycle = settle(reference.prepare(mechanism, start, first), start.crank_speed, document)
+    assert document["settled"]
+    return cycle
+
+
+def test_a_run_of_the_reference_is_one_cycle_of_its_orbit(found: SteadyRun) -> None:
+    document, cycle = found.document, found.cycle
+    assert document["status"] == SETTLED
+    assert document["settled"]
+    orbit = document["periodic_orbit"]
+    assert orbit["stable"]
+    assert orbit["iterations"] <= document["cycles"] < 20
+    assert np.hypot(*orbit["multipliers"][0]) == pytest.approx(0.773, abs=8e-3)
+    assert cycle["time"][-1] - cycle["time"][0] == pytest.approx(orbit["period"], rel=1e-6)
+    assert abs(cycle["crank_angle"][-1] - cycle["crank_angle"][0]) == pytest.approx(2.0 * math.pi, abs=1e-8)
+    for name in (*CHANNELS, "tip_deflection", "slider_force"):
+        # a tenth of the search's tolerance is left; channels are interpolated to the end of the cycle
+        assert cycle[name][-1] == pytest.approx(cycle[name][0], abs=1e-4 * np.max(np.abs(cycle[name]))), name
+
+
+def test_it_is_the_cycle_that_marching_settles_in(found: SteadyRun) -> None:
+    # marching stops when less than 1e-3 is left, by an estimate good to some ten percent
+    assert max(differences(found.cycle, marched("thesis-24", SETTINGS)).values()) < 1.5e-3
+
+
+class Searching(ReferenceEngine):
+    """The reference with another outcome of its search."""
+
+    def __init__(self, stable: bool | None) -> None:
+        self.stable = stable
+
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: Settings) -> SteadyState | None:
+        if self.stable is None:
+            raise NoSteadyState("the search went astray")
+        steady = super().steady_state(mechanism, start, settings)
+        assert steady is not None
+        return dataclasses.replace(steady, stable=self.stable, multipliers=(-1.25 + 0.0j, *steady.multipliers))
+
+
+@pytest.mark.parametrize(("stable", "reason"), [(None, "the search went astray"), (False, "not stable: a multiplier of 1.25")])
+def test_without_a_stable_orbit_it_marches_and_says_so(monkeypatch: pytest.MonkeyPatch, stable: bool | None, reason: str) -> None:
+    monkeypatch.setattr(module, "engine_of_name", lambda _: Searching(stable))
+    document = steady_run(task("thesis-17", "reference", settings={"modes": "2", "tolerance": "1e-6"})).document
+    assert document["status"] == SETTLED
+    assert "marched" in document["remark"]
+    assert reason in document["remark"]
+    assert document["settling_error"] < 1e-3
+
+
+def straight_and_from_the_orbit(name: str, engine_name: str) -> tuple[SteadyRun, SteadyRun]:
+    mechanism = load_case(name).mechanism
+    reference = ReferenceEngine()
+    start = reference.periodic_start(mechanism, reference.settings_for(reference.default_accuracy, mechanism))
+    settings = engine(engine_name).settings_for(engine(engine_name).default_accuracy, mechanism).as_dict()
+    texts = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in settings.items()}
+    return steady_run(task(name, engine_name, settings=texts)), steady_run(task(name, engine_name, settings=texts, start=start))
+
+
+def assert_same_steady_state(name: str, engine_name: str) -> None:
+    straight, from_orbit = straight_and_from_the_orbit(name, engine_name)
+    assert straight.document["status"] == from_orbit.document["status"] == SETTLED, (straight.document, from_orbit.document)
+    if engine_name != "thesis":  # whose own steady state is as far from the converged one as the standard start is
+        assert from_orbit.document["cycles"] <= straight.document["cycles"]
+    # both stop when less than 1e-3 is left by an estimate good to some ten percent
+    assert max(differences(from_orbit.cycle, straight.cycle).values()) < 3e-3
+
+
+def test_a_link_chain_from_the_orbit_settles_where_it_settles_straight() -> None:
+    assert_same_steady_state("thesis-10", "mujoco")
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("engine_name", ["thesis", "exudyn", "mujoco"])
+@pytest.mark.parametrize("name", ["thesis-06", "thesis-10", "thesis-24"])
+def test_engines_from_the_orbit_settle_where_they_settle_straight(name: str, engine_name: str) -> None:
+    assert_same_steady_state(name, engine_name)
+
+
+def test_the_reference_marched_from_its_own_orbit_stays_there(found: SteadyRun) -> None:
+    mechanism, reference = load_case("thesis-24").mechanism, ReferenceEngine()
+    settings = reference.settings_for(1e-3, mechanism).with_texts(SETTINGS)
+    start = reference.periodic_start(mechanism, settings)
+    trajectory = reference.prepare(mechanism, start, settings).advance(0.8, OUTPUT_STEP)
+    cycle = module.whole_cycles(trajectory)[-1]
+    columns = {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
+    # the start is a deflection on 240 points and its projection: 1e-4
+    assert max(differences(columns, found.cycle).values()) < 5e-4
