@@ -71,10 +71,9 @@ def accuracy_and_cost(content: Content) -> Chapter:
             chapter.text(f"At its default accuracy each engine errs in run 24's tip deflection by: {', '.join(errors)}.")
             chapter.table(tables.accuracy(studies.accuracy))
         if not studies.convergence.empty:
-            shapes = tables.counted_shapes(studies.convergence)
-            chapter.heading("Convergence", "convergence")
+            chapter.heading("Convergence of the reference", "convergence")
             chapter.figures(
-                (content.pictures.of_all.get("convergence"), f"Error (% of RMS) in run 24 over the number of {shapes}."),
+                (content.pictures.of_all.get("convergence"), "Error of the reference (% of RMS) in run 24 over its number of modes."),
                 (content.pictures.of_all.get("cost"), "Error (%) of each engine at its default accuracy in run 24 over its solve time."),
             )
             chapter.table(tables.convergence(studies.convergence))

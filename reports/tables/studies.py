@@ -52,11 +52,6 @@ def confirmation(frame: pd.DataFrame) -> Table:
     return _filled(builder, frame)
 
 
-def counted_shapes(frame: pd.DataFrame) -> str:
-    """What the convergence study counts."""
-    return "modes" if "modes" in frame.columns else "fixed shapes"
-
-
 def convergence(frame: pd.DataFrame) -> Table:
     """Shapes by tolerance; columns as the study has them."""
     columns = []
@@ -70,7 +65,7 @@ def convergence(frame: pd.DataFrame) -> Table:
         else:
             columns.append(Column(key, key.replace("_", " ")))
     caption = (
-        f"Convergence in run 24, 2 s from the standard start: error against the finest row, for each number of {counted_shapes(frame)} and"
+        "Convergence of the reference in run 24, 2 s from the standard start: error against the finest row, for each number of modes and"
         " tolerance of the integration."
     )
     return _filled(TableBuilder("convergence", caption, columns), frame)

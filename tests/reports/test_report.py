@@ -38,7 +38,7 @@ def studies() -> Studies:
     accuracy = [{"engine": name, "degrees_of_freedom": 17, **engine, **ERRORS} for name in ("thesis", "reference")]
     confirmation = [{"engine": "reference", "settings": "a", "confirmed_by": "exudyn", "with_settings": "b", **ERRORS}]
     solved = {"tolerance": 1e-9, "solve_seconds": 0.5}
-    convergence = [{"shapes": n, "is_reference": n == 8, **solved, **dict.fromkeys(ERRORS, 0.1 / n)} for n in (2, 4, 8)]
+    convergence = [{"modes": n, "is_reference": n == 8, **solved, **dict.fromkeys(ERRORS, 0.1 / n)} for n in (2, 4, 8)]
     sensitivity = [
         {"run": "thesis-24", "change": change, "half": half, "quantity": quantity, "channel": channel, "nominal": 16.0, "value": 15.0,
          "relative_change": relative}
