@@ -30,8 +30,6 @@ GUESS_INTEGRATION: Final = 1e-5
 DISTURBANCE: Final = 1e-3
 #: ... and at least this number of local errors of the integration.
 LEAST_DISTURBANCE: Final = 1e3
-#: Part of the distance that a Newton step may leave; if it leaves more, the derivatives are taken anew.
-GOOD_STEP: Final = 0.3
 #: Distance over which derivatives may be carried before they are taken anew for the multipliers and the whole model.
 CARRIED: Final = 0.03
 #: Largest modulus of a multiplier from which on the whole model's own derivatives must decide on stability.
@@ -206,7 +204,8 @@ def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPo
             left = math.inf
         if left < distance:
             cycle, part, fresh = there, min(1.0, 2.0 * part), False
-            if left > GOOD_STEP * distance and left > tolerance:
+            steps_to_go = math.log(max(left / tolerance, 1.0)) / math.log(distance / left)
+            if steps_to_go > len(step):  # taking the derivatives anew costs as many cycles
                 jacobian = None
         elif not fresh:
             jacobian = None
