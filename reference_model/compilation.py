@@ -23,6 +23,11 @@ def compiled(function: Function) -> Function:
     return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH)(function))
 
 
+def borrowing(function: Function) -> Function:
+    """Like `compiled`, for functions that neither make nor keep arrays: without numba's reference counts (and refused with any array)."""
+    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, _nrt=False)(function))  # type: ignore[call-overload]
+
+
 def inlined(function: Function) -> Function:
     """Compile into each caller: passing the tuples of arrays between functions would cost more than most of these do."""
     return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, inline="always")(function))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853, ODEintWarning, odeint
 
-from reference_model.compilation import compiled
+from reference_model.compilation import borrowing
 from reference_model.equations import AnyParameters, AnyWorkspace, right_hand_side
 from reference_model.moving_parameters import MovingParameters
 
@@ -81,12 +81,12 @@ def integrate_dop853(
     scales = error_scales(p, _crank_speed(p, y)) * tolerance
     limit = p.reach if isinstance(p, MovingParameters) else p.L
     status, rows, end_time, calls, step = _dop853(
-        p, w, y.copy(), output_step, intervals, scales, limit, first_step, states, np.empty((16, size))
+        p, w, y.copy(), output_step, intervals, scales, limit, first_step, states, np.empty((16, size)), np.empty((9, size))
     )
     return Integration(states[:rows], status, end_time, calls, step)
 
 
-@compiled
+@borrowing
 def _dop853(
     p: AnyParameters,
     w: AnyWorkspace,
@@ -98,14 +98,13 @@ def _dop853(
     step: float,
     states: NDArray[np.float64],
     K: NDArray[np.float64],
+    scratch: NDArray[np.float64],
 ) -> tuple[int, int, float, int, float]:
-    size, controlled = len(y), len(scales)
+    controlled = len(scales)
     end = output_step * intervals
     t = 0.0
-    new = np.empty(size)
-    trial = np.empty(size)
-    F = np.empty((7, size))
-    states[0, :] = y
+    new, trial, F = scratch[0], scratch[1], scratch[2:]
+    _copy(y, states[0])
     rows, calls = 1, 1
     if not right_hand_side(p, w, y, K[0]):
         return NOT_A_NUMBER, rows, t, calls, step
@@ -143,8 +142,8 @@ def _dop853(
             if left:
                 return LEFT_FOLLOWER, rows, t + span, calls, step
         t = end if last else t + h
-        y[:] = new
-        K[0, :] = K[STAGES]
+        _copy(new, y)
+        _copy(K[STAGES], K[0])
         growth = 5.0 if norm < 1e-12 else min(5.0, 0.9 * norm**-0.125)
         # a step cut at the end of the interval says nothing about the next
         step = max(step, h) if last and h < step else h * (min(growth, 1.0) if rejected else growth)
@@ -152,7 +151,13 @@ def _dop853(
     return REACHED_END, rows, t, calls, step
 
 
-@compiled
+@borrowing
+def _copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
+@borrowing
 def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: float, out: NDArray[np.float64]) -> None:
     for i in range(len(y)):
         out[i] = y[i]
@@ -163,7 +168,7 @@ def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: 
                 out[i] += weight * K[j, i]
 
 
-@compiled
+@borrowing
 def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], controlled: int) -> float:
     error5 = error3 = 0.0
     for i in range(controlled):
@@ -178,7 +183,7 @@ def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], c
     return h * error5 / math.sqrt((error5 + 0.01 * error3) * controlled)
 
 
-@compiled
+@borrowing
 def _dense_coefficients(y: NDArray[np.float64], new: NDArray[np.float64], K: NDArray[np.float64], h: float, F: NDArray[np.float64]) -> None:
     for i in range(len(y)):
         delta = new[i] - y[i]
@@ -192,7 +197,7 @@ def _dense_coefficients(y: NDArray[np.float64], new: NDArray[np.float64], K: NDA
             F[3 + m, i] = h * total
 
 
-@compiled
+@borrowing
 def _interpolate(y: NDArray[np.float64], F: NDArray[np.float64], u: float, out: NDArray[np.float64]) -> None:
     for i in range(len(y)):
         value = 0.0
@@ -201,7 +206,7 @@ def _interpolate(y: NDArray[np.float64], F: NDArray[np.float64], u: float, out: 
         out[i] = y[i] + value
 
 
-@compiled
+@borrowing
 def _leaving_time(
     p: AnyParameters,
     w: AnyWorkspace,

@@ -13,7 +13,7 @@ from reference_model.integrate import Integration, integrate_dop853
 from reference_model.mechanism import Mechanism
 from reference_model.model import ObservationFailed
 from reference_model.moving_observables import observe_moving
-from reference_model.moving_parameters import MovingParameters, MovingWorkspace, moving_parameters, moving_workspace
+from reference_model.moving_parameters import S_RATE, MovingParameters, MovingWorkspace, moving_parameters, moving_workspace
 from reference_model.observables import COLUMNS
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ class MovingShapeModel:
         parameters = moving_parameters(self.mechanism, self.modes)
         object.__setattr__(self, "parameters", parameters)
         object.__setattr__(self, "_workspace", moving_workspace(parameters.tables, self.modes))
-        object.__setattr__(self, "_output_workspace", moving_workspace(parameters.output, self.modes))
+        object.__setattr__(self, "_output_workspace", moving_workspace(parameters.tables, self.modes))
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -86,30 +86,24 @@ class MovingShapeModel:
             trial = y.copy()
             trial[n + 1] = place
             right_hand_side(self.parameters, self._workspace, trial, np.empty_like(trial))
-            return float(np.hypot(*self._workspace.z[self.parameters.tables.G])) - distance
+            t = self.parameters.tables
+            return float(np.hypot(self._workspace.z[t.G], self._workspace.z[2 * t.S + t.G])) - distance
 
         y[n + 1] = brentq(excess, 0.98 * s, min(1.02 * s, self.parameters.reach), xtol=1e-15)
         return y
 
     def _shapes(self, s: float, x: Array) -> tuple[Array, Array]:
         """psi_i and its derivative by s at arc lengths x (k,), with the tables' signs; each (k, n)."""
-        t, n = self.parameters.output, self.modes
+        t, n = self.parameters.tables, self.modes
         k = min(max(int((s - t.low) / t.step), 0), len(t.coefficients) - 1)
         powers = (s - t.low - k * t.step) ** np.arange(3, -1, -1)
         row = powers @ t.coefficients[k]
-        points = 2 * t.G + 2
-        places = np.concatenate([s * t.u, [s], s + (self.parameters.L - s) * t.u, [self.parameters.L]])
-        found = []
+        pieces = ((s * t.u, 0, s, x <= s), (s + (self.parameters.L - s) * t.u, t.S, self.parameters.L, x > s))
+        found = np.empty((2, len(x), n))
         for block in range(2):
-            values = row[block * points * n : (block + 1) * points * n].reshape(points, n)
-            pieces = []
-            for first, inside in ((0, x <= s), (t.G + 1, x > s)):
-                span = slice(first, first + t.G + 1)
-                pieces.append((inside, _through(places[span], values[span], x[inside])))
-            merged = np.empty((len(x), n))
-            for inside, piece in pieces:
-                merged[inside] = piece
-            found.append(merged)
+            values = row[block * 2 * t.S * n : (block + 1) * 2 * t.S * n].reshape(n, 2 * t.S).T
+            for places, first, end, inside in pieces:
+                found[block, inside] = _through(np.append(places, end), values[first : first + t.G + 1], x[inside])
         return found[0], found[1]
 
     def can_move(self, y: Array) -> bool:
@@ -139,7 +133,7 @@ class MovingShapeModel:
         self.can_move(y)
         psi, psi_s = self._shapes(s, x)
         angle = psi @ y[1 : n + 1]
-        rate = psi @ y[n + 3 : 2 * n + 3] + psi_s @ y[1 : n + 1] * self._workspace.facts[2]
+        rate = psi @ y[n + 3 : 2 * n + 3] + psi_s @ y[1 : n + 1] * self._workspace.facts[S_RATE]
         slope, slope_rate = np.sin(angle), np.cos(angle) * rate
         # cubic through the slopes, integrated: exact to the fourth power of the spacing (5 mm)
         place = CubicHermiteSpline(x, slope, np.gradient(slope, x)).antiderivative()(x)

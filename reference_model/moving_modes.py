@@ -2,7 +2,7 @@
 
 For each place s the beam has the base block at P (pinned), a support at s, and the tip body at its free end; its natural modes W_i
 come from `natural_modes`. The shape is the tangent's angle relative to the base, psi_i = W_i' - W_i'(0) (DERIVATION.md,
-equation 10.2).
+equations 10.1 and 10.2).
 """
 
 import dataclasses
@@ -93,7 +93,7 @@ def mode_family(mechanism: Mechanism, modes: int, low: float, high: float, terms
     angles = []
     for mode in found:
         series = np.stack(mode.slope_series())
-        series[:, 0, :] -= mode.deflection(np.zeros(1), 1)[:, 0]
+        series[:, 0, :] -= (-1.0) ** np.arange(series.shape[1]) @ series[0]  # the slope at P
         angles.append(series)
     for before, after in itertools.pairwise(angles):
         after[:, :, np.einsum("xdn,xdn->n", before, after) < 0.0] *= -1.0

@@ -11,26 +11,34 @@ from reference_model.moving_modes import ModeFamily, mode_family
 
 Array = NDArray[np.float64]
 
-#: Gauss points on each span when observables are evaluated, where curvature is interpolated to the gauges.
-OUTPUT_POINTS = 9
 KINDS = 3  # psi, its first and its second derivative by s at fixed arc length
 EXTRAS = 5  # omega^2, its derivative by s, psi' at the slider, and first two derivatives of psi(s; s)
+
+
+#: Quantities of one state in `MovingWorkspace.facts`.
+COS_Q2, SIN_Q2, Q2_RATE, S_RATE, Q2_REMAINDER, S_REMAINDER, CURVATURE, SLIDER_SLOPE, ALONG, ACROSS = range(10)
+#: Entries for the bodies behind those for the points, in rows of velocities and accelerations.
+TIP_1, TIP_2, TIP_TURN, BASE_TURN, SLIDER_TURN, CRANK_TURN = range(6)
+BODIES = 6
 
 
 class SpanTables(NamedTuple):
     """psi_i and its derivatives by s at points that move with the slider, piecewise cubic in s.
 
-    Points: G Gauss points of the first span, the slider, G Gauss points of the second span, the end; 2 G + 2 in all. A row of the
-    table holds KINDS blocks of (points, modes), then EXTRAS blocks of (modes).
+    Points: G Gauss points of the first span, the slider, G Gauss points of the second span, the end. Each span takes S places, the
+    next multiple of four above G; what is left over weighs nothing. N = 2 S in all. A row of the table holds KINDS blocks of (modes,
+    N), then EXTRAS blocks of (modes).
     """
 
     low: float  # m, range of s
     step: float  # m, between nodes
     coefficients: Array  # (intervals, 4, row length), powers of s - node, highest first
     G: int  # Gauss points per span
+    S: int  # places per span
     u: Array  # (G,) fractions of a span
-    weights: Array  # (G,) of the integral over a span of unit length
-    to_points: Array  # (G, G) weights of the integrals from the span's beginning to each point
+    barycentric: Array  # (G,) weights of the polynomial through the Gauss points (Berrut and Trefethen, 2004)
+    weights: Array  # (S,) of the integral over a span of unit length
+    to_points: Array  # (G, S) weight of each Gauss point in the integrals from the span's beginning to each point
 
 
 class MovingParameters(NamedTuple):
@@ -61,62 +69,53 @@ class MovingParameters(NamedTuple):
     gauges: Array
     reach: float  # m, largest s of the tables
     tables: SpanTables
-    output: SpanTables
 
 
 class MovingWorkspace(NamedTuple):
-    """Scratch of one evaluation, for N = 2 G + 2 points, n modes and n + 1 speeds; complex quantities as pairs in the last index."""
+    """Scratch of one evaluation, for N places, n modes and n + 1 speeds.
+
+    Complex quantities are rows of N real and N imaginary parts; rows of length M = 2 N + BODIES also hold the bodies' entries.
+    """
 
     row: Array  # interpolated row of the table
     psi: Array  # (N,)
     psi_s: Array  # (N,)
     gamma: Array  # (N,) remainder of the angular acceleration before q2 and s are known
     turn: Array  # (N,) angular rate alpha'
-    turn_0: Array  # (N,) remainder of the angular acceleration
-    e: Array  # (N, 2) exp(i psi)
-    z: Array  # (N, 2) place relative to P in frame B
-    beta: Array  # (n + 1, N)
-    V: Array  # (n + 1, N, 2) partial velocities in frame B
-    A0: Array  # (N, 2) remaining acceleration in frame B
-    relative: Array  # (N, 2) velocity relative to frame B
-    integrand: Array  # (N, 2)
+    e: Array  # (2 N,) exp(i psi)
+    z: Array  # (2 N,) place relative to P in frame B
+    Y: Array  # (2 N,) change of the place with s
+    integrand: Array  # (2 N,)
+    relative: Array  # (2 N,) velocity relative to frame B
+    dx: Array  # (2 N,) share of the length, m, for real and imaginary parts alike
+    mass: Array  # (M,) kg, for turning bodies kg m^2
+    V: Array  # (n + 1, M) partial velocities in frame B
+    A: Array  # (M,) remaining acceleration less gravity in frame B
+    force: Array  # (M,)
+    weighted: Array  # (M,) a row of V times the masses
     c: Array  # (n + 1,) partial rates of q2
     sigma: Array  # (n + 1,) partial rates of s
-    reduced: Array  # (n + 1, n + 1)
-    rhs: Array  # (n + 1,)
+    reduced: Array  # (n + 1, n + 1) mass matrix
     acceleration: Array  # (n + 1,)
     slider: Array  # (1,) s
-    facts: Array  # (8,) q2, q2 rate, s rate, q2 remainder, s remainder, curvature at s, direction a1 in frame B
+    facts: Array  # (10,)
 
 
 def moving_workspace(tables: SpanTables, n: int) -> MovingWorkspace:
     """Scratch arrays for a table."""
-    N = 2 * tables.G + 2
-
-    def zeros(*shape: int) -> Array:
-        return np.zeros(shape)
-
+    N = 2 * tables.S
+    M = 2 * N + BODIES
+    shapes = dict.fromkeys(("mass", "A", "force", "weighted"), M)
+    shapes |= dict.fromkeys(("psi", "psi_s", "gamma", "turn"), N)
+    shapes |= dict.fromkeys(("e", "z", "Y", "integrand", "relative", "dx"), 2 * N)
+    shapes |= dict.fromkeys(("c", "sigma", "acceleration"), n + 1)
     return MovingWorkspace(
-        row=zeros(tables.coefficients.shape[2]),
-        psi=zeros(N),
-        psi_s=zeros(N),
-        gamma=zeros(N),
-        turn=zeros(N),
-        turn_0=zeros(N),
-        e=zeros(N, 2),
-        z=zeros(N, 2),
-        beta=zeros(n + 1, N),
-        V=zeros(n + 1, N, 2),
-        A0=zeros(N, 2),
-        relative=zeros(N, 2),
-        integrand=zeros(N, 2),
-        c=zeros(n + 1),
-        sigma=zeros(n + 1),
-        reduced=zeros(n + 1, n + 1),
-        rhs=zeros(n + 1),
-        acceleration=zeros(n + 1),
-        slider=zeros(1),
-        facts=zeros(8),
+        row=np.zeros(tables.coefficients.shape[2]),
+        V=np.zeros((n + 1, M)),
+        reduced=np.zeros((n + 1, n + 1)),
+        slider=np.zeros(1),
+        facts=np.zeros(10),
+        **{name: np.zeros(shape) for name, shape in shapes.items()},
     )
 
 
@@ -130,10 +129,10 @@ def slider_range(mechanism: Mechanism) -> tuple[float, float]:
 def gauss_points(modes: int) -> int:
     """Gauss points on each span in the equations of motion.
 
-    Measured on run 24: with fewer the tip acceleration loses digits (5 modes with 6 points: 1.5e-3 in place of 5e-4, with 8 points
-    nothing more is gained), while one or two modes need no more than 5.
+    One less than a multiple of four, which with the span's end fills the places; fewer cost the same. In run 24 seven are enough
+    for five modes (nine more change no digit), but raise the error of seven modes from 0.7e-4 to 1.0e-4.
     """
-    return max(5, modes + 3)
+    return 7 if modes <= 5 else 11 if modes <= 9 else 15
 
 
 def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
@@ -141,9 +140,7 @@ def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
     drive, follower, slider = mechanism.crank.drive, mechanism.follower, mechanism.slider
     tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
     low, high = slider_range(mechanism)
-    family = mode_family(mechanism, modes, low, high, 17 + 8 * modes)
-    points = gauss_points(modes)
-    intervals = 8 * (modes + 1)
+    family = mode_family(mechanism, modes, low, high, 17 + 6 * modes)
     return MovingParameters(
         d=mechanism.pivot_distance,
         LA=mechanism.crank.length,
@@ -169,8 +166,7 @@ def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
         thickness=follower.thickness,
         gauges=np.array(follower.strain_gauges, dtype=float),
         reach=high,
-        tables=span_tables(family, points, intervals),
-        output=span_tables(family, max(OUTPUT_POINTS, points + 2), intervals),
+        tables=span_tables(family, gauss_points(modes), 8 * (modes + 1)),
     )
 
 
@@ -179,19 +175,22 @@ def span_tables(family: ModeFamily, points: int, intervals: int) -> SpanTables:
     gauss, weights = np.polynomial.legendre.leggauss(points)
     u = 0.5 * (gauss + 1.0)
     nodes = np.linspace(family.low, family.high, intervals + 1)
-    blocks = []
-    first = family.shapes_at(nodes, np.append(u, 1.0), 0)
-    second = family.shapes_at(nodes, np.append(u, 1.0), 1)
-    blocks += [np.concatenate([a, b], axis=1).reshape(len(nodes), -1) for a, b in zip(first[:3], second[:3], strict=True)]
+    places = 4 * (points // 4 + 1)
+    spans = [family.shapes_at(nodes, np.append(u, 1.0), span) for span in range(2)]
     squares = [family.squares_at(nodes, order) for order in (0, 1)]
-    curvature = first[3][:, -1, :]
+    curvature = spans[0][3][:, -1, :]
     angle = [_slider_angle(family, nodes, order) for order in (1, 2)]
-    rows = np.concatenate([*blocks, *squares, curvature, *angle], axis=1)
+    rest = ((0, 0), (0, places - points - 1), (0, 0))
+    blocks = [np.concatenate([np.pad(span[kind], rest) for span in spans], axis=1).transpose(0, 2, 1) for kind in range(KINDS)]
+    rows = np.concatenate([*(block.reshape(len(nodes), -1) for block in blocks), *squares, curvature, *angle], axis=1)
     coefficients = np.ascontiguousarray(CubicSpline(nodes, rows, axis=0).c.transpose(1, 0, 2))
-    inverse = np.linalg.inv(np.vander(u, increasing=True))
+    weights_to = np.zeros((points, places))
     powers = np.arange(1, points + 1)
-    to_points = (u[:, None] ** powers / powers) @ inverse
-    return SpanTables(family.low, nodes[1] - nodes[0], coefficients, points, u, 0.5 * weights, to_points)
+    weights_to[:, :points] = ((u[:, None] ** powers / powers) @ np.linalg.inv(np.vander(u, increasing=True))).T
+    weights_to[:, points] = 0.5 * weights
+    to_end = np.pad(0.5 * weights, (0, places - points))
+    barycentric = np.asarray((-1.0) ** np.arange(points) * np.sqrt(u * (1.0 - u) * weights), dtype=np.float64)
+    return SpanTables(family.low, nodes[1] - nodes[0], coefficients, points, places, u, barycentric, to_end, weights_to)
 
 
 def _slider_angle(family: ModeFamily, nodes: Array, order: int) -> Array:

@@ -168,7 +168,7 @@ def _add_bodies(M: Array, K: Array, mechanism: Mechanism, numbering: tuple[NDArr
 
 def _element(span: tuple[float, float], interior: int) -> tuple[Array, Array]:
     """Mass matrix for unit mass per length and stiffness matrix for unit bending stiffness of one span."""
-    _, weights = legendre.leggauss(interior + 4)  # exact for products of shapes of degree interior + 3
+    _, weights = _gauss(interior + 4)  # exact for products of shapes of degree interior + 3
     h = span[1] - span[0]
     scale = _slope_scaling(interior, h)
     shapes, curvatures = (_reference_shapes(interior, derivative) for derivative in (0, 2))
@@ -178,9 +178,16 @@ def _element(span: tuple[float, float], interior: int) -> tuple[Array, Array]:
 
 
 @cache
+def _gauss(points: int) -> tuple[Array, Array]:
+    """Points and weights on [-1, 1]; the eigenvalue problem behind them costs as much as a mode."""
+    found, weights = legendre.leggauss(points)
+    return np.asarray(found, dtype=np.float64), np.asarray(weights, dtype=np.float64)
+
+
+@cache
 def _reference_shapes(interior: int, derivative: int) -> Array:
     """The shapes at the Gauss points of the element on [-1, 1], shape (4 + interior, interior + 4)."""
-    points, _ = legendre.leggauss(interior + 4)
+    points, _ = _gauss(interior + 4)
     return np.asarray(legendre.legval(points, _legendre_series(interior, derivative).T), dtype=np.float64)
 
 

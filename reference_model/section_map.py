@@ -144,7 +144,9 @@ class SectionMap:
 def with_fewer_modes(p: MovingParameters, modes: int) -> MovingParameters:
     """The model with the first modes alone, on the same points: columns of the same tables."""
     t = p.tables
-    kept = (np.arange(KINDS * (2 * t.G + 2) + EXTRAS)[:, None] * p.n + np.arange(modes)).ravel()
+    fields = KINDS * p.n * 2 * t.S
+    of_points = np.arange(fields).reshape(KINDS, p.n, 2 * t.S)[:, :modes].ravel()
+    kept = np.concatenate([of_points, fields + (np.arange(EXTRAS)[:, None] * p.n + np.arange(modes)).ravel()])
     return p._replace(n=modes, tables=t._replace(coefficients=np.ascontiguousarray(t.coefficients[:, :, kept])))
 
 
@@ -158,14 +160,14 @@ def _next_farthest(crank_angle: float, crank_speed: float) -> float:
 @compiled
 def _close_loop(p: MovingParameters, w: MovingWorkspace, y: NDArray[np.float64], rate: NDArray[np.float64]) -> bool:
     """Put the slider where |p(s)| = |PC|, by the secant method from the straight follower; False where it cannot."""
-    n, G = p.n, p.tables.G
+    n, G, N = p.n, p.tables.G, 2 * p.tables.S
     distance = math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0]))
     s, slope, last_s, last_excess = distance, 1.0, 0.0, 0.0
     for i in range(30):
         y[n + 1] = s
         if not right_hand_side(p, w, y, rate):
             return False
-        excess = math.hypot(w.z[G, 0], w.z[G, 1]) - distance
+        excess = math.hypot(w.z[G], w.z[N + G]) - distance
         if abs(excess) < 1e-15 * p.L:
             return True
         if i > 0 and s != last_s:

@@ -110,7 +110,7 @@ def divergence(model: MovingShapeModel, state: Array) -> float:
                 rate = np.empty_like(moved)
                 assert right_hand_side(p, workspace, moved, rate)
                 reach = math.hypot(p.LA * math.cos(moved[0]) - p.d, p.LA * math.sin(moved[0]))
-                moved[n + 1] -= float(np.hypot(*workspace.z[p.tables.G])) - reach
+                moved[n + 1] -= float(np.hypot(workspace.z[p.tables.G], workspace.z[2 * p.tables.S + p.tables.G])) - reach
             rates.append(rate[i])
         total += (rates[0] - rates[1]) / 2e-6
     return total
