@@ -11,12 +11,11 @@ report: $(READY)
 	$(BIN)/quickreturn report
 
 test: $(READY) lint
-	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup
+	$(BIN)/pytest -n $(PARALLEL)
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report.
 verify: $(READY)
-	mkdir -p .quickreturn
-	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --junitxml=.quickreturn/verification.xml
+	$(BIN)/pytest -n $(PARALLEL) -m verify --keep-outcome
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -1,7 +1,7 @@
 """Engines against the reference, case by case, with the tolerances of the cases' data."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -80,17 +80,20 @@ def compare(case: Case, runs: Mapping[str, EngineRun]) -> CaseResult:
     if reference is not None and reference.usable:
         for name, run in runs.items():
             if name != REFERENCE and run.usable:
-                for tolerance in tolerances_for(case.name, case.tags, name):
-                    checks += _checks(name, run, reference, tolerance)
+                tolerances = tolerances_for(case.name, case.tags, name)
+                for tolerance in tolerances:
+                    own = {other.channel for other in tolerances if other.quantity == tolerance.quantity and other.channel}
+                    checks += _checks(name, run, reference, tolerance, own)
     return CaseResult(case, runs, tuple(checks))
 
 
-def _checks(name: str, run: EngineRun, reference: EngineRun, tolerance: Tolerance) -> list[Check]:
+def _checks(name: str, run: EngineRun, reference: EngineRun, tolerance: Tolerance, own: Set[str]) -> list[Check]:
+    """The checks of one tolerance; one for all channels leaves out those that have a tolerance of their `own`."""
     found = []
     for half in HALVES:
         if tolerance.half not in (None, half):
             continue
-        channels = (None,) if tolerance.quantity == "consensus_frequency" else ((tolerance.channel,) if tolerance.channel else CHANNELS)
+        channels = (None,) if tolerance.quantity == "consensus_frequency" else _channels(tolerance, own)
         for channel in channels:
             pair = values(run, reference, tolerance.quantity, half, channel)
             if pair is None:
@@ -103,6 +106,10 @@ def _checks(name: str, run: EngineRun, reference: EngineRun, tolerance: Toleranc
                 )
                 found.append(Check(name, tolerance.quantity, half, channel, deviation, tolerance.widened(uncertainty)))
     return found
+
+
+def _channels(tolerance: Tolerance, own: Set[str]) -> tuple[str, ...]:
+    return (tolerance.channel,) if tolerance.channel else tuple(channel for channel in CHANNELS if channel not in own)
 
 
 def values(run: EngineRun, other: EngineRun, quantity: str, half: str, channel: str | None) -> tuple[float, float] | None:

@@ -15,7 +15,7 @@ from typing import Final
 import click
 
 #: In the order of `--help`; each is a module of `reports.commands`.
-COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "report")
+COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "report", "benchmark")
 
 GOOD: Final = 0
 TOLERANCE_MISSED: Final = 1

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from cases.comparison import EXTREMES, HALVES, REFERENCE, CaseResult, Check, largest_differences
+from cases.comparison import EXTREMES, HALVES, REFERENCE, CaseResult, Check, largest_differences, values
 from reports.plots.picture import Picture, picture
 from reports.plots.style import BAND, FONT_SIZE, GREY, LIGHT, SMALL, legend_above, look, new_figure, number, tidy
 
@@ -71,8 +71,9 @@ def _frequencies(axes: Axes, row: int, result: CaseResult, name: str) -> None:
     if run is None or reference is None:
         return
     for half in HALVES:
-        value, wanted = run.consensus_frequency(half), reference.consensus_frequency(half)
-        if value is not None and wanted is not None:
+        pair = values(run, reference, "consensus_frequency", half, None)
+        if pair is not None:
+            value, wanted = pair
             style = look(name)
             face = style.colour if half == "pre" else "white"
             axes.plot(

@@ -1,0 +1,49 @@
+"""Keeps the outcome of a verification for the report: `pytest -m verify --keep-outcome`."""
+
+import json
+import time
+from typing import Any
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--keep-outcome", action="store_true", help="write the outcome to the store's folder, where the report finds it")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    # with several processes the first one hears of all tests; the others must not write
+    if config.getoption("--keep-outcome") and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(_Outcome(), "kept outcome")
+
+
+class _Outcome:
+    """Collects one row per test."""
+
+    def __init__(self) -> None:
+        self.rows: list[list[Any]] = []
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.when == "call" or (report.when == "setup" and report.outcome != "passed"):
+            file, _, name = report.nodeid.partition("::")
+            measured = "; ".join(f"{key} {value}" for key, value in report.user_properties)
+            self.rows.append([file.removeprefix("tests/"), _words(name), report.outcome, round(report.duration, 1), measured or None])
+
+    def pytest_sessionfinish(self) -> None:
+        from cases.fingerprint import code_fingerprint
+        from cases.store import Store, write_atomically
+        from reports.verification import FILE, PARTS
+
+        passed = sum(row[2] == "passed" for row in self.rows)
+        chapter = {
+            "title": "Long checks",
+            "text": f"{passed} of {len(self.rows)} checks passed.",
+            "columns": ["where", "what", "outcome", "time [s]", "measured"],
+            "rows": sorted(self.rows, key=lambda row: (row[0], row[1])),
+        }
+        document = {"code": code_fingerprint(PARTS), "date": time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime()), "chapters": [chapter]}
+        write_atomically(Store().folder / FILE, json.dumps(document, indent=1).encode())
+
+
+def _words(name: str) -> str:
+    return name.removeprefix("test_").replace("_", " ")
