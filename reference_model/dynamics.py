@@ -173,6 +173,15 @@ def _full_index(free: int) -> int:
 @compiled
 def _solve_cholesky(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> bool:
     """Solve A x = b in place for a positive definite A given by its lower triangle; False if it is not positive definite."""
+    if not factorize(A, size):
+        return False
+    substitute(A, b, size)
+    return True
+
+
+@compiled
+def factorize(A: NDArray[np.float64], size: int) -> bool:
+    """Cholesky's factor in place of the lower triangle of A; False if A is not positive definite."""
     for i in range(size):
         for j in range(i + 1):
             total = A[i, j]
@@ -184,6 +193,12 @@ def _solve_cholesky(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -
                 A[i, i] = math.sqrt(total)
             else:
                 A[i, j] = total / A[j, j]
+    return True
+
+
+@compiled
+def substitute(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> None:
+    """Solve with the factor that `factorize` left in A; b in place."""
     for i in range(size):
         total = b[i]
         for m in range(i):
@@ -194,7 +209,6 @@ def _solve_cholesky(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -
         for m in range(i + 1, size):
             total -= A[m, i] * b[m]
         b[i] = total / A[i, i]
-    return True
 
 
 @inlined

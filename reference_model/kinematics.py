@@ -128,30 +128,36 @@ def _shapes_at(p: Parameters, x: float, values: NDArray[np.float64]) -> None:
 
 
 @inlined
+def place_at(p: Parameters, s: float, eta: NDArray[np.float64], w: Workspace) -> tuple[float, float, float, float]:
+    """Place (x, W) of arc length s in frame B, and slope W' and g there (needs `centre_line` in `w` first)."""
+    cell = find_cell(p.shape_edges, s)
+    length = p.shape_edges[cell + 1] - p.shape_edges[cell]
+    u = (s - p.shape_edges[cell]) / length
+    W = slope = 0.0
+    for k in range(p.shape_coefficients.shape[1] - 1, -1, -1):
+        coefficient = 0.0
+        for i in range(p.n):
+            coefficient += p.shape_coefficients[cell, k, i] * eta[i]
+        slope = slope * u + W
+        W = W * u + coefficient
+    slope /= length
+    edges = p.tables.edges
+    cell = find_cell(edges, s)
+    length = edges[cell + 1] - edges[cell]
+    partial_weights((s - edges[cell]) / length, length, w.weights[0], w.weights[1], w.weights[2])
+    F, g = w.F_edges[cell], 0.0
+    for j in range(POINTS):
+        F += w.weights[0, j] * w.g[cell * POINTS + j]
+        g += w.weights[1, j] * w.g[cell * POINTS + j]
+    return s - F, W, slope, g
+
+
+@inlined
 def _locate(p: Parameters, eta: NDArray[np.float64], distance: float, w: Workspace) -> float:
     """Arc length s at which the centre line passes at `distance` from P (equation 3.2), or nan if there is none near."""
-    edges = p.tables.edges
     s = distance
     for step in range(CLOSURE_STEPS):
-        cell = find_cell(p.shape_edges, s)
-        length = p.shape_edges[cell + 1] - p.shape_edges[cell]
-        u = (s - p.shape_edges[cell]) / length
-        W = slope = 0.0
-        for k in range(p.shape_coefficients.shape[1] - 1, -1, -1):
-            coefficient = 0.0
-            for i in range(p.n):
-                coefficient += p.shape_coefficients[cell, k, i] * eta[i]
-            slope = slope * u + W
-            W = W * u + coefficient
-        slope /= length
-        cell = find_cell(edges, s)
-        length = edges[cell + 1] - edges[cell]
-        partial_weights((s - edges[cell]) / length, length, w.weights[0], w.weights[1], w.weights[2])
-        F, g = w.F_edges[cell], 0.0
-        for j in range(POINTS):
-            F += w.weights[0, j] * w.g[cell * POINTS + j]
-            g += w.weights[1, j] * w.g[cell * POINTS + j]
-        x = s - F
+        x, W, slope, g = place_at(p, s, eta, w)
         gradient = 2.0 * (x * (1.0 - g) + W * slope)
         if not gradient > 1e-3 * distance:
             return math.nan
@@ -172,10 +178,17 @@ def place_slider(p: Parameters, q1: float, eta: NDArray[np.float64], w: Workspac
     """Close the loop (equations 1.1 and 3.1 to 3.4): slider place, base angle, fields there (needs `centre_line` in `w` first)."""
     v1 = p.LA * math.cos(q1) - p.d  # P to C in frame N
     v2 = p.LA * math.sin(q1)
-    distance = math.hypot(v1, v2)
-    s = _locate(p, eta, distance, w)
+    s = _locate(p, eta, math.hypot(v1, v2), w)
     if math.isnan(s):
         return Slider(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    x, W, _, _ = place_at(p, s, eta, w)
+    q2 = math.pi + math.atan2(-v2, -v1) - math.atan2(W, x)  # continuous: v1 < 0 as LA < d
+    return slider_at(p, s, q1, q2, eta, w)
+
+
+@inlined
+def slider_at(p: Parameters, s: float, q1: float, q2: float, eta: NDArray[np.float64], w: Workspace) -> Slider:
+    """All fields at the slider's arc length s for given crank and base angle; fills `w.at_s`, `w.f_s` and `w.f_s_slope`."""
     edges = p.tables.edges
     cell = find_cell(edges, s)
     length = edges[cell + 1] - edges[cell]
@@ -200,9 +213,7 @@ def place_slider(p: Parameters, q1: float, eta: NDArray[np.float64], w: Workspac
         slope += w.at_s[1, i] * eta[i]
         curvature += w.at_s[2, i] * eta[i]
         curvature_slope += w.at_s[3, i] * eta[i]
-    x = s - F
-    q2 = math.pi + math.atan2(-v2, -v1) - math.atan2(W, x)  # continuous: v1 < 0 as LA < d
-    return Slider(True, s, x, W, slope, curvature, curvature_slope, 1.0 - g, g_slope, q2, math.cos(q1 - q2), math.sin(q1 - q2))
+    return Slider(True, s, s - F, W, slope, curvature, curvature_slope, 1.0 - g, g_slope, q2, math.cos(q1 - q2), math.sin(q1 - q2))
 
 
 class Contact(NamedTuple):
@@ -218,46 +229,90 @@ class Contact(NamedTuple):
 
 
 @inlined
+def normal_row(p: Parameters, c: Slider, w: Workspace, row: NDArray[np.float64]) -> None:
+    """Coefficients of the speeds (q1, q2, eta) in the velocity loop dotted with n (equation 3.6): n . (LA a2, -p_perp, -p_i)."""
+    n1, n2 = -c.slope, c.t1
+    row[0] = p.LA * (n2 * c.a1 - n1 * c.a2)
+    row[1] = n1 * c.W - n2 * c.x
+    for i in range(p.n):
+        row[i + 2] = n1 * w.f_s[i] - n2 * w.at_s[0, i]
+
+
+class FieldRates(NamedTuple):
+    """Time derivatives of the fields at the slider's arc length, that place held."""
+
+    W: float  # m/s
+    F: float  # m/s
+    slope: float  # 1/s
+    F_slope: float  # 1/s
+    curvature: float  # 1/(m s)
+
+
+@inlined
+def field_rates(p: Parameters, eta_rate: NDArray[np.float64], w: Workspace) -> FieldRates:
+    """Rates of W, F, W', F' and W'' at the slider (needs `slider_at` first)."""
+    W = F = slope = F_slope = curvature = 0.0
+    for i in range(p.n):
+        W += w.at_s[0, i] * eta_rate[i]
+        F += w.f_s[i] * eta_rate[i]
+        slope += w.at_s[1, i] * eta_rate[i]
+        curvature += w.at_s[2, i] * eta_rate[i]
+        F_slope += w.f_s_slope[i] * eta_rate[i]
+    return FieldRates(W, F, slope, F_slope, curvature)
+
+
+@inlined
+def sliding_speed(p: Parameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float) -> float:
+    """Velocity of the crank tip relative to the point of the follower, along the tangent t and per |t|^2 (equation 3.5)."""
+    along_1 = -p.LA * c.a2 * q1_rate + c.W * q2_rate + r.F
+    along_2 = p.LA * c.a1 * q1_rate - c.x * q2_rate - r.W
+    return (c.t1 * along_1 + c.slope * along_2) / (c.t1 * c.t1 + c.slope * c.slope)
+
+
+@inlined
+def loop_remainder(
+    p: Parameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float, s_rate: float, w: Workspace
+) -> tuple[float, float]:
+    """What the second derivative of the loop holds besides accelerations, in frame B (equation 3.7).
+
+    That is -LA q1dot^2 a1 - a0 - 2 q2dot sdot t_perp - 2 sdot tdot - sdot^2 t_x.
+    """
+    b1 = -p.LA * q1_rate**2 * c.a1 + q2_rate**2 * c.x + 2.0 * q2_rate * r.W + _h_at_slider(p, c, w)
+    b2 = -p.LA * q1_rate**2 * c.a2 + q2_rate**2 * c.W + 2.0 * q2_rate * r.F
+    b1 += 2.0 * q2_rate * s_rate * c.slope + 2.0 * s_rate * r.F_slope + s_rate**2 * c.g_slope
+    b2 -= 2.0 * q2_rate * s_rate * c.t1 + 2.0 * s_rate * r.slope + s_rate**2 * c.curvature
+    return b1, b2
+
+
+@inlined
 def constraint_row(
     p: Parameters, c: Slider, q1_rate: float, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: Workspace
 ) -> Contact:
     """Project the velocity loop and its derivative on the normal at the slider; fills `w.C` and, with rotary inertia, `w.D`."""
-    n1, n2 = -c.slope, c.t1
     square = c.t1 * c.t1 + c.slope * c.slope
-    B0 = n1 * -c.W + n2 * c.x
+    normal_row(p, c, w, w.C)
+    B0 = -w.C[1]
     if not abs(B0) > 1e-6 * p.L:
         return Contact(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    # crank tip velocity per unit q1 rate: LA a2 = LA (-a1 along b2, a1 along b1)
-    u1, u2 = -p.LA * c.a2, p.LA * c.a1
-    w.C[0] = (n1 * u1 + n2 * u2) / B0
+    w.C[0] /= B0
     q2_rate = w.C[0] * q1_rate
-    W_rate = F_rate = slope_rate = F_rate_slope = curvature_rate = 0.0
     for i in range(p.n):
-        w.C[i + 2] = -(n2 * w.at_s[0, i] - n1 * w.f_s[i]) / B0
+        w.C[i + 2] /= B0
         q2_rate += w.C[i + 2] * eta_rate[i]
-        W_rate += w.at_s[0, i] * eta_rate[i]
-        F_rate += w.f_s[i] * eta_rate[i]
-        slope_rate += w.at_s[1, i] * eta_rate[i]
-        curvature_rate += w.at_s[2, i] * eta_rate[i]
-        F_rate_slope += w.f_s_slope[i] * eta_rate[i]
-    s_rate = (c.t1 * (u1 * q1_rate + c.W * q2_rate + F_rate) + c.slope * (u2 * q1_rate - c.x * q2_rate - W_rate)) / square
-    H = _h_at_slider(p, c, w)
-    # -LA q1dot^2 a1 - a0 - 2 q2dot sdot t_perp - 2 sdot tdot - sdot^2 t_x (equation 3.7)
-    b1 = -p.LA * q1_rate**2 * c.a1 + q2_rate**2 * c.x + 2.0 * q2_rate * W_rate + H
-    b2 = -p.LA * q1_rate**2 * c.a2 + q2_rate**2 * c.W + 2.0 * q2_rate * F_rate
-    b1 += 2.0 * q2_rate * s_rate * c.slope + 2.0 * s_rate * F_rate_slope + s_rate**2 * c.g_slope
-    b2 -= 2.0 * q2_rate * s_rate * c.t1 + 2.0 * s_rate * slope_rate + s_rate**2 * c.curvature
+    r = field_rates(p, eta_rate, w)
+    s_rate = sliding_speed(p, c, r, q1_rate, q2_rate)
+    b1, b2 = loop_remainder(p, c, r, q1_rate, q2_rate, s_rate, w)
     d0 = 0.0
     if p.slider_inertia > 0.0:
         _, angle_1, angle_2 = tangent_angle(c.slope, p.exact_geometry)
         bend = angle_1 * c.curvature / square
-        w.D[0] = bend * (c.t1 * u1 + c.slope * u2)
+        w.D[0] = bend * p.LA * (c.slope * c.a1 - c.t1 * c.a2)
         w.D[1] = 1.0 + bend * (c.t1 * c.W - c.slope * c.x)
         for i in range(p.n):
             w.D[i + 2] = angle_1 * w.at_s[1, i] + bend * (c.t1 * w.f_s[i] - c.slope * w.at_s[0, i])
-        d0 = angle_1 * (2.0 * curvature_rate * s_rate + c.curvature_slope * s_rate**2) + bend * (c.t1 * b1 + c.slope * b2)
-        d0 += angle_2 * (slope_rate + c.curvature * s_rate) ** 2
-    return Contact(True, q2_rate, s_rate, B0, (n1 * b1 + n2 * b2) / B0, math.sqrt(square), d0)
+        d0 = angle_1 * (2.0 * r.curvature * s_rate + c.curvature_slope * s_rate**2) + bend * (c.t1 * b1 + c.slope * b2)
+        d0 += angle_2 * (r.slope + c.curvature * s_rate) ** 2
+    return Contact(True, q2_rate, s_rate, B0, (c.t1 * b2 - c.slope * b1) / B0, math.sqrt(square), d0)
 
 
 @inlined

@@ -60,34 +60,61 @@ def observe(
     Returns:
         Number of rows filled; less than k where a state cannot be evaluated.
     """
-    n = p.n
     for row in range(len(states)):
         y = states[row]
         good, c, k = evaluate(p, w, y)
         if not good:
             return row
         force, drive = reactions(p, c, k, w)
-        eta_rate = y[n + 2 : 2 * n + 2]
-        o = out[row]
-        o[0], o[1], o[2], o[3] = y[0], y[n + 1], c.q2, c.s
-        end = len(p.tables.edges) - 1
-        tip_1, tip_2 = p.L - w.F_edges[end], w.end[1]
-        cosine, sine = math.cos(c.q2), math.sin(c.q2)
-        o[4], o[5], o[6] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
-        o[7] = _tip_acceleration(p, k, w, eta_rate)
-        o[11], o[12] = force, drive
-        _energies(p, c, k, w, y, o)
-        if recover and n > 0:
-            _recover(p, c, k, w, mesh, v, y, force, o)
-        else:
-            for gauge in range(3):
-                curvature = 0.0
-                for i in range(n):
-                    curvature += _curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
-                o[8 + gauge] = 0.5 * p.thickness * curvature
-            # the loop is closed on the centre line to the last bits of the slider's place
-            o[16] = abs(math.hypot(c.x, c.W) - math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0])))
+        # the loop is closed on the centre line to the last bits of the slider's place
+        gap = abs(math.hypot(c.x, c.W) - math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0])))
+        observe_row(p, w, mesh, v, c, k, y, force, drive, 0.0, recover, out[row])
+        if not (recover and p.n > 0):
+            out[row, 16] = gap
     return len(states)
+
+
+@inlined
+def observe_row(
+    p: Parameters,
+    w: Workspace,
+    mesh: Tables,
+    v: Workspace,
+    c: Slider,
+    k: Contact,
+    y: NDArray[np.float64],
+    force: float,
+    drive: float,
+    gap: float,
+    recover: bool,
+    o: NDArray[np.float64],
+) -> None:
+    """One row `o` (19,) of the output, from what an evaluation left in `w`; arguments as in `observe`.
+
+    Args:
+        c: the slider, `k` its contact.
+        y: q1, eta, q1dot, etadot, dissipated energy, work of the drive.
+        force: slider force, N; `drive` the torque of the drive, N m.
+        gap: signed distance of the crank tip from the centre line along the normal, m.
+    """
+    n = p.n
+    eta_rate = y[n + 2 : 2 * n + 2]
+    o[0], o[1], o[2], o[3] = y[0], y[n + 1], c.q2, c.s
+    end = len(p.tables.edges) - 1
+    tip_1, tip_2 = p.L - w.F_edges[end], w.end[1]
+    cosine, sine = math.cos(c.q2), math.sin(c.q2)
+    o[4], o[5], o[6] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
+    o[7] = _tip_acceleration(p, k, w, eta_rate)
+    o[11], o[12] = force, drive
+    _energies(p, c, k, w, y, o)
+    if recover and n > 0:
+        _recover(p, c, k, w, mesh, v, y, force, gap, o)
+    else:
+        for gauge in range(3):
+            curvature = 0.0
+            for i in range(n):
+                curvature += _curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
+            o[8 + gauge] = 0.5 * p.thickness * curvature
 
 
 @inlined
@@ -196,6 +223,7 @@ def _recover(
     v: Workspace,
     y: NDArray[np.float64],
     force: float,
+    gap: float,
     o: NDArray[np.float64],
 ) -> None:
     """Curvature from equilibrium, then shape, base angle, slider and tip place (equations 7.1 to 7.7)."""
@@ -248,7 +276,8 @@ def _recover(
     cumulate(mesh.edges, v.g, v.F, v.F1_edges)
     cumulate(mesh.edges, v.slope, v.g1, v.F2_edges)
     P1, P2 = p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0])
-    Z1, Z2 = v.F1_edges[half], v.F2_edges[half]
+    # the crank tip lies off the centre line where the joint gives way
+    Z1, Z2 = v.F1_edges[half] - gap * math.sin(psi_s), v.F2_edges[half] + gap * math.cos(psi_s)
     radial = Z1 * math.cos(psi_s) + Z2 * math.sin(psi_s)
     ds = 0.5 * (P1 * P1 + P2 * P2 - Z1 * Z1 - Z2 * Z2) / radial
     Z1, Z2 = Z1 + ds * math.cos(psi_s), Z2 + ds * math.sin(psi_s)

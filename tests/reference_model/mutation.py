@@ -4,7 +4,7 @@ What is flipped: every sum and difference (a + b to a - b, and a - b to a + b; t
 minus sign, every augmented += and -=, and every assigned or returned product.
 
 What is left alone, by rule: index arithmetic (subscripts, `range`, comparisons, everything that evaluates to an int), the solution of
-a linear system, and in `_locate` the gradient that only steers Newton's iteration to the root of the same equation.
+a linear system, and in `_locate` and `place_at` the gradient that only steers Newton's iteration to the root of the same equation.
 """
 
 import ast
@@ -22,9 +22,23 @@ MODULES: dict[str, ModuleType] = {module.__name__: module for module in (kinemat
 
 #: Functions without an equation of motion: linear algebra and index arithmetic; and what shows or recovers rather than moves.
 NO_EQUATIONS = frozenset(
-    {"_solve_cholesky", "_full_index", "observe", "_curvature_of_shape", "_lay_mesh", "_recover", "_tip_loads", "_slider_moment", "_at"}
+    {
+        "_solve_cholesky",
+        "factorize",
+        "substitute",
+        "_full_index",
+        "observe",
+        "observe_row",
+        "_curvature_of_shape",
+        "_lay_mesh",
+        "_recover",
+        "_tip_loads",
+        "_slider_moment",
+        "_at",
+    }
 )
-#: Quantities in `_locate` that serve Newton's gradient alone.
+#: Quantities that serve Newton's gradient alone, and where they are computed.
+STEERING = frozenset({"_locate", "place_at"})
 ITERATION_CONTROL = frozenset({"gradient", "slope", "g"})
 
 PROBE = "_probe"
@@ -137,7 +151,7 @@ class _Marker(ast.NodeTransformer):
         return visited
 
     def _controls_iteration(self, target: ast.expr) -> bool:
-        return self.function == "_locate" and isinstance(target, ast.Name) and target.id in ITERATION_CONTROL
+        return self.function in STEERING and isinstance(target, ast.Name) and target.id in ITERATION_CONTROL
 
     def _site(self, node: ast.stmt | ast.expr, flipped: ast.AST) -> bool:
         """Record a site; whether it is the one to flip."""

@@ -34,8 +34,6 @@ TOLERANCE = 1e-10
 EQUIVALENT = {
     ("centre_line", "slope_rate -= t.dphi[p, i] * eta_rate[i]"): "the rate of W' enters H squared and nothing else",
     ("_energies", "curvature -= p.tables.ddphi[point, i] * y[1 + i]"): "the strain energy is quadratic in the curvature",
-    ("_locate", "coefficient -= p.shape_coefficients[cell, k, i] * eta[i]"): "mirrors W and W' alike: x^2 + W^2 and its slope stay",
-    ("_locate", "W * u - coefficient"): "the same mirror image",
 }
 
 
