@@ -34,7 +34,11 @@ def test_the_thesis_is_judged_by_its_known_model_error() -> None:
 @pytest.mark.parametrize("engine", ["exudyn", "mujoco", "somebodys_engine"])
 @pytest.mark.parametrize("tags", [("thesis",), ()])
 def test_every_other_engine_must_agree_with_the_reference(engine: str, tags: tuple[str, ...]) -> None:
-    found = {tolerance.quantity: tolerance for tolerance in tolerances_for("thesis-10", tags, engine)}
+    tolerances = tolerances_for("thesis-10", tags, engine)
+    found = {tolerance.quantity: tolerance for tolerance in tolerances if tolerance.channel is None}
+    # Exudyn's elements round off a kink at one gauge
+    own = {(tolerance.quantity, tolerance.channel, tolerance.high) for tolerance in tolerances if tolerance.channel}
+    assert own == ({("minimum", "strain_3", 0.03), ("maximum", "strain_3", 0.03)} if engine == "exudyn" else set())
     assert {quantity: tolerance.high for quantity, tolerance in found.items()} == {
         "consensus_frequency": 0.01,
         "first_mode_frequency": 0.01,
