@@ -51,7 +51,8 @@ def _print(table: dict[str, Any]) -> None:
 
     confirmation = table["confirmation"]
     if "differences" in confirmation:
-        agreed = f"{confirmation['engine']} agrees to {confirmation['differences']['tip_deflection']:.1e} in the tip deflection"
+        difference = confirmation["differences"]["tip_deflection"]
+        agreed = "nothing bends" if difference is None else f"{confirmation['engine']} agrees to {difference:.1e} in the tip deflection"
     else:
         agreed = f"not confirmed: {confirmation['failure']}"
     click.echo(f"{table['case']}: errors against {table['truth']['engine']} ({_settings(table['truth']['settings'])}); {agreed}")

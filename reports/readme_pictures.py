@@ -1,0 +1,38 @@
+"""The README's pictures, from the same results as the report: `python -m reports.readme_pictures` after `make report`."""
+
+import io
+from pathlib import Path
+
+from PIL import Image
+
+from cases.case_file import load_case
+from cases.cross_validation import cross_validate
+from cases.experiment.published import axis_labels
+from cases.library.thesis import RUNS, run_name
+from cases.store import Store
+from reports.plots.cycle import cycle_figure
+from reports.plots.overview import overview_figure
+from reports.plots.picture import Picture
+
+FOLDER = Path(__file__).parent / "readme"
+COLOURS = 64  # of the palette: flat colours and their soft edges need no more
+
+
+def main() -> None:
+    """Write all pictures; results that are not stored are computed."""
+    results = cross_validate([load_case(run_name(run)) for run in RUNS], Store())
+    FOLDER.mkdir(exist_ok=True)
+    _write("overview", overview_figure(results))
+    _write("run-24", cycle_figure(results[-1], axis_labels(24)))
+
+
+def _write(name: str, picture: Picture | None) -> None:
+    if picture is None:
+        raise SystemExit(f"{name}: there is nothing to draw")
+    image = Image.open(io.BytesIO(picture.data)).convert("RGB").quantize(COLOURS)
+    image.save(FOLDER / f"{name}.png", optimize=True)
+    print(f"{name}.png {image.width} x {image.height}")
+
+
+if __name__ == "__main__":
+    main()
