@@ -10,7 +10,7 @@ import reference_model
 PACKAGE = Path(reference_model.__file__).parent
 DOCUMENT = (PACKAGE / "DERIVATION.md").read_text(encoding="utf-8")
 NUMBER = r"(\d+)\.(\d+)"
-CITATION = re.compile(rf"(thesis,\s+)?equations?\s+((?:{NUMBER}(?:,\s+|\s+and\s+|\s+to\s+)?)+)")
+CITATION = re.compile(rf"(thesis,\s+)?[Ee]quations?\s+((?:{NUMBER}(?:,\s+|\s+and\s+|\s+to\s+)?)+)")
 Equation = tuple[int, int]
 
 

@@ -1,0 +1,211 @@
+"""The engine `reference` behind the engine interface: starts, pieces, failures, refusals, ladder."""
+
+import dataclasses
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from engines.accurate import simulate
+from engines.base import EngineFailure, Refusal
+from engines.pseudo_coordinate.reference import LADDER, ReferenceEngine, ReferenceSettings
+from engines.pseudo_coordinate.simulation import ExplicitSimulation
+from engines.start import Start, standard_start
+from engines.start_state import reconstruct
+from engines.trajectory import OPTIONAL, REQUIRED, Trajectory, join
+from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from reference_model.natural_modes import frozen_crank_modes
+from tests.engines.scenes import INCH, POUND_FORCE, run_24
+
+ENGINE = ReferenceEngine()
+CONVERGED = ReferenceSettings(modes=11, tolerance=1e-9)
+OFFSET_TIP = run_24(crank={"length": 5.0 * INCH}, tip={"center_of_mass": 0.0127})
+
+
+@cache
+def converged(mechanism: Mechanism) -> Trajectory:
+    """Eleven modes over 2 s: within 2e-5 in run 24."""
+    return ENGINE.prepare(mechanism, standard_start(mechanism), CONVERGED).advance(2.0, 1e-3)
+
+
+def error(found: Trajectory, expected: Trajectory, column: str) -> float:
+    difference = found[column] - expected[column]
+    return float(np.sqrt(np.mean(difference**2) / np.mean(expected[column] ** 2)))
+
+
+@pytest.mark.parametrize("mechanism", [run_24(), OFFSET_TIP], ids=["run 24", "crank 5 in, tip offset"])
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
+def test_the_error_estimate_covers_the_error(mechanism: Mechanism, accuracy: float) -> None:
+    result = simulate(ENGINE, mechanism, standard_start(mechanism), 2.0, 1e-3, accuracy=accuracy)
+    true = error(result.trajectory, converged(mechanism), "tip_deflection")
+    assert result.reached
+    assert result.error_estimate is not None
+    # the estimate rests on a measured ratio of errors, which is right to some ten percent
+    assert true <= 1.2 * result.error_estimate
+    assert result.error_estimate <= accuracy
+    # an estimate that is never wrong because it is always huge would drive the ladder to its end
+    assert result.error_estimate < 40.0 * true
+
+
+def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
+    modes, _, errors = zip(*LADDER, strict=True)
+    assert list(modes) == sorted(set(modes))
+    assert list(errors) == sorted(errors, reverse=True)
+    for accuracy in (0.05, 1e-2, 1e-3, 1e-4):
+        settings = ENGINE.settings_for(accuracy, run_24())
+        assert dict(zip(modes, errors, strict=True))[settings.modes] <= accuracy
+    rung: ReferenceSettings | None = ENGINE.settings_for(0.05, run_24())
+    visited = []
+    while rung is not None:
+        visited.append(rung.modes)
+        coarse, factor = ENGINE.coarser(rung)
+        assert factor > 1.0
+        assert coarse.modes < rung.modes or coarse.tolerance > rung.tolerance
+        rung = ENGINE.finer(rung)
+    assert visited == list(modes)
+
+
+def test_every_column_is_there_and_begins_as_the_rigid_mechanism() -> None:
+    trajectory = converged(run_24())
+    assert set(trajectory.columns) == {*REQUIRED, *OPTIONAL}
+    start = reconstruct(run_24(), standard_start(run_24()))
+    assert trajectory["slider_position"][0] == pytest.approx(start.slider_position, rel=1e-14)
+    # recovered under the moment of the pivot's damping, 4e-6 N m, which bends by 1e-9
+    assert trajectory["follower_angle"][0] == pytest.approx(start.follower_angle, abs=1e-8)
+    assert abs(trajectory["tip_deflection"][0]) < 1e-8  # m
+    assert np.all(trajectory["crank_torque"] == 10.0 * POUND_FORCE * INCH)
+
+
+def test_pieces_make_the_same_motion_as_one_run() -> None:
+    start, settings = standard_start(run_24()), ReferenceSettings(modes=3)
+    whole = ENGINE.prepare(run_24(), start, settings).advance(0.5, 1e-3)
+    simulation = ENGINE.prepare(run_24(), start, settings)
+    joined = join([simulation.advance(duration, 1e-3) for duration in (0.1, 0.003, 0.397)])
+    assert simulation.time == pytest.approx(0.5, abs=1e-12)
+    np.testing.assert_allclose(joined["time"], whole["time"], atol=1e-12)
+    for name in ("tip_deflection", "crank_angle", "slider_force", "drive_work"):
+        # other steps, same tolerance: its error shows
+        np.testing.assert_allclose(joined[name], whole[name], atol=1e-4 * np.max(np.abs(whole[name])), err_msg=name)
+
+
+@pytest.mark.parametrize(
+    "mechanism", [run_24(), run_24(slider=Slider(mass=0.1, inertia=1e-4), crank={"drive": PrescribedSpeed(speed=15.0)})]
+)
+def test_the_present_state_as_a_start_continues_the_motion(mechanism: Mechanism) -> None:
+    settings = ReferenceSettings(modes=4)
+    simulation = ENGINE.prepare(mechanism, standard_start(mechanism), settings)
+    assert isinstance(simulation, ExplicitSimulation)
+    simulation.advance(0.2, 1e-3)
+    start = simulation.present_start()
+    again = ENGINE.prepare(mechanism, start, settings)
+    assert isinstance(again, ExplicitSimulation)
+    n = settings.modes
+    # deflection is handed over as a cubic spline on 121 points a span: 1e-8 of the amplitudes
+    for part in (slice(1, n + 1), slice(n + 1, n + 2), slice(n + 3, 2 * n + 3)):
+        np.testing.assert_allclose(again.state[part], simulation.state[part], atol=1e-6 * np.max(np.abs(simulation.state[part])))
+    one, other = simulation.advance(0.2, 1e-3), again.advance(0.2, 1e-3)
+    for name in ("tip_deflection", "follower_angle", "slider_position"):
+        # step sizes differ: the integration error at tolerance 1e-7
+        np.testing.assert_allclose(other[name], one[name], atol=3e-4 * np.ptp(one[name]), err_msg=name)
+
+
+def bent(amplitude: float) -> CubicSpline:
+    """A deflection and its rate as other engines would give them: no combination of modes."""
+    length = run_24().follower.length
+    x = np.linspace(0.0, length, 60)
+    return CubicSpline(x, amplitude * (x / length) ** 2 * (1.5 - 0.5 * x / length), bc_type=((1, 0.0), (2, 0.0)))
+
+
+def test_a_bent_start_is_met() -> None:
+    start = Start(2.0, 10.0, bent(0.03), bent(-0.2))
+    simulation = ENGINE.prepare(run_24(), start, ReferenceSettings(modes=12))
+    assert isinstance(simulation, ExplicitSimulation)
+    back, expected = simulation.present_start(), reconstruct(run_24(), start)
+    assert back.deflection is not None
+    assert back.deflection_rate is not None
+    x = np.linspace(0.0, run_24().follower.length, 40)
+    # the boundary at the tip carries a moment in one and none in the other: a layer that 12 modes span to a few 1e-3
+    assert np.max(np.abs(back.deflection(x) - bent(0.03)(x))) < 3e-3 * 0.03
+    assert np.max(np.abs(back.deflection_rate(x) - bent(-0.2)(x))) < 1e-2 * 0.2
+    closed = reconstruct(run_24(), back)
+    assert closed.slider_position == pytest.approx(expected.slider_position, abs=1e-6)
+    assert closed.slider_position == pytest.approx(simulation.state[13], abs=1e-9)  # the loop is closed for the projected shape
+    assert closed.follower_angle == pytest.approx(expected.follower_angle, abs=2e-4)
+
+
+def violent() -> Mechanism:
+    """Crank tip 0.2 in from the follower's end at twice the speed: bending draws the end in."""
+    drive = TorqueDrive(torque=10.0 * POUND_FORCE * INCH, damping=0.3 * POUND_FORCE * INCH, initial_speed=10.0 / 0.3)
+    return run_24(crank={"length": 6.8 * INCH, "drive": drive}, tip=None)
+
+
+def test_a_slider_that_leaves_the_follower_is_a_failure_at_its_time() -> None:
+    mechanism, times = violent(), []
+    for step in (1e-3, 1e-4):
+        with pytest.raises(EngineFailure, match="left the follower") as caught:
+            ENGINE.prepare(mechanism, standard_start(mechanism), ReferenceSettings(modes=3)).advance(0.5, step)
+        failure, partial = caught.value, caught.value.partial
+        times.append(failure.time)
+        assert partial is not None
+        # the last row lies before the failure, which is less than one output step later
+        assert 0.0 <= failure.time - partial["time"][-1] <= 1.001 * step
+        s, length = partial["slider_position"], mechanism.follower.length
+        assert np.all(s <= length + 1e-5)  # the recovered place differs from the model's by what recovery corrects
+        assert 2.0 * s[-1] - s[-2] > length - 2e-3 * length  # one more row at this speed and it is gone
+    assert times[0] == pytest.approx(times[1], abs=1e-6)  # does not depend on the output grid
+
+
+def test_a_start_that_cannot_be_closed_is_refused() -> None:
+    x = np.linspace(0.0, run_24().follower.length, 200)
+    waves = 6.0 * math.pi / x[-1]  # slopes up to 0.95 shorten the follower by a quarter
+    start = Start(math.pi, 10.0, CubicSpline(x, 0.95 / waves * (1.0 - np.cos(waves * x)), bc_type=((1, 0.0), (2, 0.0))))
+    with pytest.raises(EngineFailure, match="cannot be closed") as caught:
+        ENGINE.prepare(run_24(), start, ReferenceSettings(modes=3))
+    assert caught.value.time == 0.0
+
+
+@pytest.mark.parametrize(("key", "value"), [("joint_stiffness", 2e4), ("joint_damping", 1.0)])
+def test_a_compliant_joint_is_refused(key: str, value: float) -> None:
+    mechanism = run_24(slider={key: value})
+    with pytest.raises(Refusal, match=r"slider\.joint_stiffness"):
+        ENGINE.check(mechanism)
+    with pytest.raises(Refusal, match=r"slider\.joint_stiffness"):
+        ENGINE.prepare(mechanism, standard_start(mechanism), ReferenceSettings())
+
+
+def test_only_what_a_scene_needs_is_built() -> None:
+    settings = ReferenceSettings(modes=3)
+    bare = ENGINE.describe(run_24(tip=None, base={"inertia": 0.0}), settings)
+    assert bare.bodies == ("crank", "follower beam (3 shapes that follow the slider)")
+    assert bare.degrees_of_freedom == 4
+    full = ENGINE.describe(run_24(slider=Slider(mass=0.1, inertia=1e-4), crank={"drive": PrescribedSpeed(speed=10.0)}), settings)
+    assert full.bodies[2:] == ("base block", "tip body", "slider mass", "slider rotary inertia")
+    assert "crank pivot (speed prescribed)" in full.joints
+    assert full.degrees_of_freedom == 3
+    rigid = run_24(follower={"bending_stiffness": math.inf})
+    assert ENGINE.describe(rigid, settings).degrees_of_freedom == 1
+    simulation = ENGINE.prepare(run_24(), standard_start(run_24()), settings)
+    assert isinstance(simulation, ExplicitSimulation)
+    assert simulation.model.degrees_of_freedom == 4
+
+
+def test_a_rigid_follower_does_not_bend() -> None:
+    mechanism = run_24(follower={"bending_stiffness": math.inf})
+    simulation = ENGINE.prepare(mechanism, standard_start(mechanism), ReferenceSettings())
+    assert isinstance(simulation, ExplicitSimulation)
+    trajectory = simulation.advance(0.2, 1e-3)
+    assert np.all(trajectory["tip_deflection"] == 0.0)
+    with pytest.raises(TypeError):
+        simulation.present_start()
+
+
+def test_frequencies_do_not_depend_on_the_modes_kept() -> None:
+    expected = (20.354, 62.287, 112.95, 212.94)  # Hz, published to these digits
+    for modes in (1, 5):
+        found = ENGINE.natural_frequencies(run_24(), math.pi, 4, ReferenceSettings(modes=modes))
+        np.testing.assert_allclose(found, expected, rtol=5e-5)  # half a unit of the last digit
+    with_inertia = dataclasses.replace(run_24(), slider=Slider(inertia=2e-4))
+    found = ENGINE.natural_frequencies(with_inertia, 1.0, 3, ReferenceSettings())
+    np.testing.assert_allclose(found, frozen_crank_modes(with_inertia, 1.0, 3).frequencies, rtol=1e-12)
