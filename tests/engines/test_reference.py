@@ -166,12 +166,11 @@ def test_a_start_that_cannot_be_closed_is_refused() -> None:
     assert caught.value.time == 0.0
 
 
-@pytest.mark.parametrize(("key", "value"), [("joint_stiffness", 2e4), ("joint_damping", 1.0)])
-def test_a_compliant_joint_is_refused(key: str, value: float) -> None:
-    mechanism = run_24(slider={key: value})
-    with pytest.raises(Refusal, match=r"slider\.joint_stiffness"):
+def test_a_damper_beside_a_rigid_joint_is_refused() -> None:
+    mechanism = run_24(slider={"joint_damping": 1.0})
+    with pytest.raises(Refusal, match=r"slider\.joint_"):
         ENGINE.check(mechanism)
-    with pytest.raises(Refusal, match=r"slider\.joint_stiffness"):
+    with pytest.raises(Refusal, match=r"slider\.joint_"):
         ENGINE.prepare(mechanism, standard_start(mechanism), ReferenceSettings())
 
 
