@@ -28,6 +28,14 @@ def borrowing(function: Function) -> Function:
     return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, _nrt=False)(function))  # type: ignore[call-overload]
 
 
+def merged(function: Function) -> Function:
+    """Like `borrowing`, for a large function inside a loop: its machine code becomes part of the caller's, without passing arguments.
+
+    The tuples travel by value, some 200 numbers: a third of the time that a right-hand side with two modes takes.
+    """
+    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, _nrt=False, forceinline=True)(function))  # type: ignore[call-overload]
+
+
 def inlined(function: Function) -> Function:
     """Compile into each caller: passing the tuples of arrays between functions would cost more than most of these do."""
     return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, inline="always")(function))

@@ -22,7 +22,7 @@ def right_hand_side(p: Any, w: Any, y: NDArray[np.float64], rate: NDArray[np.flo
     return function(p, w, y, rate)
 
 
-@overload(right_hand_side)
+@overload(right_hand_side, jit_options={"forceinline": True})
 def _compiled_right_hand_side(p: Any, w: Any, y: Any, rate: Any) -> Any:
     if not isinstance(p, types.BaseNamedTuple):
         return None

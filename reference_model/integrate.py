@@ -105,35 +105,39 @@ def _dop853(
     t = 0.0
     new, trial, F = scratch[0], scratch[1], scratch[2:]
     _copy(y, states[0])
-    rows, calls = 1, 1
-    if not right_hand_side(p, w, y, K[0]):
-        return NOT_A_NUMBER, rows, t, calls, step
+    rows, calls = 1, 0
     if step <= 0.0:
         step = min(1e-5, end)
-    rejected = False
+    rejected, first_stage = False, 0
     while t < end:
         if step < 1e-13 or calls > MAX_CALLS:
             return (STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS), rows, t, calls, step
         h = min(step, end - t)
         last = h >= end - t
-        good = True
-        for stage in range(1, STAGES + 1):
-            _stage_state(y, K, stage, h, new if stage == STAGES else trial)
+        left, shown = False, False
+        norm = 1e9
+        # one call of the equations serves the stages of the step and, where the step is accepted and shown, those of its interpolation
+        for stage in range(first_stage, 16):
+            state = new if stage == STAGES else trial
+            _stage_state(y, K, stage, h, state)
             calls += 1
-            if not right_hand_side(p, w, new if stage == STAGES else trial, K[stage]):
-                good = False
+            if not right_hand_side(p, w, state, K[stage]):
+                if stage == 0:
+                    return NOT_A_NUMBER, rows, t, calls, step
+                norm = 1e9
                 break
-        norm = _error_norm(K, h, scales, controlled) if good else 1e9
+            if stage == STAGES:
+                norm = _error_norm(K, h, scales, controlled)
+                left = w.slider[0] > limit
+                shown = left or (rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12))
+                if not (norm < 1.0 and shown):
+                    break
+        first_stage = 1
         if not norm < 1.0:  # also where the norm is nan
             step = h * (max(0.333, 0.9 * norm**-0.125) if norm < 1e8 else 0.25)
             rejected = True
             continue
-        left = w.slider[0] > limit
-        if left or (rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12)):
-            for stage in range(STAGES + 1, 16):
-                _stage_state(y, K, stage, h, trial)
-                calls += 1
-                right_hand_side(p, w, trial, K[stage])
+        if shown:
             _dense_coefficients(y, new, K, h, F)
             span = _leaving_time(p, w, y, F, limit, trial, K) * h if left else h
             while rows <= intervals and rows * output_step <= t + span * (1.0 + 1e-12):

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import borrowing, inlined
+from reference_model.compilation import borrowing, inlined, merged
 from reference_model.moving_parameters import (
     ACROSS,
     ALONG,
@@ -21,6 +21,7 @@ from reference_model.moving_parameters import (
     COS_Q2,
     CRANK_TURN,
     CURVATURE,
+    EXCESS,
     KINDS,
     Q2_RATE,
     Q2_REMAINDER,
@@ -92,17 +93,17 @@ def _put(out: Array, p: int, h: float, sums: Four) -> None:
     out[p], out[p + 1], out[p + 2], out[p + 3] = h * sums[0], h * sums[1], h * sums[2], h * sums[3]
 
 
-@inlined
-def cumulate(t: SpanTables, s: float, h: float, f: Array, out: Array) -> None:
+@borrowing
+def cumulate(to_points: Array, s: float, h: float, f: Array, out: Array) -> None:
     """Integrals from 0 to every point of a complex function f given at the points; spans of length s and h.
 
     Four points at a time, so that the sums stay in registers.
     """
-    G, S = t.G, t.S
+    G, S = to_points.shape
     for p in range(0, S, 4):
         a = b = c = d = (0.0, 0.0, 0.0, 0.0)
         for j in range(G):
-            weights = _four(t.to_points, j, p)
+            weights = _four(to_points, j, p)
             a, b = _plus(a, f[j], weights), _plus(b, f[S + j], weights)
             c, d = _plus(c, f[2 * S + j], weights), _plus(d, f[3 * S + j], weights)
         _put(out, p, s, a)
@@ -154,12 +155,12 @@ def _place(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Array) -> 
     _combine(w.row, n * N, n, y, 1, w.psi_s)
     if not directions(w.psi, w.e):
         return False
-    cumulate(t, s, h, w.e, w.z)
+    cumulate(t.to_points, s, h, w.e, w.z)
     _turned(w.psi_s, 0, w.e, w.integrand)
-    cumulate(t, s, h, w.integrand, w.Y)
+    cumulate(t.to_points, s, h, w.integrand, w.Y)
     for i in range(n):
         _turned(w.row, i * N, w.e, w.integrand)
-        cumulate(t, s, h, w.integrand, w.V[1 + i])
+        cumulate(t.to_points, s, h, w.integrand, w.V[1 + i])
     return True
 
 
@@ -174,7 +175,9 @@ def _close_loop(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Array
     Z1, Z2 = w.z[G], w.z[N + G]
     v1, v2 = p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0])
     # exp(i q2) has the direction of v / Z
-    scale = 1.0 / math.sqrt((v1 * v1 + v2 * v2) * (Z1 * Z1 + Z2 * Z2))
+    distance, reach = math.sqrt(v1 * v1 + v2 * v2), math.sqrt(Z1 * Z1 + Z2 * Z2)
+    scale = 1.0 / (distance * reach)
+    f[EXCESS] = reach - distance
     f[COS_Q2], f[SIN_Q2] = scale * (v1 * Z1 + v2 * Z2), scale * (v2 * Z1 - v1 * Z2)
     along = ((v1 + p.d) * f[COS_Q2] + v2 * f[SIN_Q2]) / p.LA
     across = (v2 * f[COS_Q2] - (v1 + p.d) * f[SIN_Q2]) / p.LA
@@ -206,7 +209,7 @@ def _close_loop(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Array
         w.integrand[j] = -w.gamma[j] * w.e[N + j] - w.turn[j] * w.turn[j] * w.e[j]
     for j in range(N):
         w.integrand[N + j] = w.gamma[j] * w.e[j] - w.turn[j] * w.turn[j] * w.e[N + j]
-    cumulate(t, s, p.L - s, w.integrand, w.A)
+    cumulate(t.to_points, s, p.L - s, w.integrand, w.A)
     swing = s_rate * (2.0 * w.turn[G] + curvature * s_rate)
     r1 = -p.LA * q1_rate**2 * along + swing * w.e[N + G] - w.A[G]
     r2 = -p.LA * q1_rate**2 * across - swing * w.e[G] - w.A[N + G]
@@ -438,7 +441,7 @@ def slider_force(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Arra
     return normal, tangential, slider_moment, p.LA * (-across * F1 + along * F2) - p.crank_moment * weight
 
 
-@borrowing
+@merged
 def moving_right_hand_side(p: MovingParameters, w: MovingWorkspace, y: Array, rate: Array) -> bool:
     """dy/dt, written to `rate`; False and all nan where the state cannot be (a rejected step)."""
     n, t = p.n, p.tables
@@ -450,9 +453,7 @@ def moving_right_hand_side(p: MovingParameters, w: MovingWorkspace, y: Array, ra
         rate[n + 3 + i] = w.acceleration[1 + i]
     rate[0] = y[n + 2]
     rate[n + 2] = w.acceleration[0]
-    G, N = t.G, 2 * t.S
-    distance = math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0]))
-    rate[n + 1] = w.facts[S_RATE] - FEEDBACK * (math.hypot(w.z[G], w.z[N + G]) - distance)
+    rate[n + 1] = w.facts[S_RATE] - FEEDBACK * w.facts[EXCESS]
     rate[2 * n + 3] = _moving_dissipation(p, w, y)
     rate[2 * n + 4] = p.torque * y[n + 2] if p.crank_is_free else slider_force(p, t, w, y)[3] * y[n + 2]
     return True

@@ -14,6 +14,7 @@ from reference_model.moving_dynamics import cumulate, directions, moving_motion,
 from reference_model.moving_parameters import (
     COS_Q2,
     CURVATURE,
+    EXCESS,
     KINDS,
     Q2_RATE,
     S_RATE,
@@ -107,8 +108,8 @@ def _bending_moment(
         moment[j] = v.z[j] * force[N + j] - v.z[N + j] * force[j]
     for j in range(N):
         moment[N + j] = 0.0
-    cumulate(t, s, p.L - s, force, v.relative)  # inboard force
-    cumulate(t, s, p.L - s, moment, v.Y)  # and its moment about P
+    cumulate(t.to_points, s, p.L - s, force, v.relative)  # inboard force
+    cumulate(t.to_points, s, p.L - s, moment, v.Y)  # and its moment about P
     # the tip body's, and with it everything outboard of P
     f1, f2 = -p.tip_mass * v.A[bodies + TIP_1], -p.tip_mass * v.A[bodies + TIP_2]
     total_m = (v.z[end] + ec) * f2 - (v.z[N + end] + es) * f1 - p.tip_inertia * v.A[bodies + TIP_TURN] + v.Y[end]
@@ -136,27 +137,28 @@ def _recover(
     """Curvature from equilibrium, then shape, base angle, slider and tip place (equations 12.5 to 12.9)."""
     G, N, s = t.G, 2 * t.S, y[p.n + 1]
     end = t.S + G
-    gap_1, gap_2 = v.z[G], v.z[N + G]
     _bending_moment(p, t, v, s, normal, tangential, slider_moment)
     for gauge in range(3):
         o[8 + gauge] = 0.5 * p.thickness * _curvature_at(t, v, s, p.L, p.gauges[gauge])
     for j in range(N):
         v.integrand[j], v.integrand[N + j] = v.gamma[j], 0.0
-    cumulate(t, s, p.L - s, v.integrand, v.z)
+    cumulate(t.to_points, s, p.L - s, v.integrand, v.z)
     directions(v.z[:N], v.integrand)
     c1, c2 = v.integrand[G], v.integrand[N + G]
-    cumulate(t, s, p.L - s, v.integrand, v.relative)
+    cumulate(t.to_points, s, p.L - s, v.integrand, v.relative)
     P1, P2 = p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0])
     Z1, Z2 = v.relative[G], v.relative[N + G]
     ds = 0.5 * (P1 * P1 + P2 * P2 - Z1 * Z1 - Z2 * Z2) / (Z1 * c1 + Z2 * c2)
     Z1, Z2 = Z1 + ds * c1, Z2 + ds * c2
-    q2 = math.pi + math.atan2(-P2, -P1) - math.atan2(Z2, Z1)
+    # exp(i q2) has the direction of P / Z; both -P and Z point forwards
+    cosine, sine = P1 * Z1 + P2 * Z2, P2 * Z1 - P1 * Z2
     tip_1, tip_2 = v.relative[end], v.relative[N + end]
-    o[2], o[3] = q2, s + ds
-    o[4] = p.d + math.cos(q2) * tip_1 - math.sin(q2) * tip_2
-    o[5] = math.sin(q2) * tip_1 + math.cos(q2) * tip_2
+    o[2], o[3] = math.pi + math.atan2(-sine, -cosine), s + ds
+    scale = 1.0 / math.sqrt(cosine * cosine + sine * sine)
+    o[4] = p.d + scale * (cosine * tip_1 - sine * tip_2)
+    o[5] = scale * (sine * tip_1 + cosine * tip_2)
     o[6] = tip_2
-    o[16] = abs(math.hypot(gap_1, gap_2) - math.hypot(P1, P2))
+    o[16] = abs(v.facts[EXCESS])
 
 
 @inlined
@@ -166,9 +168,9 @@ def _curvature_at(t: SpanTables, v: MovingWorkspace, s: float, L: float, x: floa
     u = x / s if x <= s else (x - s) / (L - s)
     total = weight = 0.0
     for j in range(t.G):
-        share = u - t.u[j]
-        if share == 0.0:
+        if u == t.u[j]:
             return v.gamma[first + j]
-        total += t.barycentric[j] / share * v.gamma[first + j]
-        weight += t.barycentric[j] / share
+        share = t.barycentric[j] / (u - t.u[j])
+        total += share * v.gamma[first + j]
+        weight += share
     return total / weight

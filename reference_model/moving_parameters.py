@@ -16,7 +16,7 @@ EXTRAS = 5  # omega^2, its derivative by s, psi' at the slider, and first two de
 
 
 #: Quantities of one state in `MovingWorkspace.facts`.
-COS_Q2, SIN_Q2, Q2_RATE, S_RATE, Q2_REMAINDER, S_REMAINDER, CURVATURE, SLIDER_SLOPE, ALONG, ACROSS = range(10)
+COS_Q2, SIN_Q2, Q2_RATE, S_RATE, Q2_REMAINDER, S_REMAINDER, CURVATURE, SLIDER_SLOPE, ALONG, ACROSS, EXCESS = range(11)
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations.
 TIP_1, TIP_2, TIP_TURN, BASE_TURN, SLIDER_TURN, CRANK_TURN = range(6)
 BODIES = 6
@@ -98,7 +98,7 @@ class MovingWorkspace(NamedTuple):
     reduced: Array  # (n + 1, n + 1) mass matrix
     acceleration: Array  # (n + 1,)
     slider: Array  # (1,) s
-    facts: Array  # (10,)
+    facts: Array  # (11,)
 
 
 def moving_workspace(tables: SpanTables, n: int) -> MovingWorkspace:
@@ -114,7 +114,7 @@ def moving_workspace(tables: SpanTables, n: int) -> MovingWorkspace:
         V=np.zeros((n + 1, M)),
         reduced=np.zeros((n + 1, n + 1)),
         slider=np.zeros(1),
-        facts=np.zeros(10),
+        facts=np.zeros(11),
         **{name: np.zeros(shape) for name, shape in shapes.items()},
     )
 
