@@ -1,4 +1,4 @@
-"""Which engines there are: the four main ones, and third-party ones found by the entry-point group `quickreturn.engines`.
+"""Which engines there are: the four main ones, rivals, and third-party ones found by the entry-point group `quickreturn.engines`.
 
 An engine's module is imported when the engine is asked for and not before, so that a library that is missing or broken disables
 its own engine and no other. An entry point maps the engine's name to its class:
@@ -22,6 +22,8 @@ from engines.start import Start
 from reference_model.mechanism import Mechanism
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
+#: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
+RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load")
 GROUP: Final = "quickreturn.engines"
 
 _MODULES: Final = {
@@ -30,6 +32,9 @@ _MODULES: Final = {
     "exudyn": "engines.exudyn.engine:ExudynEngine",
     "mujoco": "engines.mujoco.engine:MujocoEngine",
     "fixed-shapes": "engines.pseudo_coordinate.fixed_shapes:FixedShapesEngine",
+    "multiplier": "engines.rivals.multiplier:MultiplierEngine",
+    "stiff-spring": "engines.rivals.stiff_spring:StiffSpringEngine",
+    "nodal-load": "engines.rivals.nodal_load:NodalLoadEngine",
 }
 
 
@@ -38,8 +43,8 @@ class UnknownEngine(ValueError):
 
 
 def engine_names() -> tuple[str, ...]:
-    """Names of all engines, whether usable here or not: the main ones in their order, then third-party ones by name."""
-    return (*MAIN, *sorted(_third_party()))
+    """Names of all engines, whether usable here or not: the main ones in their order, the rivals, then third-party ones by name."""
+    return (*MAIN, *RIVALS, *sorted(_third_party()))
 
 
 def engine(name: str) -> Engine:

@@ -89,13 +89,21 @@ def observe_row(
     recover: bool,
     o: NDArray[np.float64],
 ) -> None:
-    """One row `o` (19,) of the output, from what an evaluation left in `w`; arguments as in `observe`.
+    """One row of the output, from what an evaluation left in `w`.
 
     Args:
-        c: the slider, `k` its contact.
+        p: parameters.
+        w: workspace after the evaluation of the row's state.
+        mesh: as in `observe`.
+        v: workspace of `mesh`.
+        c: the slider.
+        k: its contact.
         y: q1, eta, q1dot, etadot, dissipated energy, work of the drive.
-        force: slider force, N; `drive` the torque of the drive, N m.
+        force: slider force, N.
+        drive: torque of the drive, N m.
         gap: signed distance of the crank tip from the centre line along the normal, m.
+        recover: recover curvature and shape from equilibrium.
+        o: the row to fill, (19,); without recovery its `constraint_gap` is left to the caller.
     """
     n = p.n
     eta_rate = y[n + 2 : 2 * n + 2]

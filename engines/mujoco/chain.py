@@ -5,11 +5,11 @@ at the end. Links are uniform rods and hinges have the stiffness EI/h: with both
 stiffness cancel in the interior, what is left is of order h⁴ (see the centre line in kernels.py for the last term of order h²).
 """
 
+import math
 from collections.abc import Iterator
 
 import mujoco
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from engines.base import ModelDescription
@@ -118,8 +118,14 @@ def describe(mechanism: Mechanism, hinges: int) -> ModelDescription:
     if mechanism.tip is not None:
         bodies.append("tip: rigid body fixed to the end")
     moving = "crank tip" if mechanism.crank_is_free else "crank tip, moved at the prescribed speed,"
-    joints.append(f"{moving} on the follower's smooth centre line: one constraint, exact multiplier")
-    return ModelDescription(tuple(bodies), tuple(joints), hinges + 1 + int(mechanism.crank_is_free) - 1)
+    compliant, free = math.isfinite(mechanism.slider.joint_stiffness), hinges + 1 + int(mechanism.crank_is_free)
+    how = (
+        "beside the follower's smooth centre line: spring and damper"
+        if compliant
+        else "on the follower's smooth centre line: one constraint, exact multiplier"
+    )
+    joints.append(f"{moving} {how}")
+    return ModelDescription(tuple(bodies), tuple(joints), free if compliant else free - 1)
 
 
 def follower_matrices(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -133,9 +139,3 @@ def follower_matrices(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) 
     if hinges:
         stiffness[1:] = mechanism.follower.bending_stiffness * hinges / mechanism.follower.length
     return mass[first:, first:], np.diag(stiffness)
-
-
-def highest_frequency(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) -> float:
-    """Highest angular frequency of the straight chain, rad/s: what an explicit integrator must keep up with."""
-    mass, stiffness = follower_matrices(model, mechanism, hinges)
-    return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))

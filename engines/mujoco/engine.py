@@ -1,6 +1,5 @@
 """Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
 
-import math
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import ClassVar
@@ -43,8 +42,6 @@ class MujocoEngine(Engine):
     def check(self, mechanism: Mechanism) -> None:
         """See `Engine.check`."""
         slider, crank, follower = mechanism.slider, mechanism.crank, mechanism.follower
-        if math.isfinite(slider.joint_stiffness):
-            raise Refusal(f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m cannot be modelled by engine mujoco; accepted: inf")
         if slider.inertia > 0.0:
             raise Refusal(
                 f"slider.inertia: {slider.inertia:g} kg m^2 cannot be modelled by engine mujoco, its joint passes no moment; accepted: 0"

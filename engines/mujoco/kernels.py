@@ -60,6 +60,9 @@ CONTEXT = np.dtype(
         ("prescribed_inertia", "f8"),  # kg m^2 about O, crank and slider
         ("prescribed_weight_1", "f8"),  # N m, gravity's potential energy of crank and slider is w1 cos q1 + w2 sin q1
         ("prescribed_weight_2", "f8"),
+        ("joint_is_compliant", "i8"),
+        ("joint_stiffness", "f8"),  # N/m
+        ("joint_damping", "f8"),  # N s/m
         # the slider now
         ("slider_position", "f8"),
         ("slider_speed", "f8"),
@@ -258,7 +261,10 @@ def _damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
 
 @_compiled
 def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
-    """The hook's work: drive and damping, and the slider force that keeps the gap's acceleration zero, into `force_applied`."""
+    """The hook's work: drive and damping, and the slider force, into `force_applied`.
+
+    A rigid joint's force keeps the gap's acceleration zero, a compliant one's follows from gap and gap rate.
+    """
     n = ctx.coordinates
     qpos, qvel, applied = _array(ctx.qpos, n), _array(ctx.qvel, n), _array(ctx.force_applied, n)
 
@@ -280,11 +286,18 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
     dissipation += _damp_beam(ctx, e, rates, applied)
 
-    known, solved = np.empty((2, n)), np.empty((2, n))
-    known[0] = _array(ctx.force_passive, n) - _array(ctx.force_bias, n) + applied
-    known[1] = row
-    mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
-    multiplier = -(np.dot(row, solved[0]) + remaining) / np.dot(row, solved[1])
+    if ctx.joint_is_compliant:
+        gap_rate = np.dot(row, qvel)
+        if not ctx.crank_is_free:
+            gap_rate += crank_row * crank_speed
+        multiplier = -ctx.joint_stiffness * ctx.gap - ctx.joint_damping * gap_rate
+        dissipation += ctx.joint_damping * gap_rate**2
+    else:
+        known, solved = np.empty((2, n)), np.empty((2, n))
+        known[0] = _array(ctx.force_passive, n) - _array(ctx.force_bias, n) + applied
+        known[1] = row
+        mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
+        multiplier = -(np.dot(row, solved[0]) + remaining) / np.dot(row, solved[1])
     applied += multiplier * row
     ctx.slider_force = -multiplier
 
@@ -375,6 +388,7 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, gauge_weights: A
         strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
         curvature = _curvatures(ctx, qpos, gauges, gauge_weights)
     gravity = energy[0] - strain_energy
+    strain_energy += 0.5 * ctx.joint_stiffness * ctx.gap**2
     gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
 
     out[0], out[1], out[2], out[3] = angle, crank_speed, base_angle, ctx.slider_position
@@ -413,7 +427,8 @@ def advance(
         for _ in range(steps if k > 0 else 0):
             ctx.stage, ctx.mean_dissipation, ctx.mean_drive_power = 0, 0.0, 0.0
             mj_step(model, data)
-            _project(model, data, ctx)
+            if not ctx.joint_is_compliant:
+                _project(model, data, ctx)
             ctx.dissipated += step * ctx.mean_dissipation
             ctx.drive_work += step * ctx.mean_drive_power
             state = _state(ctx)

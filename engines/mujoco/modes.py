@@ -1,8 +1,9 @@
-"""Natural frequencies of the straight follower with the crank held."""
+"""Natural frequencies of the straight follower with the crank held, and the highest that an integrator meets."""
 
 import dataclasses
 import math
 
+import mujoco
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
@@ -19,10 +20,35 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
     hinges = chain.hinge_count(mechanism, links)
     held = dataclasses.replace(mechanism, crank=dataclasses.replace(mechanism.crank, drive=PrescribedSpeed(speed=0.0)))
     mass, stiffness = chain.follower_matrices(chain.build(held, hinges, 0.0), held, hinges)
+    constraint = support_row(mechanism, hinges, crank_angle)
+    if math.isfinite(mechanism.slider.joint_stiffness):
+        free = np.eye(hinges + 1)
+        stiffness = stiffness + mechanism.slider.joint_stiffness * np.outer(constraint, constraint)
+    else:
+        free = scipy.linalg.null_space(constraint[None, :])
+    squares = scipy.linalg.eigvalsh(free.T @ stiffness @ free, free.T @ mass @ free) if free.size else np.empty(0)
+    return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * math.pi)
+
+
+def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArray[np.float64]:
+    """Transverse motion of the straight follower's point at the slider per rate of base and hinge angles, m, shape (N + 1,)."""
     arm = mechanism.crank.length
     slider = math.hypot(mechanism.pivot_distance - arm * math.cos(crank_angle), arm * math.sin(crank_angle))
     coefficients = kernels.centre_line_coefficients(slider, hinges, mechanism.follower.length / max(hinges, 1), 0)
-    constraint = np.cumsum(coefficients[::-1])[::-1]  # a hinge turns every link beyond it
-    free = scipy.linalg.null_space(constraint[None, :])
-    squares = scipy.linalg.eigvalsh(free.T @ stiffness @ free, free.T @ mass @ free) if free.size else np.empty(0)
-    return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * math.pi)
+    return np.asarray(np.cumsum(coefficients[::-1])[::-1])  # a hinge turns every link beyond it
+
+
+def highest_frequency(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) -> float:
+    """Highest angular frequency of the straight chain, rad/s: what an explicit integrator must keep up with.
+
+    A rigid joint lowers it; a compliant one raises it, by what depends on the slider's place.
+    """
+    mass, stiffness = chain.follower_matrices(model, mechanism, hinges)
+    if not math.isfinite(mechanism.slider.joint_stiffness):
+        return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))
+    highest = 0.0
+    for crank_angle in np.linspace(0.0, math.pi, 13):
+        row = support_row(mechanism, hinges, crank_angle)
+        softened = stiffness + mechanism.slider.joint_stiffness * np.outer(row, row)
+        highest = max(highest, float(np.sqrt(scipy.linalg.eigvalsh(softened, mass)[-1])))
+    return highest

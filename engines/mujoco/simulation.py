@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import EngineFailure, Simulation
-from engines.mujoco import chain, kernels
+from engines.mujoco import chain, kernels, modes
 from engines.mujoco.settings import ChainSettings
 from engines.start import Start
 from engines.start_state import StartState, reconstruct
@@ -96,7 +96,7 @@ class ChainSimulation(Simulation):
             speed = max(speed, abs(drive.torque / drive.damping))
         step = 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf
         if self._hinges:
-            highest = chain.highest_frequency(self._model, self._mechanism, self._hinges)
+            highest = modes.highest_frequency(self._model, self._mechanism, self._hinges)
             step = min(step, _SAFETY * _STABILITY_LIMIT / highest)
         return step
 
@@ -175,6 +175,8 @@ def _context(mechanism: Mechanism, hinges: int, data: mujoco.MjData) -> NDArray[
         "crank_length": crank.length,
         "crank_is_free": int(mechanism.crank_is_free),
     }
+    if math.isfinite(slider.joint_stiffness):
+        values |= {"joint_is_compliant": 1, "joint_stiffness": slider.joint_stiffness, "joint_damping": slider.joint_damping}
     if isinstance(drive, TorqueDrive):
         values |= {"crank_torque": drive.torque, "crank_damping": drive.damping}
     else:

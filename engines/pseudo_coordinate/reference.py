@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from engines.base import Engine, EngineFailure, ModelDescription, NoSteadyState, Refusal, SteadyState
 from engines.pseudo_coordinate import orbit
 from engines.pseudo_coordinate.simulation import ExplicitSimulation
+from engines.rivals.simulation import OpenLoopSimulation
+from engines.rivals.stiff_spring import StiffSpringEngine, StiffSpringSettings
 from engines.settings import Settings, setting
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
@@ -56,16 +58,20 @@ class ReferenceEngine(Engine):
         return f"numpy {np.__version__}, scipy {scipy.__version__}"
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse a compliant slider joint: the loop is closed exactly."""
+        """Refuse what a compliant joint cannot carry, and a damper beside a rigid one."""
         slider = mechanism.slider
-        if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
+        if math.isfinite(slider.joint_stiffness):
+            _COMPLIANT.check(mechanism)
+        elif slider.joint_damping > 0.0:
             raise Refusal(
-                f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
-                f' modelled by {self.name}, which closes the loop exactly; accepted: "inf" and "0 N*s/m"'
+                f"slider.joint_damping: {slider.joint_damping:g} N*s/m does nothing in a rigid joint; accepted: 0, or a finite"
+                " slider.joint_stiffness"
             )
 
     def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
+        if math.isfinite(mechanism.slider.joint_stiffness):
+            return _COMPLIANT.describe(mechanism, _compliant(_own(settings)))
         rigid, slider = mechanism.follower.is_rigid, mechanism.slider
         modes = 0 if rigid else _own(settings).modes
         bodies = ["crank", "follower beam (rigid)" if rigid else f"follower beam ({modes} shapes that follow the slider)"]
@@ -109,9 +115,11 @@ class ReferenceEngine(Engine):
                 return own.replaced(modes=modes, tolerance=min(tolerance, own.tolerance))
         return None
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> ExplicitSimulation:
-        """See `engines.base.Engine.prepare`."""
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> ExplicitSimulation | OpenLoopSimulation:
+        """See `engines.base.Engine.prepare`; with a compliant slider joint the model of `stiff-spring` (`_compliant`)."""
         self.check(mechanism)
+        if math.isfinite(mechanism.slider.joint_stiffness):
+            return _COMPLIANT.prepare(mechanism, start, _compliant(_own(settings)))
         own, began = _own(settings), time.perf_counter()
         model: ExplicitModel | MovingShapeModel
         if mechanism.follower.is_rigid:
@@ -125,8 +133,9 @@ class ReferenceEngine(Engine):
         return ExplicitSimulation(model, state, own.tolerance, "DOP853", time.perf_counter() - began)
 
     def steady_state(self, mechanism: Mechanism, start: Start, settings: Settings) -> SteadyState | None:
-        """See `engines.base.Engine.steady_state`; a rigid follower has none to search for but is marched."""
-        return orbit.steady_state(self.prepare(mechanism, start, settings))
+        """See `engines.base.Engine.steady_state`; a rigid follower or a compliant slider joint is marched."""
+        simulation = self.prepare(mechanism, start, settings)
+        return None if isinstance(simulation, OpenLoopSimulation) else orbit.steady_state(simulation)
 
     def periodic_start(self, mechanism: Mechanism, settings: Settings) -> Start:
         """The periodic steady state at the slider's farthest place, as a start for any engine.
@@ -136,14 +145,28 @@ class ReferenceEngine(Engine):
         """
         found = self.steady_state(mechanism, standard_start(mechanism), settings)
         if found is None or not found.stable:
-            raise NoSteadyState("the follower is rigid" if found is None else "the periodic state is not stable")
+            raise NoSteadyState("a rigid follower or a soft joint is marched" if found is None else "the periodic state is not stable")
         assert isinstance(found.simulation, ExplicitSimulation)
         return found.simulation.present_start()
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
         """Converged, whatever the number of modes kept in simulations."""
         self.check(mechanism)
+        if math.isfinite(mechanism.slider.joint_stiffness):
+            shapes = max(48, 6 * count)
+            return _COMPLIANT.natural_frequencies(mechanism, crank_angle, count, StiffSpringSettings(shapes=min(shapes, 64)))
         return frozen_crank_modes(mechanism, crank_angle, count).frequencies
+
+
+_COMPLIANT: Final = StiffSpringEngine()
+
+
+def _compliant(settings: ReferenceSettings) -> StiffSpringSettings:
+    """Settings of a scene with a compliant slider joint: shapes that follow the slider are those of a rigid support.
+
+    Four clamped-free modes for each mode asked for leave about the same error (`engines.pseudo_coordinate.fixed_shapes.LADDER`).
+    """
+    return StiffSpringSettings(shapes=4 * settings.modes, tolerance=settings.tolerance)
 
 
 def _state(model: MovingShapeModel, start: Start) -> NDArray[np.float64]:

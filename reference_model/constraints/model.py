@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig, null_space
 
+from reference_model.constraints.gap import Speeds
 from reference_model.constraints.joint import Joint
-from reference_model.constraints.open_loop import observe_open, open_right_hand_side
+from reference_model.constraints.open_loop import close_loop, observe_open, open_right_hand_side
 from reference_model.constraints.workspace import OpenWorkspace, open_workspace
-from reference_model.dynamics import evaluate
 from reference_model.integrate import Integration, _dop853
 from reference_model.mechanism import Mechanism
 from reference_model.model import ExplicitModel, ObservationFailed
 from reference_model.observables import COLUMNS
-from reference_model.parameters import build_workspace, state_size
+from reference_model.parameters import build_workspace
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import ShapeSet
 
@@ -60,15 +60,14 @@ class OpenLoopModel:
         Raises:
             ObservationFailed: the loop cannot be closed.
         """
-        n = self.shapes.count
-        closed = self.closed.initial_state(crank_angle, crank_speed, eta, eta_rate)
-        good, slider, contact = evaluate(self.closed.parameters, self._workspace.beam, closed)
-        if not good:
+        n, p = self.shapes.count, self.closed.parameters
+        bend = np.zeros(n) if eta is None else np.asarray(eta, dtype=np.float64)
+        bend_rate = np.zeros(n) if eta_rate is None else np.asarray(eta_rate, dtype=np.float64)
+        speeds = Speeds(crank_angle, 0.0, bend, crank_speed, 0.0, bend_rate)
+        closes, q2, q2_rate = close_loop(p, self._workspace.beam, speeds)
+        if not closes:
             raise ObservationFailed(0)
-        y = np.zeros(state_size(self.closed.parameters) + 3)
-        y[0], y[1], y[2 : n + 2] = crank_angle, slider.q2, closed[1 : n + 1]
-        y[n + 2], y[n + 3], y[n + 4 : 2 * n + 4] = crank_speed, contact.q2_rate, closed[n + 2 : 2 * n + 2]
-        return y
+        return np.concatenate([[crank_angle, q2], bend, [crank_speed, q2_rate], bend_rate, np.zeros(3)])
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.integrate_dop853`."""

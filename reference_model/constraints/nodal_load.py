@@ -34,7 +34,8 @@ def meet(joint: Joint, p: Parameters, y: Speeds, w: OpenWorkspace) -> tuple[Slid
         c, gap = _chord_gap(p, y, w.beam, w.row)
     else:
         c, gap = smooth_gap(p, y, w.beam, w.row)
-    w.spread[:] = w.row
+    for a in range(p.n + 2):
+        w.spread[a] = w.row[a]
     if joint.distribution == LEVER and gap.exists:
         edges = p.tables.edges
         left = find_cell(edges, c.s)
@@ -70,7 +71,8 @@ def _node(p: Parameters, y: Speeds, node: int, w: Workspace) -> Node:
 @compiled
 def _share_force(p: Parameters, y: Speeds, left: int, share: float, n1: float, n2: float, w: Workspace, out: Array) -> None:
     """Follower's part of `out` for 1 - share of the force on node `left` and share on the next (equation R5.1)."""
-    out[1:] = 0.0
+    for a in range(1, p.n + 2):
+        out[a] = 0.0
     for side in range(2):
         node = left + side
         weight = share if side == 1 else 1.0 - share

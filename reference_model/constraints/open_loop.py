@@ -22,7 +22,7 @@ from reference_model.constraints.stiff_spring import spring_force
 from reference_model.constraints.workspace import OpenWorkspace
 from reference_model.dynamics import assemble, dissipation
 from reference_model.equations import right_hand_side
-from reference_model.kinematics import Contact, Slider, centre_line
+from reference_model.kinematics import Contact, Slider, centre_line, constraint_row, place_slider
 from reference_model.observables import observe_row
 from reference_model.parameters import Parameters, Workspace
 from reference_model.tables import Tables
@@ -35,6 +35,18 @@ OpenParameters = tuple[Parameters, Joint]
 def _fill_fields(p: Parameters, y: Speeds, w: Workspace) -> bool:
     """The beam's `centre_line`, compiled once for all joints."""
     return centre_line(p.tables, p.exact_geometry, y.eta, y.eta_rate, w)
+
+
+@compiled
+def close_loop(p: Parameters, w: Workspace, y: Speeds) -> tuple[bool, float, float]:
+    """q2 and its rate that close the loop for given crank and shape; False where none do. Those of `y` are not read."""
+    if not _fill_fields(p, y, w):
+        return False, 0.0, 0.0
+    c = place_slider(p, y.q1, y.eta, w)
+    if not (c.closes and abs(c.slope) < 1.0):
+        return False, 0.0, 0.0
+    k = constraint_row(p, c, y.q1_rate, y.eta, y.eta_rate, w)
+    return k.regular, c.q2, k.q2_rate
 
 
 @compiled

@@ -1,0 +1,210 @@
+"""The engines `multiplier`, `stiff-spring` and `nodal-load`: agreement with each other, energy, drift, limits and refusals."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from engines.base import Engine, EngineFailure, Refusal
+from engines.mujoco.engine import MujocoEngine
+from engines.mujoco.settings import ChainSettings
+from engines.pseudo_coordinate.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
+from engines.registry import RIVALS, engine, engine_names
+from engines.rivals.multiplier import MultiplierEngine, MultiplierSettings
+from engines.rivals.nodal_load import NodalLoadEngine, NodalLoadSettings
+from engines.rivals.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from engines.settings import Settings
+from engines.start import standard_start
+from engines.trajectory import Trajectory
+from reference_model.mechanism import Crank, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from tests.engines.scenes import run_24
+
+Array = NDArray[np.float64]
+CHANNELS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force", "follower_angle", "slider_position")
+SHAPES = 5
+
+
+def run(chosen: Engine, settings: Settings, mechanism: Mechanism | None = None, duration: float = 0.15) -> Trajectory:
+    scene = mechanism or run_24()
+    return chosen.prepare(scene, standard_start(scene), settings).advance(duration, 1e-3)
+
+
+@cache
+def multiplier(stabilization: float = 100.0, shapes: int = SHAPES) -> Trajectory:
+    return run(MultiplierEngine(), MultiplierSettings(shapes=shapes, tolerance=1e-9, stabilization=stabilization))
+
+
+@cache
+def spring(stiffness: float) -> Trajectory:
+    settings = StiffSpringSettings(shapes=SHAPES, tolerance=1e-8, stiffness=stiffness, damping=3e-5 * stiffness)
+    return run(StiffSpringEngine(), settings)
+
+
+@cache
+def nodal(elements: int, distribution: str) -> Trajectory:
+    return run(NodalLoadEngine(), NodalLoadSettings(elements=elements, distribution=distribution, tolerance=1e-8))
+
+
+def error(found: Array, expected: Array) -> float:
+    return float(np.sqrt(np.mean((found - expected) ** 2) / np.mean(expected**2)))
+
+
+def balance(trajectory: Trajectory) -> Array:
+    """Energy that came from nowhere since the start, J."""
+    total = trajectory["kinetic_energy"] + trajectory["strain_energy"] + trajectory["gravity_energy"]
+    total = total + trajectory["dissipated_energy"] - trajectory["drive_work"]
+    return np.asarray(total - total[0], dtype=np.float64)
+
+
+def test_rivals_are_listed_after_the_main_engines() -> None:
+    assert engine_names()[4:8] == RIVALS
+    assert all(engine(name).name == name and engine(name).unavailable() is None for name in RIVALS)
+
+
+@pytest.mark.parametrize("channel", CHANNELS)
+def test_multiplier_moves_as_the_eliminated_constraint(channel: str) -> None:
+    """Same beam, same shapes: what differs is integration error, 1e-9 a step in 400 steps and up to 100 times that in accelerations."""
+    expected = run(FixedShapesEngine(), FixedShapesSettings(shapes=SHAPES, tolerance=1e-9))
+    assert error(multiplier()[channel], expected[channel]) < 1e-5
+
+
+def test_stabilization_holds_the_drift() -> None:
+    free, held = multiplier(0.0), multiplier()
+    assert np.max(held["constraint_gap"]) < 0.2 * np.max(free["constraint_gap"])
+    assert np.max(free["constraint_gap"]) < 1e-8  # the integration error of a length of 0.6 m
+    assert held.statistics["largest_gap_rate"] < 1e-6
+
+
+def test_spring_approaches_the_constraint_at_first_order() -> None:
+    """In run 24 the spring's own period is far below the motion's, so that the gap is F/k and the difference in proportion to it."""
+    differences = [error(spring(k)["tip_deflection"], multiplier()["tip_deflection"]) for k in (3e5, 3e6)]
+    assert differences[0] / differences[1] == pytest.approx(10.0, rel=0.1)
+    later = slice(20, None)  # 20 ms after the start, when the spring has come to rest (time constant c/k and damping of the shapes)
+    force, gap = spring(3e6)["slider_force"][later], spring(3e6)["constraint_gap"][later]
+    assert error(np.abs(force) / 3e6, gap) < 0.02  # the damper's share, c/k times the force's rate
+
+
+def test_linear_force_on_nodes_converges_to_the_common_motion_slowly() -> None:
+    """The lever rule differs from the consistent distribution by what falls with the element's size, second order at best."""
+    lever = [error(nodal(n, "lever")["tip_deflection"], multiplier(shapes=12)["tip_deflection"]) for n in (6, 12)]
+    consistent = error(nodal(6, "consistent")["tip_deflection"], multiplier(shapes=12)["tip_deflection"])
+    assert lever[1] < 0.5 * lever[0]
+    assert consistent < 0.2 * lever[0]
+
+
+def test_both_linear_is_conjugate_but_for_corners() -> None:
+    """Its energy balance is that of the impacts at the nodes, which the stabilization smears."""
+    trajectory = nodal(6, "both linear")
+    assert "spurious_energy" not in trajectory.statistics
+    assert np.max(np.abs(balance(trajectory))) < 1e-2 * np.max(trajectory["strain_energy"] + trajectory["drive_work"])
+
+
+@pytest.mark.parametrize("kind", ["multiplier", "stiff-spring", "consistent"])
+def test_energy_balances(kind: str) -> None:
+    """Kinetic, strain, spring and dissipated energy against the drive's work; 14 J move, the integration error is 1e-8 of them."""
+    trajectory = multiplier() if kind == "multiplier" else spring(3e5) if kind == "stiff-spring" else nodal(6, "consistent")
+    assert np.max(np.abs(balance(trajectory))) < 1e-6
+
+
+def test_spurious_energy_is_what_the_balance_lacks() -> None:
+    trajectory = nodal(6, "lever")
+    assert balance(trajectory)[-1] == pytest.approx(trajectory.statistics["spurious_energy"], abs=1e-6)
+    assert trajectory.statistics["spurious_energy_moved"] > 1e-4  # J; thousands of times what the others leave
+    assert trajectory.statistics["largest_spurious_power"] > 1e-2  # W
+
+
+def test_lever_rule_on_few_elements_loses_its_hold() -> None:
+    """Two elements: at q1 = 180 deg the force on the nodes moves the slider the wrong way."""
+    with pytest.raises(EngineFailure, match="lost its hold on the gap") as caught:
+        nodal(2, "lever")
+    assert caught.value.time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("chosen", "settings"),
+    [
+        (MultiplierEngine(), MultiplierSettings()),
+        (StiffSpringEngine(), StiffSpringSettings()),
+        (NodalLoadEngine(), NodalLoadSettings()),
+    ],
+    ids=["multiplier", "stiff-spring", "nodal-load"],
+)
+class TestFeatures:
+    def test_rigid_follower_is_the_rigid_mechanism(self, chosen: Engine, settings: Settings) -> None:
+        scene = run_24(follower={"bending_stiffness": math.inf})
+        expected = run(FixedShapesEngine(), FixedShapesSettings(), scene, 0.05)
+        found = run(chosen, settings, scene, 0.05)
+        # the spring gives way by F/k = 2e-5 m at a lever of 0.4 m
+        np.testing.assert_allclose(found["follower_angle"], expected["follower_angle"], rtol=0.0, atol=1e-4)
+
+    def test_prescribed_speed_takes_the_torque_that_balances(self, chosen: Engine, settings: Settings) -> None:
+        crank = run_24().crank
+        steady = Crank(length=crank.length, drive=PrescribedSpeed(speed=16.6), mass=crank.mass, center_of_mass=crank.center_of_mass)
+        found = run(chosen, settings, run_24(crank=steady), 0.05)
+        np.testing.assert_allclose(found["crank_speed"], 16.6, rtol=1e-12)
+        lacking = balance(found) - np.array([0.0, *[found.statistics.get("spurious_energy", 0.0)] * 50])
+        assert abs(lacking[-1]) < 1e-5  # J; the default tolerance of 1e-7
+
+    def test_refusals_name_the_key(self, chosen: Engine, settings: Settings) -> None:
+        idle = Crank(length=0.1, drive=TorqueDrive(torque=0.0, damping=0.0, initial_speed=1.0))
+        for scene, key in (
+            (run_24(slider=Slider(inertia=1e-5)), "slider.inertia"),
+            (run_24(crank=idle), "crank.inertia"),
+            (run_24(follower={"mass_per_length": 0.0}), "follower.mass_per_length"),
+        ):
+            with pytest.raises(Refusal, match=key):
+                chosen.check(scene)
+
+    def test_description_counts_what_is_integrated(self, chosen: Engine, settings: Settings) -> None:
+        description = chosen.describe(run_24(), settings)
+        free = chosen.prepare(run_24(), standard_start(run_24()), settings).advance(1e-3, 1e-3).statistics["degrees_of_freedom"]
+        assert description.degrees_of_freedom == free
+        assert description.joints[-1].startswith("slider ")
+
+    def test_ladder_climbs_to_its_end(self, chosen: Engine, settings: Settings) -> None:
+        rung: Settings | None = chosen.settings_for(0.05, run_24())
+        finest, steps = rung, 0
+        while rung is not None:
+            finest, rung, steps = rung, chosen.finer(rung), steps + 1
+            assert chosen.coarser(finest)[1] > 1.0
+        assert steps > 2
+        assert finest == chosen.settings_for(1e-9, run_24())
+
+
+@pytest.mark.parametrize("chosen", [MultiplierEngine(), NodalLoadEngine()], ids=["multiplier", "nodal-load"])
+def test_methods_that_close_the_gap_refuse_a_compliant_joint(chosen: Engine) -> None:
+    with pytest.raises(Refusal, match=r"slider\.joint_stiffness: 20000 N/m"):
+        chosen.check(run_24(slider=Slider(joint_stiffness=2e4)))
+
+
+def test_frequencies_rise_with_the_stiffness_to_the_rigid_ones() -> None:
+    found = [StiffSpringEngine().natural_frequencies(run_24(), math.pi, 3, StiffSpringSettings(stiffness=k)) for k in (1e4, 1e6, 1e9)]
+    rigid = MultiplierEngine().natural_frequencies(run_24(), math.pi, 3, MultiplierSettings())
+    assert np.all(np.diff(np.array(found), axis=0) > 0.0)
+    np.testing.assert_allclose(found[-1], rigid, rtol=1e-4)
+    np.testing.assert_allclose(rigid, [20.354, 62.287, 112.95], rtol=0.02)  # converged, from the supported beam; 12 shapes lie above
+
+
+def test_compliant_joint_is_one_model_under_two_names() -> None:
+    scene = run_24(slider=Slider(joint_stiffness=2e4, joint_damping=5.0))
+    reference = run(ReferenceEngine(), ReferenceSettings(modes=3), scene)
+    own = run(StiffSpringEngine(), StiffSpringSettings(shapes=12), scene)
+    assert error(reference["tip_deflection"], own["tip_deflection"]) < 1e-9  # the same shapes and tolerance
+    assert np.max(reference["constraint_gap"]) > 1e-4  # m: F/k of some 20 N
+    assert ReferenceEngine().natural_frequencies(scene, math.pi, 1, ReferenceSettings())[0] < 20.354  # Hz, the rigid joint's
+
+
+def test_a_chain_of_links_agrees_on_the_compliant_joint() -> None:
+    """MuJoCo's penalty force on another discretization, whose error 24 links keep near 1 % with a rigid joint too."""
+    scene = run_24(slider=Slider(joint_stiffness=2e4))
+    found = run(MujocoEngine(), ChainSettings(links=24), scene)
+    expected = run(ReferenceEngine(), ReferenceSettings(modes=4), scene)
+    for channel in ("tip_deflection", "tip_acceleration", "slider_force", "strain_2"):
+        assert error(found[channel], expected[channel]) < 0.03
+    assert error(np.abs(found["constraint_gap"]), expected["constraint_gap"]) < 0.03
+    assert np.max(np.abs(balance(found))) < 1e-6  # J, the joint's spring included; Runge-Kutta of order 4 at the stable step
+    rigid = run(ReferenceEngine(), ReferenceSettings(modes=4))
+    assert error(rigid["tip_deflection"], expected["tip_deflection"]) > 0.1  # the joint matters that much
