@@ -321,7 +321,7 @@ def moving_motion(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Arr
     loop.
     """
     n, s = p.n, y[p.n + 1]
-    if not (t.low <= s <= p.reach and abs(y[0]) < 1e9):
+    if not (t.low <= s <= t.high and abs(y[0]) < 1e9):
         return False
     w.slider[0] = s
     if not (_place(p, t, w, y) and _close_loop(p, t, w, y)):

@@ -89,7 +89,7 @@ class MovingShapeModel:
             t = self.parameters.tables
             return float(np.hypot(self._workspace.z[t.G], self._workspace.z[2 * t.S + t.G])) - distance
 
-        y[n + 1] = brentq(excess, 0.98 * s, min(1.02 * s, self.parameters.reach), xtol=1e-15)
+        y[n + 1] = brentq(excess, 0.98 * s, min(1.02 * s, self.parameters.tables.high), xtol=1e-15)
         return y
 
     def _shapes(self, s: float, x: Array) -> tuple[Array, Array]:
