@@ -1,11 +1,14 @@
 """Gap, constraint rows and forces of the rival methods against the bent line computed from its definition."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import reference_model
 from reference_model.constraints.joint import BOTH_LINEAR, CONSISTENT, LEVER, Joint
 from reference_model.constraints.model import OpenLoopModel
 from reference_model.constraints.multiplier import multiplier
@@ -173,3 +176,15 @@ def test_lever_rule_makes_frequencies_complex() -> None:
     growth = [np.max(model.growth_rates(angle)) for model in (symmetric, lever) for angle in np.linspace(math.pi, 2.0 * math.pi, 13)]
     assert max(growth[:13]) < 1e-3  # 1/s, rounding of roots near 1e4 rad/s
     assert max(growth[13:]) > 100.0
+
+
+def test_document_and_code_cite_each_other() -> None:
+    """Every equation of RIVALS.md is implemented by something that says so, and nothing cites one that is not there."""
+    package = Path(reference_model.__file__).parent
+    defined = re.findall(r"\\tag\{(R\d+\.\d+)\}", (package / "RIVALS.md").read_text(encoding="utf-8"))
+    assert len(defined) == len(set(defined))
+    cited: set[str] = set()
+    for file in (package / "constraints").glob("*.py"):
+        for first, last in re.findall(r"(R\d+\.\d+)(?:\s+to\s+(R\d+\.\d+))?", file.read_text(encoding="utf-8")):
+            cited |= {e for e in defined if first <= e <= (last or first)} | {first}
+    assert cited == set(defined)
