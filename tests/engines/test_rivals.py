@@ -198,13 +198,13 @@ def test_compliant_joint_is_one_model_under_two_names() -> None:
 
 
 def test_a_chain_of_links_agrees_on_the_compliant_joint() -> None:
-    """MuJoCo's penalty force on another discretization, whose error 24 links keep near 1 % with a rigid joint too."""
-    scene = run_24(slider=Slider(joint_stiffness=2e4))
-    found = run(MujocoEngine(), ChainSettings(links=24), scene)
-    expected = run(ReferenceEngine(), ReferenceSettings(modes=4), scene)
+    """MuJoCo's penalty force on another discretization: 2e-4 apart in a scene that the joint's softness changes by 42 %."""
+    scene = run_24(slider=Slider(joint_stiffness=4e3))
+    found = run(MujocoEngine(), ChainSettings(links=24), scene, 0.3)
+    expected = run(ReferenceEngine(), ReferenceSettings(modes=4), scene, 0.3)
     for channel in ("tip_deflection", "tip_acceleration", "slider_force", "strain_2"):
-        assert error(found[channel], expected[channel]) < 0.03
-    assert error(np.abs(found["constraint_gap"]), expected["constraint_gap"]) < 0.03
+        assert error(found[channel], expected[channel]) < 1e-3  # five times what was measured
+    assert error(np.abs(found["constraint_gap"]), expected["constraint_gap"]) < 1e-3
     assert np.max(np.abs(balance(found))) < 1e-6  # J, the joint's spring included; Runge-Kutta of order 4 at the stable step
-    rigid = run(ReferenceEngine(), ReferenceSettings(modes=4))
-    assert error(rigid["tip_deflection"], expected["tip_deflection"]) > 0.1  # the joint matters that much
+    rigid = run(ReferenceEngine(), ReferenceSettings(modes=4), duration=0.3)
+    assert error(rigid["tip_deflection"], expected["tip_deflection"]) > 0.3  # the joint matters that much
