@@ -61,8 +61,8 @@ def rival_table(
         `calls`, `solve_seconds`, `failure`.
     """
     start = standard_start(mechanism)
-    for engine in (ReferenceEngine(), MultiplierEngine()):  # compiles, so that no time below counts it
-        engine.prepare(mechanism, start, engine.settings_type()).advance(output_step, output_step)
+    for compiling in (ReferenceEngine(), MultiplierEngine()):  # so that no time below counts it
+        compiling.prepare(mechanism, start, compiling.settings_type()).advance(output_step, output_step)
     truth = ReferenceEngine().prepare(mechanism, start, TRUTH).advance(duration, output_step)
     rows: list[dict[str, object]] = []
     for name, engine, ladder in series(shapes, elements):
