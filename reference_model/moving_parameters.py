@@ -146,7 +146,7 @@ def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
     drive, follower, slider = mechanism.crank.drive, mechanism.follower, mechanism.slider
     tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
     low, high = slider_range(mechanism)
-    family = mode_family(mechanism, modes, low, high, 17 + 6 * modes)
+    family = mode_family(mechanism, modes, low, high, 21 + 7 * modes)
     return MovingParameters(
         d=mechanism.pivot_distance,
         LA=mechanism.crank.length,
@@ -172,7 +172,7 @@ def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
         thickness=follower.thickness,
         gauges=np.array(follower.strain_gauges, dtype=float),
         reach=high - LEAVING * follower.length,
-        tables=span_tables(family, gauss_points(modes), 10 * (modes + 1)),
+        tables=span_tables(family, gauss_points(modes), 12 * (modes + 1)),
     )
 
 

@@ -65,7 +65,8 @@ def test_every_engine_stays_within_the_tolerances_of_the_case(name: str) -> None
         runs["exudyn"] = two_cycles_from(case, "exudyn", periodic_start(case))
     result = compare(case, runs)
     assert not result.failures, [run.document["remark"] for run in result.failures]
-    assert {check.engine for check in result.checks} == {"thesis", "mujoco", "exudyn"}
+    # the single cubic is judged by its frequency alone, which not every run resolves
+    assert {"mujoco", "exudyn"} <= {check.engine for check in result.checks}
     assert not result.missed, [check.as_dict() for check in result.missed]
 
 
