@@ -115,7 +115,7 @@ class Engine(ABC):
     method: ClassVar[str]  # one line, for `quickreturn engines` and the report
     compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
     default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
-    Settings: ClassVar[type[AnySettings]]
+    settings_type: ClassVar[type[AnySettings]]
 
     @abstractmethod
     def version(self) -> str:

@@ -28,7 +28,7 @@ class ExudynEngine(Engine):
     name: ClassVar[str] = "exudyn"
     method: ClassVar[str] = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
     default_accuracy: ClassVar[float] = 3e-3
-    Settings: ClassVar[type[ExudynSettings]] = ExudynSettings
+    settings_type = ExudynSettings
 
     def version(self) -> str:
         """Name and version of the library behind the engine."""

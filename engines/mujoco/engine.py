@@ -24,7 +24,7 @@ class MujocoEngine(Engine):
     name: ClassVar[str] = "mujoco"
     method: ClassVar[str] = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, Runge-Kutta of order 4"
     default_accuracy: ClassVar[float] = 7e-3
-    Settings: ClassVar[type[AnySettings]] = ChainSettings
+    settings_type = ChainSettings
 
     def version(self) -> str:
         """See `Engine.version`."""
