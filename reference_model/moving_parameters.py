@@ -172,7 +172,7 @@ def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
         thickness=follower.thickness,
         gauges=np.array(follower.strain_gauges, dtype=float),
         reach=high - LEAVING * follower.length,
-        tables=span_tables(family, gauss_points(modes), 12 * (modes + 1)),
+        tables=span_tables(family, gauss_points(modes), 24 * (modes + 1)),
     )
 
 
