@@ -9,7 +9,7 @@ from cases.case import Case
 from cases.document import Document, check_complete, header_of, missing, overridden, read_document
 from cases.errors import CaseError, as_written, nearest, printable
 from cases.keys import PRESCRIBED, SECTIONS, TORQUE_DRIVEN, Key, key_of
-from cases.library import case_names, case_notes, case_text
+from cases.library import case_names, case_notes, case_text, impossible_names
 from cases.text_file import read_text
 from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
 from reference_model.mechanism import (
@@ -40,7 +40,7 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
     Raises:
         CaseError: no such case, an unreadable file, or a mistake in the file or the overrides.
     """
-    if name_or_path in case_names():
+    if name_or_path in case_names() or name_or_path in impossible_names():
         case = parse_case(case_text(name_or_path), name_or_path, overrides)
         return replace(case, notes=case_notes(name_or_path), source="library")
     if not (os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path)):

@@ -1,4 +1,4 @@
-"""The case library: the 24 runs of the thesis, generated from its tables, and every case file of this folder.
+"""The case library: the thesis' 24 runs and hard scenes made from one of them, both generated, and every case file of this folder.
 
 A new case needs no code: drop `NAME.toml` here (its `name` must be NAME).
 """
@@ -10,11 +10,12 @@ from typing import Final
 
 from cases.document import header_of, read_document
 from cases.errors import CaseError
+from cases.library import hard
 from cases.library.inconsistencies import Inconsistency, inconsistencies
 from cases.library.thesis import RUNS, run_name, run_text
 from cases.text_file import read_text
 
-__all__ = ["Entry", "Inconsistency", "case_names", "case_notes", "case_text", "catalogue", "inconsistencies"]
+__all__ = ["Entry", "Inconsistency", "case_names", "case_notes", "case_text", "catalogue", "impossible_names", "inconsistencies"]
 
 _FOLDER: Final = Path(__file__).parent
 
@@ -30,24 +31,34 @@ class Entry:
 
 @functools.cache
 def case_names() -> tuple[str, ...]:
-    """Names of all cases: the thesis' runs, then the files in alphabetical order."""
-    return (*(run_name(run) for run in RUNS), *_file_names())
+    """Names of all cases: the thesis' runs, then the files in alphabetical order, then the hard scenes."""
+    return (*(run_name(run) for run in RUNS), *_file_names(), *(name for name in hard.SCENES if name not in hard.IMPOSSIBLE))
+
+
+def impossible_names() -> tuple[str, ...]:
+    """Names of scenes that have a text but cannot be: loading one is refused with a sentence that is known beforehand."""
+    return tuple(hard.IMPOSSIBLE)
 
 
 @functools.cache
 def case_text(name: str) -> str:
-    """The TOML text of a case of the library. Raises KeyError for a name that is not in `case_names`, CaseError for a broken file."""
+    """The TOML text of a case of the library or of an impossible one.
+
+    Raises:
+        KeyError: a name that is neither in `case_names` nor in `impossible_names`.
+        CaseError: a broken file.
+    """
     if name in _file_names():
         return read_text(str(_FOLDER / f"{name}.toml"))
-    return run_text(_run_of(name))
+    if name in hard.SCENES:
+        return hard.scene_text(name)
+    return run_text(_runs_by_name()[name])
 
 
 @functools.cache
 def case_notes(name: str) -> tuple[str, ...]:
     """What a reader of a case's results must know of published inconsistencies; empty for cases that are no run of the thesis."""
-    if name in _file_names():
-        return ()
-    run = _run_of(name)
+    run = _runs_by_name().get(name)
     return tuple(found.sentence for found in inconsistencies() if run in found.runs)
 
 
@@ -62,8 +73,8 @@ def _file_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
-def _run_of(name: str) -> int:
-    return {run_name(run): run for run in RUNS}[name]
+def _runs_by_name() -> dict[str, int]:
+    return {run_name(run): run for run in RUNS}
 
 
 @functools.cache

@@ -1,11 +1,11 @@
 """The 24 runs of the thesis as case files, written from its tables (3.1, 5.1 and 5.2) and its shared scene (3.2 and 5.3)."""
 
-import functools
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 from cases.data import read_table, read_toml
+from cases.library.toml_text import toml_text
 
 #: Printed crank speed and torque / damping agree to 5e-7 wherever the table is right; the digits printed allow no more.
 SPEED_AGREEMENT: Final = 1e-6
@@ -74,34 +74,34 @@ def run_name(number: int) -> str:
     return f"thesis-{number:02d}"
 
 
-@functools.cache
 def run_text(number: int) -> str:
     """The case file of a run. Raises KeyError unless 1 <= number <= 24."""
     run = RUNS[number]
-    (tip,) = (row for row in read_table("thesis_tip_bodies.csv") if int(row["mass_plates"]) == run.plates)
-    header = {
+    header: dict[str, str | list[str]] = {
         "name": run_name(number),
         "title": f"Run {number}: crank {run.crank_length} in, {_COUNTS[run.plates]}, {float(run.crank_speed):.1f} rad/s",
         "tags": ["thesis"],
     }
-    of_run = {
+    return toml_text(header, run_sections(number))
+
+
+def run_sections(number: int) -> dict[str, dict[str, str | list[str]]]:
+    """Sections and keys of a run's case file, a copy. Raises KeyError unless 1 <= number <= 24."""
+    run = RUNS[number]
+    of_run: dict[str, dict[str, str | list[str]]] = {
         "crank": {
             "length": f"{run.crank_length} in",
             "torque": f"{run.torque} lbf*in",
             "damping": f"{run.damping} lbf*in*s/rad",
             "initial_speed": f"{run.crank_speed} rad/s",
         },
-        "tip": {"mass": f"{tip['mass_lbf_s2_per_in']} lbf*s^2/in", "inertia": f"{tip['rotary_inertia_lbf_s2_in']} lbf*s^2*in"},
+        "tip": tip_body(run.plates),
     }
     shared = read_toml("thesis_scene.toml")
-    sections = {name: of_run.get(name, {}) | dict(section) for name, section in shared.items()}
-    return "\n\n".join(["\n".join(_lines(header)), *("\n".join([f"[{name}]", *_lines(keys)]) for name, keys in sections.items())]) + "\n"
+    return {name: of_run.get(name, {}) | dict(section) for name, section in shared.items()}
 
 
-def _lines(keys: dict[str, Any]) -> list[str]:
-    return [f"{key} = {_toml(value)}" for key, value in keys.items()]
-
-
-def _toml(value: str | list[str]) -> str:
-    """A string or list of strings, none of which needs an escape, as TOML."""
-    return f'"{value}"' if isinstance(value, str) else "[" + ", ".join(_toml(item) for item in value) + "]"
+def tip_body(plates: int) -> dict[str, str | list[str]]:
+    """Mass and inertia of the tip with 0, 2, 4 or 6 plates (table 5.1), as in a case file."""
+    (tip,) = (row for row in read_table("thesis_tip_bodies.csv") if int(row["mass_plates"]) == plates)
+    return {"mass": f"{tip['mass_lbf_s2_per_in']} lbf*s^2/in", "inertia": f"{tip['rotary_inertia_lbf_s2_in']} lbf*s^2*in"}

@@ -1,0 +1,137 @@
+"""Hard scenes, each run 24 of the thesis with a few values changed: what breaks engines, or makes them wrong without a word.
+
+Violent motion (soft follower, fast crank), stiff equations (hard follower, light follower), the ends of the follower, light and
+heavy tips, long undamped motion, and the features that a scene may have beside the thesis'. A scene in `IMPOSSIBLE` cannot be:
+loading it must be answered by the sentence given there.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Final
+
+from cases.library.thesis import run_sections, tip_body
+from cases.library.toml_text import toml_text
+
+TAG: Final = "hard"
+_ORIGINAL: Final = 24
+
+#: Dotted key -> text as in a case file; None leaves the key out.
+Values = Mapping[str, str | list[str] | None]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A change of run 24.
+
+    Attributes:
+        title: one line for people: what differs from run 24.
+        scaled: dotted key -> factor on run 24's value.
+        given: dotted key -> new value. A section's name with None leaves the section out.
+    """
+
+    title: str
+    scaled: Mapping[str, Fraction] = field(default_factory=dict)
+    given: Values = field(default_factory=dict)
+
+
+_NO_PLATES: Final[Values] = {f"tip.{key}": value for key, value in tip_body(0).items()}
+#: The crank starts at torque / damping.
+_AT_EQUILIBRIUM: Final[Values] = {"crank.initial_speed": None}
+
+
+def _speed(factor: int, title: str) -> Scene:
+    """The same torque against a weaker damping."""
+    return Scene(title, {"crank.damping": Fraction(1, factor)}, _AT_EQUILIBRIUM)
+
+
+def _crank(length: str, title: str) -> Scene:
+    return Scene(f"crank {length}, no plates: {title}", given={"crank.length": length, **_NO_PLATES})
+
+
+def _joint(stiffness: str) -> Scene:
+    return Scene(f"slider joint of {stiffness} N/m", given={"slider.joint_stiffness": f"{stiffness} N/m"})
+
+
+#: Name -> scene.
+SCENES: Final = MappingProxyType(
+    {
+        "hard-ei-x0.1": Scene("bending stiffness x 0.1", {"follower.bending_stiffness": Fraction(1, 10)}),
+        "hard-ei-x10": Scene("bending stiffness x 10", {"follower.bending_stiffness": Fraction(10)}),
+        "hard-ei-x1000": Scene("bending stiffness x 1000", {"follower.bending_stiffness": Fraction(1000)}),
+        "hard-speed-x2": _speed(2, "crank speed x 2"),
+        "hard-speed-x3": _speed(3, "crank speed x 3: the slider leaves the follower"),
+        "hard-crank-6in": _crank("6 in", "slider up to 96 % of the length"),
+        "hard-crank-6.9in": _crank("6.9 in", "slider up to 99.6 % of the length"),
+        "hard-crank-6.95in": _crank("6.95 in", "the deflection pushes the slider off"),
+        "hard-no-tip": Scene("no tip body", given={"tip": None}),
+        "hard-tip-x10": Scene("tip body x 10", {"tip.mass": Fraction(10), "tip.inertia": Fraction(10)}),
+        "hard-mass-x0.1": Scene("follower's mass x 0.1", {"follower.mass_per_length": Fraction(1, 10)}),
+        "hard-undamped": Scene(
+            "neither torque nor damping, 100 cycles",
+            {"crank.torque": Fraction(0), "crank.damping": Fraction(0), "base.damping": Fraction(0), "follower.damping": Fraction(0)},
+            {"simulation.duration": "38 s"},  # 2 pi / 16.617773 rad/s = 0.3781 s a cycle
+        ),
+        "hard-gravity": Scene(
+            "gravity along -n2, crank balanced about O with the same inertia",
+            # 0.1 lbf s²/in x (3 in)² + 4.0e-4 lbf s² in: run 24's inertia about O
+            given={
+                "mechanism.gravity": ["0 m/s^2", "-9.81 m/s^2"],
+                "crank.center_of_mass": "0 in",
+                "crank.inertia": "0.9004 lbf*s^2*in",
+            },
+        ),
+        "hard-prescribed-speed": Scene(
+            "crank speed prescribed",
+            given={
+                "crank.prescribed_speed": "16.617773 rad/s",
+                "crank.torque": None,
+                "crank.damping": None,
+                "crank.initial_speed": None,
+            },
+        ),
+        "hard-start-at-0deg": Scene("start in the quick return", given={"crank.initial_angle": "0 deg"}),
+        "hard-reversed": Scene("reversed rotation", {"crank.torque": Fraction(-1)}, _AT_EQUILIBRIUM),
+        "hard-slider-mass": Scene("slider of 0.5 kg", given={"slider.mass": "0.5 kg"}),
+        "hard-slider-inertia": Scene("slider with inertia", given={"slider.mass": "0.1 kg", "slider.inertia": "2e-5 kg*m^2"}),
+        "hard-joint-1e3": _joint("1e3"),
+        "hard-joint-1e5": _joint("1e5"),
+        "hard-joint-1e7": _joint("1e7"),
+        "hard-joint-1e9": _joint("1e9"),
+        "hard-crank-7.5in": _crank("7.5 in", "longer than the follower reaches"),
+    }
+)
+
+#: Scenes that must be refused before anything runs, with the whole sentence.
+IMPOSSIBLE: Final = MappingProxyType(
+    {
+        "hard-crank-7.5in": 'hard-crank-7.5in: crank.length: "7.5 in" cannot be: the slider leaves the follower: pivot_distance +'
+        " crank.length = 0.6477 m must not exceed follower.length = 0.635 m",
+    }
+)
+
+
+def scene_text(name: str) -> str:
+    """The case file of a hard scene. Raises KeyError for a name that is not in `SCENES`."""
+    scene, sections = SCENES[name], run_sections(_ORIGINAL)
+    for path, factor in scene.scaled.items():
+        section, _, key = path.partition(".")
+        sections[section][key] = _times(str(sections[section][key]), factor)
+    for path, value in scene.given.items():
+        section, _, key = path.partition(".")
+        if not key:
+            del sections[section]
+        elif value is None:
+            sections[section].pop(key, None)
+        else:
+            sections.setdefault(section, {})[key] = value
+    return toml_text({"name": name, "title": f"Run {_ORIGINAL}, {scene.title}", "tags": [TAG]}, sections)
+
+
+def _times(quantity: str, factor: Fraction) -> str:
+    """A number with its unit, multiplied exactly wherever decimals can."""
+    number, unit = quantity.split(" ", 1)
+    product = Decimal(number) * factor.numerator / factor.denominator
+    return f"{product.normalize():f} {unit}"
