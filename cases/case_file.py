@@ -46,7 +46,8 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
     if not (os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path)):
         shown = as_written(name_or_path)
         near = nearest(name_or_path, case_names())
-        raise CaseError(shown, None, None, "no case of the library has this name", f"the nearest one is {near}; or give a path")
+        accepted = f"the nearest one is {near} (`quickreturn cases` lists all); or give a path"
+        raise CaseError(shown, None, None, "no case of the library has this name", accepted)
     return parse_case(read_text(name_or_path), printable(name_or_path), overrides)
 
 
@@ -157,10 +158,8 @@ def _drive(document: Document) -> TorqueDrive | PrescribedSpeed:
     elif damping > 0.0:
         initial_speed = torque / damping
     else:
-        example = f'"16 {ANGULAR_SPEED.examples[0]}"'
-        raise document.error(
-            "crank.initial_speed", "this key is missing, and without damping there is no speed torque / damping", f"such as {example}"
-        )
+        problem = "this key is missing, and without damping there is no speed torque / damping"
+        raise document.error("crank.initial_speed", problem, f"write {ANGULAR_SPEED.name}, such as {ANGULAR_SPEED.example}")
     return TorqueDrive(torque=torque, damping=damping, initial_speed=initial_speed)
 
 
@@ -196,7 +195,7 @@ def _misfit(duration: float, output_step: float) -> tuple[str, str] | None:
     steps = duration / output_step
     times = f"duration {duration:.9g} s, output step {output_step:.9g} s"
     if steps > _MOST_STEPS:
-        return f"gives {steps:.3g} output steps ({times})", f"at most {_MOST_STEPS} are accepted"
+        return f"gives {steps:.3g} output steps ({times})", f"at most {_MOST_STEPS // 1_000_000} million are accepted"
     if round(steps) < 1 or abs(steps - round(steps)) > _ROUNDING * steps:
         return f"gives {steps:.6g} output steps ({times})", "the duration must be a whole multiple of the output step"
     return None

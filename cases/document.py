@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from cases.errors import CaseError, as_written, nearest, printable
+from cases.broken_toml import broken_toml
+from cases.errors import CaseError, as_written, nearest, nearest_or_all, shortened
 from cases.keys import HEADER, OPTIONAL_SECTIONS, PRESCRIBED, SECTIONS, TORQUE_DRIVEN, all_paths, key_of
 from cases.text_file import LARGEST_TEXT
 
@@ -64,8 +65,8 @@ def read_document(text: str, source: str) -> Document:
         content = tomllib.loads(text)
     except RecursionError:
         raise CaseError(source, None, None, "is nested too deeply", "sections with strings and lists of strings are accepted") from None
-    except ValueError as broken:  # also what Python raises for whole numbers of thousands of digits
-        raise CaseError(source, None, None, f"is no valid TOML: {_lower_first(str(broken))}") from None
+    except ValueError as broken:
+        raise broken_toml(source, text, str(broken)) from None
 
     header = {key: value for key, value in content.items() if key in HEADER}
     values: dict[str, Any] = {}
@@ -79,18 +80,14 @@ def read_document(text: str, source: str) -> Document:
     return Document(source, header, values, frozenset(content) & frozenset(SECTIONS))
 
 
-def _lower_first(text: str) -> str:
-    return text[:1].lower() + text[1:]
-
-
 def _check_section(source: str, name: str, section: Any) -> None:
     if name not in SECTIONS:
-        shown = printable(name)
-        if not isinstance(section, dict) and (homes := [path for path in all_paths() if path.endswith(f".{name}")]):
+        shown = shortened(name)
+        if isinstance(section, dict):
+            raise CaseError(source, shown, None, "unknown section", nearest_or_all(name, tuple(SECTIONS)))
+        if homes := [path for path in all_paths() if path.endswith(f".{name}")]:
             raise CaseError(source, shown, as_written(section), "stands outside its section", f"accepted as {' or '.join(homes)}")
-        kind = "section" if isinstance(section, dict) else "key"
-        near = nearest(name, (*SECTIONS, *HEADER))
-        raise CaseError(source, shown, None, f"unknown {kind}", f"the nearest known one is {near}")
+        raise CaseError(source, shown, as_written(section), "belongs to an unknown key", nearest_or_all(name, (*HEADER, *SECTIONS)))
     if not isinstance(section, dict):
         raise CaseError(source, name, as_written(section), "is no section", f"write [{name}] with its keys below")
 
@@ -100,10 +97,12 @@ def _check_key(source: str, section: str, key: str, value: Any) -> None:
     if key not in SECTIONS[section]:
         raise unknown_key(source, path, value)
     wanted = key_of(path)
-    example = f'"2 {wanted.dimension.examples[0]}"'
+    example = wanted.dimension.example
     if wanted.count is None:
         if not isinstance(value, str):
-            raise CaseError(source, path, as_written(value), _wrong_type(value), f"write a string with number and unit, such as {example}")
+            also = ', or "inf"' if wanted.infinity_accepted else ""
+            accepted = f"write a string with number and unit, such as {example}{also}"
+            raise CaseError(source, path, as_written(value), _wrong_type(value), accepted)
     elif not isinstance(value, list) or len(value) != wanted.count or not all(isinstance(item, str) for item in value):
         problem = (
             f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
@@ -122,9 +121,20 @@ def _wrong_type(value: Any) -> str:
 def unknown_key(source: str, path: str, value: Any) -> CaseError:
     """The message for a dotted key that no case file has."""
     section, _, key = path.partition(".")
-    homes = [known for known in all_paths() if known.endswith(f".{key}")]
-    near = homes[0] if homes else nearest(path, [known for known in all_paths() if known.startswith(f"{section}.")] or all_paths())
-    return CaseError(source, printable(path), as_written(value), "belongs to an unknown key", f"the nearest known one is {near}")
+    if isinstance(value, dict):
+        accepted = f"the keys of [{shortened(section)}] stand directly below it"
+        return CaseError(source, shortened(path), None, "is a section inside a section", accepted)
+    return CaseError(source, shortened(path), as_written(value), "belongs to an unknown key", _known_instead(section, key))
+
+
+def _known_instead(section: str, key: str) -> str:
+    """What to write instead of an unknown key: where it belongs, a near one, or all of its section."""
+    if homes := [known for known in all_paths() if known.endswith(f".{key}")]:
+        return f"the nearest known one is {' or '.join(homes)}"
+    if section not in SECTIONS:
+        return f"the nearest known one is {nearest(f'{section}.{key}', all_paths())}"
+    answer = nearest_or_all(key, tuple(SECTIONS[section]))
+    return answer.replace("one is ", f"one is {section}.") if "one is " in answer else f"{answer.replace('known', f'known in [{section}]')}"
 
 
 def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
@@ -140,7 +150,7 @@ def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
         raise document.error("title", "is no title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted")
     tags = document.header.get("tags", [])
     if not isinstance(tags, list) or not all(isinstance(tag, str) and _NAME.fullmatch(tag) for tag in tags):
-        raise document.error("tags", "is no list of tags", 'such as ["thesis", "fast"]; a tag is written like a name')
+        raise document.error("tags", "is no list of tags", 'write one such as ["thesis", "fast"], each tag like a name')
     return name, title, tuple(tags)
 
 
@@ -179,7 +189,7 @@ def overridden(document: Document, overrides: Mapping[str, str]) -> Document:
 
 def _value_of(text: str) -> Any:
     """A text of the command line as TOML reads it, or else the text itself: quotes are optional there."""
-    if len(text) <= LONGEST_LINE and re.fullmatch(r"\[.*\]|\".*\"", text):
+    if len(text) <= LONGEST_LINE and re.fullmatch(r"\[.*\]|\".*\"|'.*'", text):
         try:
             return tomllib.loads(f"value = {text}")["value"]
         except ValueError:
@@ -203,4 +213,4 @@ def check_complete(document: Document) -> None:
 def missing(document: Document, path: str) -> CaseError:
     """The message for a key that must be there."""
     key = key_of(path)
-    return document.error(path, "this key is missing", f'write {key.dimension.name}, such as "2 {key.dimension.examples[0]}"')
+    return document.error(path, "this key is missing", f"write {key.dimension.name}, such as {key.dimension.example}")

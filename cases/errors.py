@@ -1,10 +1,11 @@
 """The one kind of mistake that a person can make in a case, a data file or an override, and how it is told."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import SequenceMatcher
 from typing import Any
 
 _LONGEST_VALUE = 60
+_NEAR = 0.6  # of 1: share of letters in the same order; less is no slip of the hand
 
 
 class CaseError(Exception):
@@ -31,8 +32,7 @@ class CaseError(Exception):
 def as_written(value: Any) -> str:
     """A value of a TOML file as it would be written there, shortened, and safe to print on a terminal."""
     if isinstance(value, str):
-        shown = printable(value[:_LONGEST_VALUE])
-        return f'"{shown}{"..." if len(value) > _LONGEST_VALUE else ""}"'
+        return f'"{shortened(value)}"'
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, list):
@@ -42,6 +42,11 @@ def as_written(value: Any) -> str:
     if isinstance(value, int) and abs(value) >= 10**_LONGEST_VALUE:
         return "a huge whole number"
     return str(value)
+
+
+def shortened(text: str) -> str:
+    """A text that may hold anything, at most 60 characters of it, safe to print on a terminal."""
+    return printable(text[:_LONGEST_VALUE]) + ("..." if len(text) > _LONGEST_VALUE else "")
 
 
 def printable(text: str) -> str:
@@ -57,4 +62,14 @@ def _printable(character: str) -> str:
 
 def nearest(given: str, known: Iterable[str]) -> str:
     """The name in `known` (not empty) that resembles `given` most."""
-    return max(known, key=lambda name: SequenceMatcher(None, given.lower(), name.lower()).ratio())
+    return max(known, key=lambda name: _resemblance(given, name))
+
+
+def nearest_or_all(given: str, known: Sequence[str]) -> str:
+    """What to write instead of a name that is unknown: the nearest one where one is near, else all of `known` (not empty)."""
+    near = nearest(given, known)
+    return f"the nearest known one is {near}" if _resemblance(given, near) >= _NEAR else f"known are {', '.join(known)}"
+
+
+def _resemblance(given: str, name: str) -> float:
+    return SequenceMatcher(None, given[:_LONGEST_VALUE].lower(), name.lower()).ratio()

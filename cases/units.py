@@ -16,6 +16,9 @@ from dataclasses import dataclass
 from decimal import Context, Decimal
 from typing import Any, Final
 
+from cases import slips
+from cases.errors import as_written
+
 Exponents = tuple[int, int, int, int]  # of metre, kilogram, second, radian
 
 _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -54,6 +57,11 @@ class Dimension:
     si_unit: str
     examples: tuple[str, ...]
     per_radian_optional: bool = False
+
+    @property
+    def example(self) -> str:
+        """A quantity as it is written in a case file, with its quotes."""
+        return f'"{180 if self is ANGLE else 2} {self.examples[0]}"'
 
     def accepts(self, exponents: Exponents) -> bool:
         """Whether a unit with these exponents measures this."""
@@ -115,73 +123,95 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
     if text != text.strip():
         raise QuantityError("begins or ends with white space", accepted)
     number, space, unit = text.partition(" ")
+    if infinity_accepted and re.fullmatch(r"[+-]?inf(inity)?", number, re.IGNORECASE):
+        raise QuantityError('is not how a rigid part is written ("inf", nothing else)', accepted)
     if not _NUMBER.fullmatch(number):
-        raise QuantityError(_what_is_wrong(text, number, infinity_accepted), accepted)
+        raise QuantityError(slips.in_number(text), accepted)
     if not space:
         raise QuantityError("has no unit", accepted)
-    factor, exponents = _read_unit(unit, accepted)
+    if unit != unit.strip():
+        raise QuantityError("has more than one space between number and unit", accepted)
+    try:
+        factor, exponents = _read_unit(unit)
+    except _UnitError as wrong:
+        raise QuantityError(f"{wrong}{_meant(unit, dimension) or wrong.rule}", accepted) from None
     if not dimension.accepts(exponents):
-        raise QuantityError(f"is {_name(exponents)}{_hint(unit, dimension)}, but {dimension.name} is needed", accepted)
+        reason = _pounds(unit, dimension) or _meant(unit, dimension)
+        raise QuantityError(f"is {_name(exponents)}{reason}, but {dimension.name} is needed", accepted)
     return _to_si(number, factor)
 
 
+def plain_number(text: str) -> float | None:
+    """The value of a plain decimal number without a unit, infinite where it is beyond all doubles; None for any other text."""
+    return float(text) if _NUMBER.fullmatch(text) else None
+
+
 def _accepted(dimension: Dimension, infinity_accepted: bool) -> str:
-    """What to write instead, e.g. 'write ... such as "4 in" (mm and m also do)'."""
-    first, *others = dimension.examples
-    number = "180" if dimension is ANGLE else "2"
-    also = f" (or in {' or '.join(others)})"
-    return f'write one plain number, one space and a unit, such as "{number} {first}"{also}' + (', or "inf"' if infinity_accepted else "")
+    """What to write instead, e.g. 'write ... such as "4 in" (or in mm or m)'."""
+    also = f" (or in {' or '.join(dimension.examples[1:])})"
+    return f"write one plain number, one space and a unit, such as {dimension.example}{also}" + (', or "inf"' if infinity_accepted else "")
 
 
-def _what_is_wrong(text: str, number: str, infinity_accepted: bool) -> str:
-    """Why `text` does not begin with a plain number and a space."""
-    if not text:
-        return "is empty"
-    if number.lower().strip("+-") in ("inf", "infinity"):
-        return 'is not how a rigid part is written ("inf", nothing else)' if infinity_accepted else "is infinite"
-    if number.lower().strip("+-") == "nan":
-        return "is not a number"
-    if re.fullmatch(r"[+-]?[0-9]+,[0-9.]+(?:[eE][+-]?[0-9]+)?.*", number):
-        return "has a comma in its number (the decimal sign is a point)"
-    if _NUMBER.match(number):
-        return f'does not begin with a plain number followed by a space ("{number}")'
-    return "does not begin with a number"
+class _UnitError(Exception):
+    """A unit expression that cannot be read: what is wrong, and the rule to be told where no hint fits better."""
+
+    def __init__(self, problem: str, rule: str = "") -> None:
+        super().__init__(problem)
+        self.rule = rule
 
 
-def _read_unit(unit: str, accepted: str) -> tuple[Decimal, Exponents]:
-    """Factor to SI and exponents of a unit expression."""
-    if unit != unit.strip():
-        raise QuantityError("has more than one space between number and unit", accepted)
+def _read_unit(unit: str) -> tuple[Decimal, Exponents]:
+    """Factor to SI and exponents of a unit expression. Raises _UnitError."""
     factor, exponents, sign = Decimal(1), [0, 0, 0, 0], 1
     place = 0
     while True:
         match = _FACTOR.match(unit, place)
         if match is None:
-            raise _unreadable(unit, accepted)
+            raise _unreadable(unit)
         power = sign * int(match[2] or 1)
-        unit_factor, unit_exponents = _look_up(match[1], accepted)
+        unit_factor, unit_exponents = _look_up(match[1])
         factor = _DECIMAL.multiply(factor, _DECIMAL.power(unit_factor, power))
         exponents = [total + power * one for total, one in zip(exponents, unit_exponents, strict=True)]
         place = match.end()
         if place == len(unit):
             return factor, (exponents[0], exponents[1], exponents[2], exponents[3])
         if unit[place] not in "*/" or unit.startswith("**", place):
-            raise _unreadable(unit, accepted)
+            raise _unreadable(unit)
         sign = 1 if unit[place] == "*" else -1
         place += 1
 
 
-def _unreadable(unit: str, accepted: str) -> QuantityError:
-    return QuantityError(f'has the unreadable unit "{unit}" (names joined by * and /, whole exponents from -9 to 9 as in in^2)', accepted)
+def _unreadable(unit: str) -> _UnitError:
+    rule = " (names joined by * and /, whole exponents from -9 to 9 as in in^2)"
+    return _UnitError(f"has the unreadable unit {as_written(unit)}", rule)
 
 
-def _look_up(name: str, accepted: str) -> tuple[Decimal, Exponents]:
+def _look_up(name: str) -> tuple[Decimal, Exponents]:
     found = _unit(name)
     if found is None:
-        power = re.fullmatch(r"([^\W\d]+)([1-9])", name)
-        hint = f' (a power is written "{power[1]}^{power[2]}")' if power and _unit(power[1]) else ""
-        raise QuantityError(f'has the unknown unit "{name}"{hint}', accepted)
+        raise _UnitError(f"has the unknown unit {as_written(name)}")
     return found
+
+
+def _measures(unit: str, dimension: Dimension) -> bool:
+    try:
+        return dimension.accepts(_read_unit(unit)[1])
+    except _UnitError:
+        return False
+
+
+def _meant(unit: str, dimension: Dimension) -> str:
+    """The unit that is probably meant, as a clause, or ""."""
+    found = next((meant for meant in slips.units_meant(unit) if _measures(meant, dimension)), None)
+    return f' (perhaps meant as "{found}")' if found else ""
+
+
+def _pounds(unit: str, dimension: Dimension) -> str:
+    """The usual slip, named: pounds of mass where pounds of force are meant."""
+    with_force = re.sub(r"\b(?:lb|lbs|pound|pounds)\b", "lbf", unit)
+    if with_force != unit and _measures(with_force, dimension):
+        return " because lb is a pound of mass (the pound of force is lbf)"
+    return ""
 
 
 @functools.cache
@@ -218,19 +248,6 @@ def _name(exponents: Exponents) -> str:
 
 def _power(unit: str, power: int) -> str:
     return unit if power == 1 else f"{unit}^{power}"
-
-
-def _hint(unit: str, dimension: Dimension) -> str:
-    """The usual slip, named: pounds of mass where pounds of force are meant."""
-    with_force = re.sub(r"\b(?:lb|lbs|pound|pounds)\b", "lbf", unit)
-    if with_force != unit:
-        try:
-            _, exponents = _read_unit(with_force, "")
-        except QuantityError:
-            return ""
-        if dimension.accepts(exponents):
-            return " because lb is a pound of mass (the pound of force is lbf)"
-    return ""
 
 
 def _to_si(number: str, factor: Decimal) -> float:

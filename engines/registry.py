@@ -25,6 +25,7 @@ MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
 RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load")
 GROUP: Final = "quickreturn.engines"
+_LONGEST_NAME: Final = 60  # characters of an unknown name that are shown
 
 _MODULES: Final = {
     "thesis": "engines.pseudo_coordinate.thesis:ThesisEngine",
@@ -111,8 +112,8 @@ def _origin(entry: EntryPoint) -> str:
 def _unknown(name: str) -> str:
     known = engine_names()
     near = difflib.get_close_matches(name, known, n=2)
-    hint = f" did you mean {' or '.join(near)}?" if near else ""
-    return f'"{name}": no such engine;{hint} accepted: {", ".join(known)}'
+    hint = f" (perhaps {' or '.join(near)} is meant)" if near else ""
+    return f'"{name[:_LONGEST_NAME]}": no such engine{hint}; accepted: {", ".join(known)}'
 
 
 class _Missing(Engine):

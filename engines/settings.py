@@ -2,8 +2,13 @@
 
 import dataclasses
 import math
+import re
 from dataclasses import dataclass
-from typing import Any, Self, get_type_hints
+from typing import Any, Final, Self, get_type_hints
+
+_LONGEST: Final = 60  # characters of a name or value that are shown or, of a number, read
+#: Plain numbers as text: what Python reads beyond that ("1_000", other scripts' digits, "nan") is a slip.
+_NUMBERS: Final = {int: r"[+-]?[0-9]+", float: r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"}
 
 
 class SettingError(ValueError):
@@ -45,8 +50,9 @@ class Settings:
         changes: dict[str, Any] = {}
         for name, text in texts.items():
             if name not in known:
-                raise SettingError(f"engine.{name}: no such setting; accepted: {', '.join(known)}")
-            changes[name] = _parse(name, text, hints[name])
+                accepted = ", ".join(f"engine.{each}" for each in known) or "none"
+                raise SettingError(f"engine.{name[:_LONGEST]}: no such setting of this engine; accepted: {accepted}")
+            changes[name] = _parse(known[name], text, hints[name])
         return self.replaced(**changes)
 
     def as_dict(self) -> dict[str, Any]:
@@ -54,18 +60,26 @@ class Settings:
         return dataclasses.asdict(self)
 
 
-def _parse(name: str, text: str, kind: type) -> Any:
-    if kind is bool:
-        if text not in ("true", "false"):
-            raise SettingError(f'engine.{name}: "{text}" is not accepted; give true or false')
-        return text == "true"
+def _parse(field: dataclasses.Field[Any], text: str, kind: type) -> Any:
     if kind is str:
         return text
-    try:
+    if kind is bool and text in ("true", "false"):
+        return text == "true"
+    if kind in _NUMBERS and len(text) <= _LONGEST and re.fullmatch(_NUMBERS[kind], text):
         return kind(text)
-    except ValueError:
-        wanted = "a whole number" if kind is int else "a plain number"
-        raise SettingError(f'engine.{name}: "{text}" is not {wanted}') from None
+    given = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+    raise SettingError(f'engine.{field.name}: "{given}" is not accepted; give {_accepted(field, kind)}')
+
+
+def _accepted(field: dataclasses.Field[Any], kind: type) -> str:
+    if kind is bool:
+        return "true or false"
+    return f"{'a whole number' if kind is int else 'a plain number'} from {_range(field)}"
+
+
+def _range(field: dataclasses.Field[Any]) -> str:
+    unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""
+    return f"{field.metadata['low']:g} to {field.metadata['high']:g}{unit}"
 
 
 def _check(field: dataclasses.Field[Any], kind: type, value: Any) -> None:
@@ -78,4 +92,4 @@ def _check(field: dataclasses.Field[Any], kind: type, value: Any) -> None:
         raise SettingError(f'engine.{field.name}: "{value}" is not accepted; choose one of {", ".join(meta["choices"])}')
     if isinstance(value, (int, float)) and not isinstance(value, bool) and not meta["low"] <= value <= meta["high"]:
         unit = f" {meta['unit']}" if meta["unit"] else ""
-        raise SettingError(f"engine.{field.name}: {value!r}{unit} is outside {meta['low']:g} to {meta['high']:g}{unit}")
+        raise SettingError(f"engine.{field.name}: {value!r}{unit} is outside {_range(field)}")

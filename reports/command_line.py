@@ -7,12 +7,15 @@ not settle or did not reach the accuracy asked; 130 Ctrl-C.
 import contextlib
 import difflib
 import os
+import re
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 from typing import Final
 
 import click
+
+from cases.errors import as_written
 
 #: In the order of `--help`; each is a module of `reports.commands`.
 COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "report", "benchmark")
@@ -45,8 +48,8 @@ class CommandGroup(click.Group):
         """The subcommand that the arguments begin with; UsageError with the nearest name if there is none."""
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             near = difflib.get_close_matches(args[0], COMMANDS, n=1)
-            hint = f" did you mean {near[0]}?" if near else ""
-            raise click.UsageError(f'"{args[0]}": no such command;{hint} accepted: {", ".join(COMMANDS)}', ctx)
+            hint = f" (perhaps {near[0]} is meant)" if near else ""
+            raise click.UsageError(f"{as_written(args[0])}: no such command{hint}; accepted: {', '.join(COMMANDS)}", ctx)
         return super().resolve_command(ctx, args)
 
 
@@ -78,7 +81,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (KeyboardInterrupt, click.Abort):
         return _told("interrupted", INTERRUPTED)
     except click.ClickException as error:
-        return _told(error.format_message(), BAD_INPUT)
+        return _told(_with_help(error), BAD_INPUT)
     except Exception as error:  # the last line of defence: a sentence, whatever happened
         return _told_of(error)
     return code
@@ -93,6 +96,14 @@ def _run(arguments: list[str]) -> int:
     return result if isinstance(result, int) else GOOD
 
 
+def _with_help(error: click.ClickException) -> str:
+    """The message; click's own ones, which end with a point, tell what is wrong and not what is accepted."""
+    message, context = error.format_message(), getattr(error, "ctx", None)
+    if context is None or not message.endswith((".", ")", "?")) or ";" in message:
+        return message
+    return f"{message.rstrip('.')}; see {context.command_path} --help"
+
+
 def _told_of(error: Exception) -> int:
     """Print what is wrong and choose the exit code. The classes are imported here, for importing them takes a moment."""
     from cases.errors import CaseError
@@ -104,7 +115,11 @@ def _told_of(error: Exception) -> int:
     from reports.engine_jobs import EngineDied
     from reports.output import OutputError
 
-    if isinstance(error, (CaseError, Refusal, SettingError, UnknownEngine, StoreError, ImpossibleMechanism, OutputError)):
+    if isinstance(error, UnknownEngine):
+        return _told(f"--engine {error}", BAD_INPUT)
+    if isinstance(error, SettingError):
+        return _told(f"--set {error}", BAD_INPUT)
+    if isinstance(error, (CaseError, Refusal, StoreError, ImpossibleMechanism, OutputError)):
         return _told(str(error), BAD_INPUT)
     if isinstance(error, (EngineFailure, EngineDied)):
         return _told(str(error), ENGINE_TROUBLE)
@@ -119,6 +134,7 @@ def _told(sentence: str, code: int) -> int:
 
 def one_line(sentence: str) -> str:
     """The sentence on one line of bearable length, without characters that would command the terminal."""
-    text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in " ".join(sentence.split()))
+    joined = re.sub(r"\s*[\r\n]\s*", " ", sentence.strip())  # blanks within a line stay: a value is shown as it was given
+    text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
     half = LONGEST_MESSAGE // 2
     return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"

@@ -11,23 +11,31 @@ from typing import Any
 
 import click
 
+from cases.errors import printable, shortened
+
 
 class OutputError(Exception):
     """A file cannot be written; the text is one sentence."""
 
 
-def check_writable(path: Path) -> None:
+def check_writable(path: Path, keep: str) -> None:
     """Find out now whether a file can be written later.
 
+    Args:
+        path: of the file.
+        keep: path of a file that must not be replaced; there need not be one.
+
     Raises:
-        OutputError: the folder is missing or cannot be written to, or the path is a folder.
+        OutputError: the folder is missing or cannot be written to, the path is a folder or the file to keep.
     """
     target = _resolved(path)
-    if target.is_dir():
-        raise OutputError(f"--output {path}: this is a folder; give the name of a file")
-    if not target.parent.is_dir():
-        raise OutputError(f"--output {path}: there is no folder {target.parent}")
     try:
+        if target.is_dir():
+            raise OutputError(f"{_option(path)}: this is a folder; give the name of a file")
+        if not target.parent.is_dir():
+            raise OutputError(f"{_option(path)}: there is no folder {printable(str(target.parent))}")
+        if target.exists() and os.path.exists(keep) and target.samefile(keep):
+            raise OutputError(f"{_option(path)}: this is the case file itself, which would be lost; give another name")
         if _is_special(target):
             target.open("ab").close()
         else:
@@ -88,8 +96,10 @@ def _resolved(path: Path) -> Path:
         os.fsencode(path)
         return path.resolve()
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a null byte, no such character
-        reason = error.strerror if isinstance(error, OSError) else "it holds characters that no file name can hold"
-        raise OutputError(f"--output {path!s:.100}: this is no usable path ({reason})") from error
+        if isinstance(error, OSError):
+            raise _output_error(path, error) from error
+        reason = "its links lead in a circle" if isinstance(error, RuntimeError) else "it holds characters that no file name can hold"
+        raise OutputError(f"{_option(path)}: this is no usable path ({reason})") from error
 
 
 def _is_special(path: Path) -> bool:
@@ -101,4 +111,8 @@ def _is_special(path: Path) -> bool:
 
 
 def _output_error(path: Path, error: OSError) -> OutputError:
-    return OutputError(f"--output {path}: it cannot be written ({(error.strerror or str(error)).lower()})")
+    return OutputError(f"{_option(path)}: it cannot be written ({(error.strerror or str(error)).lower()})")
+
+
+def _option(path: Path) -> str:
+    return f"--output {shortened(str(path))}"

@@ -10,6 +10,7 @@ from typing import Final
 from cases.case import Case
 from cases.cross_validation import cross_validate
 from cases.engine_run import PARTS
+from cases.errors import shortened
 from cases.experiment import load_curves
 from cases.fingerprint import code_fingerprint
 from cases.store import Store
@@ -64,15 +65,15 @@ def check_folder(folder: Path) -> None:
     """
     try:
         if folder.exists() and not folder.is_dir():
-            raise OutputError(f"--output {folder}: this is a file; give a folder")
+            raise OutputError(f"--output {shortened(str(folder))}: this is a file; give a folder")
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
         if (folder / PAGE).is_dir():
-            raise OutputError(f"--output {folder}: {PAGE} in it is a folder")
+            raise OutputError(f"--output {shortened(str(folder))}: {PAGE} in it is a folder; give another folder")
     except (OSError, ValueError) as error:  # ValueError: a null byte
         reason = (error.strerror or str(error)).lower() if isinstance(error, OSError) else "no file name can hold its characters"
-        raise OutputError(f"--output {str(folder)!r:.200}: it cannot be written ({reason})") from error
+        raise OutputError(f"--output {shortened(str(folder))}: it cannot be written ({reason})") from error
 
 
 def write_report(cases: Sequence[Case], folder: Path, store: Store, jobs: int | None = None, engines: Sequence[str] = MAIN) -> Written:

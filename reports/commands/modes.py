@@ -5,14 +5,23 @@ from collections.abc import Sequence
 
 import click
 
-from reports.commands.options import case_argument, crank_angle_option, engine_option, json_option, load, read_assignments, set_option
+from reports.commands.options import (
+    WholeNumber,
+    case_argument,
+    crank_angle_option,
+    engine_option,
+    json_option,
+    load,
+    read_assignments,
+    set_option,
+)
 
 
 @click.command(name="modes")
 @case_argument
 @engine_option
 @crank_angle_option
-@click.option("--count", metavar="N", type=click.IntRange(1, 100), default=4, show_default=True, help="How many at most.")
+@click.option("--count", metavar="N", type=WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
 @set_option
 @json_option
 def command(case: str, engine: str, crank_angle: float, count: int, assignments: Sequence[str], as_json: bool) -> None:

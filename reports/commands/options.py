@@ -1,10 +1,14 @@
 """Arguments and options that several subcommands share, and how their texts are read."""
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import click
+
+from cases.errors import as_written, shortened
+from cases.units import plain_number
 
 if TYPE_CHECKING:
     from cases.case import Case
@@ -13,30 +17,48 @@ LOWEST_ACCURACY: Final = 1e-4
 HIGHEST_ACCURACY: Final = 0.05
 
 _ENGINE_PREFIX: Final = "engine."
+_LARGEST_ANGLE: Final = 1_000_000  # degrees; a double keeps 1e-10 of a degree there
 
 
 def _accuracy(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
     if text is None:
         return None
-    value = _number(text)
+    value = plain_number(text)
     if value is None or not LOWEST_ACCURACY <= value <= HIGHEST_ACCURACY:
-        raise click.UsageError(f'--accuracy "{text}": give a plain number from {LOWEST_ACCURACY:g} to {HIGHEST_ACCURACY:g}, e.g. 1e-3')
+        accepted = f"give a plain number from {LOWEST_ACCURACY:g} to {HIGHEST_ACCURACY:g}, e.g. 1e-3"
+        raise click.UsageError(f"--accuracy {as_written(text)}: {accepted}")
     return value
 
 
 def _angle(context: click.Context, option: click.Parameter, text: str) -> float:
-    value = _number(text)
-    if value is None or not math.isfinite(value):
-        raise click.UsageError(f'--crank-angle "{text}": give a plain number of degrees, e.g. 180')
+    value = plain_number(text)
+    if value is None or abs(value) > _LARGEST_ANGLE:
+        accepted = f"give a plain number of degrees, from -{_LARGEST_ANGLE} to {_LARGEST_ANGLE}, e.g. 180"
+        raise click.UsageError(f"--crank-angle {as_written(text)}: {accepted}")
     return math.radians(value)
 
 
-def _number(text: str) -> float | None:
-    """The number, or None if the text is none; Python's "1_000" is none either."""
-    try:
-        return None if "_" in text else float(text)
-    except ValueError:
-        return None
+class WholeNumber(click.IntRange):
+    """A whole number within limits, both inclusive."""
+
+    def __init__(self, low: int, high: int) -> None:
+        super().__init__(low, high)
+        self.low, self.high = low, high
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """The number; UsageError if the text is none."""
+        text = str(value)
+        if not re.fullmatch(r"[+-]?[0-9]{1,9}", text) or not self.low <= int(text) <= self.high:
+            option = param.opts[0] if param else "number"
+            raise click.UsageError(f"{option} {as_written(text)}: give a whole number from {self.low} to {self.high}")
+        return int(text)
+
+
+def path_given(context: click.Context, option: click.Parameter, text: str) -> str:
+    """The path as given; UsageError if there is none: Python would take it for the current folder."""
+    if not text.strip():
+        raise click.UsageError(f"{option.opts[0]} {as_written(text)}: give a path")
+    return text
 
 
 case_argument: Final = click.argument("case", metavar="CASE")
@@ -48,7 +70,7 @@ accuracy_option: Final = click.option(
     callback=_accuracy,
     help=f"Relative error of the tip deflection asked for, {HIGHEST_ACCURACY:g} to {LOWEST_ACCURACY:g}; default: the engine's.",
 )
-jobs_option: Final = click.option("--jobs", metavar="N", type=click.IntRange(min=1), help="Processes at a time; default: one per core.")
+jobs_option: Final = click.option("--jobs", metavar="N", type=WholeNumber(1, 1000), help="Processes at a time; default: one per core.")
 crank_angle_option: Final = click.option(
     "--crank-angle", "crank_angle", metavar="DEG", required=True, callback=_angle, help="Angle at which the crank is held, degrees."
 )
@@ -73,10 +95,11 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
         key, sign, value = text.partition("=")
         key = key.strip()
         if not (key and sign):
-            raise click.UsageError(f'--set "{text}": give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32')
+            raise click.UsageError(f'--set {as_written(text)}: give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32')
         target, name = (engine, key.removeprefix(_ENGINE_PREFIX)) if key.startswith(_ENGINE_PREFIX) else (case, key)
         if name in target:
-            raise click.UsageError(f"--set {key}: this key is given twice")
+            values = f"{as_written(target[name])} and {as_written(value.strip())}"
+            raise click.UsageError(f"--set {shortened(key)}: {values} are both given; give one of them")
         target[name] = value.strip()
     return case, engine
 
@@ -84,7 +107,9 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
 def refuse_engine_settings(settings: dict[str, str]) -> None:
     """For subcommands without an engine: UsageError if a setting of one was given."""
     if settings:
-        raise click.UsageError(f"--set {_ENGINE_PREFIX}{next(iter(settings))}: engine settings have no meaning here")
+        key, value = next(iter(settings.items()))
+        given = f"{_ENGINE_PREFIX}{shortened(key)}={shortened(value)}"
+        raise click.UsageError(f'--set {given}: engine settings have no meaning here; give values of the case, e.g. crank.length="5 in"')
 
 
 def load(case: str, overrides: dict[str, str], duration: str | None = None, output_step: str | None = None) -> "Case":
@@ -99,17 +124,18 @@ def load(case: str, overrides: dict[str, str], duration: str | None = None, outp
     times = {"--duration": ("simulation.duration", duration), "--output-step": ("simulation.output_step", output_step)}
     for option, (path, text) in times.items():
         if text is not None and path in overrides:
-            raise click.UsageError(f"{option} and --set {path} are both given; give one of them")
+            given = f"{option} {as_written(text)} and --set {path}={as_written(overrides[path])}"
+            raise click.UsageError(f"{given} are both given; give one of them")
     seconds = [None if text is None else _seconds(option, text) for option, (_, text) in times.items()]
     return with_times(load_case(case, overrides), *seconds)
 
 
 def _seconds(option: str, text: str) -> float:
-    from cases.errors import CaseError, as_written
+    from cases.errors import CaseError
     from cases.units import TIME, QuantityError, parse_quantity
 
-    number = _number(text)
-    if number is not None:
+    number = plain_number(text)
+    if number is not None and math.isfinite(number):
         return number
     try:
         return parse_quantity(text, TIME)

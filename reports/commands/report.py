@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from reports.commands.options import jobs_option, load
+from reports.commands.options import jobs_option, load, path_given
 
 if TYPE_CHECKING:
     from reports.report import Written
@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 @click.command(name="report")
 @click.argument("cases", metavar="[CASE]...", nargs=-1)
-@click.option("--output", metavar="DIR", default="reports/output", show_default=True, help="Folder of the page and its tables.")
+@click.option(
+    "--output", metavar="DIR", default="reports/output", show_default=True, callback=path_given, help="Folder of the page and its tables."
+)
 @jobs_option
 def command(cases: Sequence[str], output: str, jobs: int | None) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.

@@ -6,7 +6,16 @@ from typing import Any
 
 import click
 
-from reports.commands.options import accuracy_option, case_argument, engine_option, json_option, load, read_assignments, set_option
+from reports.commands.options import (
+    accuracy_option,
+    case_argument,
+    engine_option,
+    json_option,
+    load,
+    path_given,
+    read_assignments,
+    set_option,
+)
 
 
 @click.command(name="simulate")
@@ -16,7 +25,7 @@ from reports.commands.options import accuracy_option, case_argument, engine_opti
 @click.option("--output-step", metavar="S", help='Time between rows, "1 ms" or a number of seconds.')
 @accuracy_option
 @set_option
-@click.option("--output", metavar="FILE.csv", required=True, help="Where the trajectory goes.")
+@click.option("--output", metavar="FILE.csv", required=True, callback=path_given, help="Where the trajectory goes.")
 @json_option
 def command(
     case: str,
@@ -38,7 +47,7 @@ def command(
 
     overrides, settings = read_assignments(assignments)
     loaded = load(case, overrides, duration, output_step)
-    check_writable(Path(output))
+    check_writable(Path(output), keep="" if loaded.source == "library" else case)
     document = engine_jobs.simulate(engine, loaded, settings, accuracy, output)
     if as_json:
         print_json(document)

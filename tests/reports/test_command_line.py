@@ -215,13 +215,13 @@ def test_times_with_and_without_units(call: Call, duration: str, step: str, rows
         (("--duration", "nan"), ("--duration",)),
         (("--duration", "0"), ("--duration",)),
         (("--duration", "1.0005"), ("--duration", "multiple")),
-        (("--duration", "1", "--set", "simulation.duration=1 s"), ("--duration and --set simulation.duration are both given",)),
+        (("--duration", "1", "--set", "simulation.duration=1 s"), ('--duration "1" and --set simulation.duration="1 s" are both given',)),
         (("--accuracy", "0.1"), ('--accuracy "0.1": give a plain number from 0.0001 to 0.05',)),
         (("--accuracy", "nan"), ("--accuracy",)),
         (("--accuracy", "1e-5"), ("--accuracy",)),
         (("--set", "follower.length"), ("KEY=VALUE",)),
         (("--set", "=3"), ("KEY=VALUE",)),
-        (("--set", "engine.step=1", "--set", "engine.step=2"), ("engine.step", "given twice")),
+        (("--set", "engine.step=1", "--set", "engine.step=2"), ("engine.step", '"1" and "2" are both given')),
         (("--set", "engine.stp=1"), ("engine.stp", "no such setting", "step")),
         (("--set", "engine.step=many"), ("engine.step", '"many"', "plain number")),
         (("--set", "engine.step=7"), ("engine.step", "7", "outside 0.0001 to 1 s")),
@@ -237,10 +237,10 @@ def test_bad_options_are_answered_with_one_sentence(call: Call, tmp_path: Path, 
 
 
 def test_unknown_names_are_answered_with_the_nearest(call: Call) -> None:
-    refused(simulated(call, engine="exudin"), '"exudin": no such engine; did you mean exudyn?')
+    refused(simulated(call, engine="exudin"), '--engine "exudin": no such engine (perhaps exudyn is meant)')
     refused(simulated(call, case="thesis-25"), "thesis-25", "thesis-2")
     refused(simulated(call, case="no/such.toml"), "no/such.toml")
-    refused(call("simulat"), '"simulat": no such command; did you mean simulate?')
+    refused(call("simulat"), '"simulat": no such command (perhaps simulate is meant)')
     refused(call("simulate", "small.toml", "--output", "x.csv"), "--engine")
 
 

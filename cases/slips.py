@@ -1,0 +1,49 @@
+"""Usual slips in a quantity, told apart so that the answer to each can name it: arithmetic, other signs, units as on paper."""
+
+import re
+from collections.abc import Iterator
+from typing import Final
+
+#: Of a number that is none; the first pattern that the text begins with names the slip.
+_IN_NUMBERS: Final = (
+    (r"[+-]?\s*inf", "is infinite"),
+    (r"[+-]?\s*nan", "is not a number"),
+    (r"\S*[^\D0-9]", "has other digits than 0 to 9"),
+    (r"[−–—]", 'has another minus sign than "-"'),
+    (r"[+-]?[0-9.]*,[0-9]", "has a comma in its number (the decimal sign is a point)"),
+    (r"[+-]?[0-9.]+[^\S ]", "has white space other than one plain space after its number"),
+    (r"[(]?[+-]?[0-9.]+(?:e[+-]?[0-9]+)?[*/^+-]{1,2}[(]?[0-9]", "has arithmetic in its number (give the result)"),
+    (r"0x|[+-]?[0-9.]+(?:_|e[^0-9+-]|e$)", "does not begin with a plain decimal number"),
+    (r"[+-]?[0-9.]+(?:e[+-]?[0-9]+)?[^\W\d]|[+-]?[0-9.]+[°\"'′″%]", "has no space between number and unit"),
+    (r"[+-]?[0-9.]", "does not begin with a plain decimal number and a space"),
+)
+
+#: How a unit may look on paper, and how it is written here.
+_ON_PAPER: Final = (
+    (r"\s*[·⋅×]\s*|\.|\s+", "*"),
+    (r"\b([kM]?N)m", r"\1*m"),
+    (r"(?<=[A-Za-z])([2-9])\b", r"^\1"),
+    (r"²", "^2"),
+    (r"³", "^3"),
+    (r"⁴", "^4"),
+    (r"°", "deg"),
+    (r"[\"″]", "in"),
+    (r"^1/", "rad/"),
+)
+
+
+def in_number(text: str) -> str:
+    """What is wrong with a quantity that does not begin with a plain number and a space, as a clause."""
+    if not text:
+        return "is empty"
+    return next((problem for slip, problem in _IN_NUMBERS if re.match(slip, text, re.IGNORECASE)), "does not begin with a number")
+
+
+def units_meant(unit: str) -> Iterator[str]:
+    """Unit expressions that may be meant by one that cannot be used; they need not be right either."""
+    plain = unit
+    for on_paper, here in _ON_PAPER:
+        plain = re.sub(on_paper, here, plain)
+    for meant in (plain, plain.lower()):
+        if meant != unit:
+            yield meant
