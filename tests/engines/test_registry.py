@@ -17,7 +17,7 @@ def test_main_engines_come_first_and_are_always_listed() -> None:
 
 
 def test_unknown_name_is_answered_with_the_nearest_known() -> None:
-    with pytest.raises(UnknownEngine, match=r'"exudin": no such engine; did you mean exudyn\? accepted: thesis, reference, exudyn'):
+    with pytest.raises(UnknownEngine, match=r'"exudin": no such engine \(perhaps exudyn is meant\); accepted: thesis, reference, exudyn'):
         engine("exudin")
 
 
