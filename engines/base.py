@@ -8,7 +8,7 @@ time, the cause and what to try, and carries what was computed up to then.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from engines.settings import Settings as AnySettings
 from engines.start import Start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
+
+#: Accuracies whose settings make up an engine's ladder, each once.
+LADDER_ACCURACIES: Final = (0.3, 0.1, 5e-2, 2e-2, 1e-2, 5e-3, 3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5)
 
 
 class Refusal(Exception):
@@ -136,6 +139,10 @@ class Engine(ABC):
     @abstractmethod
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
         """Where to start for an error of the tip deflection of `accuracy` (measured table; the run's own estimate decides)."""
+
+    def ladder(self, mechanism: Mechanism) -> tuple[AnySettings, ...]:
+        """Settings from coarse to fine over which speed is shown against error: those picked for `LADDER_ACCURACIES`."""
+        return tuple(dict.fromkeys(self.settings_for(accuracy, mechanism) for accuracy in LADDER_ACCURACIES))
 
     @abstractmethod
     def coarser(self, settings: AnySettings) -> tuple[AnySettings, float]:

@@ -1,10 +1,11 @@
 """The periodic steady state without waiting for it, and its Floquet multipliers.
 
-A steady state is a fixed point of the cycle's map. Newton's method finds it where marching only creeps towards it. What makes it
-cheap: few quantities are slow. The modes beyond the first ones forget a disturbance within a cycle, so that Newton's step is needed
-for the crank's speed and the first modes alone, while the map itself carries the rest (Newton-Picard method: K. Lust, D. Roose,
-A. Spence, A. R. Champneys, SIAM Journal on Scientific Computing 19, 1998, 1188). And the map's derivatives for these come from the
-model that has these modes alone, whose cycles cost a fraction; its steady state is the guess for the whole model.
+A steady state is a fixed point of the cycle's map (equation 13.2). Newton's method finds it where marching only creeps towards it.
+What makes it cheap: few quantities are slow. The modes beyond the first ones forget a disturbance within a cycle, so that Newton's
+step is needed for the crank's speed and the first modes alone, while the map itself carries the rest (Newton-Picard method: K.
+Lust, D. Roose, A. Spence, A. R. Champneys, SIAM Journal on Scientific Computing 19, 1998, 1188). And the map's derivatives for
+these come from the model that has these modes alone, whose cycles cost a fraction; its steady state is the guess for the whole
+model.
 """
 
 import math
@@ -177,7 +178,9 @@ def _marched(slow: SectionMap, guess: Array) -> _Cycle:
 
 
 def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPoint:
-    """Simplified Newton steps, damped where they do not help (P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3).
+    """Simplified Newton steps (equation 13.4), damped where they do not help.
+
+    P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3.
 
     Args:
         cycle: where to begin.
@@ -217,7 +220,7 @@ def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPo
 
 
 def _jacobian(cycle: _Cycle) -> Array:
-    """Derivatives of the map by the free quantities, by finite differences from a cycle."""
+    """Derivatives of the map by the free quantities, by finite differences from a cycle (equation 13.5)."""
     here, there = cycle.point, cycle.map.point(cycle.passage.state)
     disturbances = np.maximum(DISTURBANCE * cycle.passage.sizes, LEAST_DISTURBANCE * cycle.map.noise(cycle.state))
     columns = []
@@ -229,7 +232,7 @@ def _jacobian(cycle: _Cycle) -> Array:
 
 
 def _eigenvalues(jacobian: Array) -> NDArray[np.complex128]:
-    """Largest modulus first."""
+    """Of the map's Jacobian, the Floquet multipliers (equation 13.7); largest modulus first."""
     found = np.linalg.eigvals(jacobian).astype(np.complex128)
     return found[np.argsort(-np.abs(found), kind="stable")]
 
@@ -250,7 +253,7 @@ def _with_modes(state: Array, modes: int) -> Array:
 
 
 def _among_all_modes(jacobian: Array, slow: SectionMap, whole: SectionMap) -> Array:
-    """The slow quantities' derivatives among all: what the other modes were a cycle ago is forgotten."""
+    """The slow quantities' derivatives among all: what the other modes were a cycle ago is forgotten (equation 13.6)."""
     n = whole.parameters.n
     numbered = _with_modes(np.arange(1.0, 2 * slow.parameters.n + 6), n)
     is_slow = whole.point(numbered) > 0.0

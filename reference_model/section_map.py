@@ -1,9 +1,9 @@
 """A cycle of the explicit model as a map: from one passage of the slider's farthest place to the next (a Poincare map).
 
-At the farthest place, q1 = 180 deg + k 360 deg, the free quantities are eta, q1' (unless prescribed) and eta'; the slider's arc
-length follows from the loop, and energies do not act back. A cycle is integrated in time for about as long as it takes, and the rest
-of the turn, forward or back, in the crank angle, so that it ends exactly at the farthest place (M. Henon, On the numerical
-computation of Poincare maps, Physica D 5, 1982, 412).
+At the farthest place, q1 = 180 deg + k 360 deg, the free quantities are eta, q1' (unless prescribed) and eta' (equation 13.1); the
+slider's arc length follows from the loop, and energies do not act back. A cycle is integrated in time for about as long as it
+takes, and the rest of the turn, forward or back, in the crank angle, so that it ends exactly at the farthest place (M. Henon, On
+the numerical computation of Poincare maps, Physica D 5, 1982, 412).
 """
 
 import math
@@ -179,7 +179,11 @@ def _close_loop(p: MovingParameters, w: MovingWorkspace, y: NDArray[np.float64],
 
 @compiled
 def _turn_to(p: MovingParameters, w: MovingWorkspace, y: NDArray[np.float64], angle: float, parts: int, K: NDArray[np.float64]) -> float:
-    """Move the state to a crank angle in classical Runge-Kutta steps of equal angle; the time (s) that passes, nan where it cannot."""
+    """Move the state to a crank angle in classical Runge-Kutta steps of equal angle (equation 13.3).
+
+    Returns:
+        The time (s) that passes, nan where it cannot.
+    """
     size = len(y)
     h = (angle - y[0]) / parts
     elapsed = 0.0

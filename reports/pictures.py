@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from cases.benchmark import Benchmark
 from cases.comparison import CaseResult
 from cases.experiment import AxisLabels, MeasuredCurve, axis_labels
 from cases.progress import with_progress
@@ -22,12 +23,13 @@ OF_CASE: Final = ("cycle", "mechanism", "forces", "spectrogram")
 #: Pictures of all cases together.
 OF_ALL: Final = ("overview", "heat_map")
 #: Pictures of the studies.
-OF_STUDIES: Final = ("convergence", "cost", "sensitivity")
+OF_STUDIES: Final = ("convergence", "sensitivity")
 
 _LIMITS: Final = Limits(seconds=600.0)  # drawing takes a few seconds
 _PRELOAD: Final = (*PRELOAD, "matplotlib.figure", "reports.pictures")
 _ALL: Final = "all cases"
 _STUDIES: Final = "the studies"
+_METHODS: Final = "the methods"
 
 Drawn = dict[str, Picture | None]
 
@@ -37,7 +39,7 @@ class Pictures:
     """What was drawn; None for a picture that has nothing to show.
 
     Attributes:
-        of_all: name of `OF_ALL` or `OF_STUDIES` -> picture.
+        of_all: name of `OF_ALL` or `OF_STUDIES`, or "work precision CASE" and "freedom CASE" of a benchmark -> picture.
         of_case: case -> name of `OF_CASE` -> picture.
         failures: sentences on what could not be drawn.
     """
@@ -48,7 +50,12 @@ class Pictures:
 
 
 def draw_pictures(
-    results: Sequence[CaseResult], studies: Studies | None, curves: Sequence[MeasuredCurve], store: Store, jobs: int | None = None
+    results: Sequence[CaseResult],
+    studies: Studies | None,
+    benchmarks: Sequence[Benchmark],
+    curves: Sequence[MeasuredCurve],
+    store: Store,
+    jobs: int | None = None,
 ) -> Pictures:
     """All pictures of the page.
 
@@ -63,15 +70,18 @@ def draw_pictures(
     everything = [content_of(result) for result in results]
     orders: list[tuple[str, Mapping[str, Any], Job]] = [(_ALL, {"results": everything}, Job(_ALL, draw_all, (list(results),)))]
     if studies is not None:
-        tables = {name: getattr(studies, name) for name in ("convergence", "accuracy", "sensitivity")}
+        tables = {name: getattr(studies, name) for name in ("convergence", "sensitivity")}
         texts: dict[str, Any] = {name: table.to_csv() for name, table in tables.items()}
         orders.append((_STUDIES, texts, Job(_STUDIES, draw_studies, tuple(tables.values()))))
+    if benchmarks:
+        points = {table.case: table.points for table in benchmarks}
+        orders.append((_METHODS, points, Job(_METHODS, draw_methods, (list(benchmarks),))))
     for result, content in zip(results, everything, strict=True):
         labels, its_curves = _of_run(result, curves)
         inputs = {"result": content, "labels": labels, "curves": content_of_curves(its_curves)}
         orders.append((result.case.name, inputs, Job(result.case.name, draw_case, (result, labels, its_curves))))
     for name, determined_by, job in orders:
-        key = page_key(f"pictures of {name if name in (_ALL, _STUDIES) else 'a case'}", determined_by)
+        key = page_key(f"pictures of {name if name in (_ALL, _STUDIES, _METHODS) else 'a case'}", determined_by)
         entry = store.get(key)
         if entry is not None:
             found[name] = _unpacked(entry)
@@ -86,7 +96,7 @@ def draw_pictures(
             continue
         found[names[key]] = outcome.value
         store.put(key, *_packed(outcome.value))
-    of_all = found.pop(_ALL, {}) | found.pop(_STUDIES, {})
+    of_all = found.pop(_ALL, {}) | found.pop(_STUDIES, {}) | found.pop(_METHODS, {})
     return Pictures(of_all, found, tuple(failures))
 
 
@@ -114,14 +124,24 @@ def draw_all(results: Sequence[CaseResult]) -> Drawn:
     return {"overview": overview_figure(results), "heat_map": heat_map_figure(results)}
 
 
-def draw_studies(convergence: pd.DataFrame, accuracy: pd.DataFrame, sensitivity: pd.DataFrame) -> Drawn:
+def draw_methods(benchmarks: Sequence[Benchmark]) -> Drawn:
+    """Work precision and degrees of freedom of each scene."""
+    from reports.plots.work_precision import work_freedom_figure, work_precision_figure
+
+    drawn: Drawn = {}
+    for table in benchmarks:
+        drawn[f"work precision {table.case}"] = work_precision_figure(table)
+        drawn[f"freedom {table.case}"] = work_freedom_figure(table)
+    return drawn
+
+
+def draw_studies(convergence: pd.DataFrame, sensitivity: pd.DataFrame) -> Drawn:
     """The pictures `OF_STUDIES`; the tables are those of `cases.studies.Studies`."""
-    from reports.plots.convergence import convergence_figure, cost_figure
+    from reports.plots.convergence import convergence_figure
     from reports.plots.sensitivity import sensitivity_figure
 
     return {
         "convergence": convergence_figure(convergence),
-        "cost": cost_figure(accuracy) if not accuracy.empty else None,
         "sensitivity": sensitivity_figure(sensitivity),
     }
 

@@ -1,5 +1,6 @@
 """The report: engines on cases, studies, pictures and tables, put together into one page with its CSV files beside it."""
 
+import contextlib
 import csv
 import tempfile
 from collections.abc import Callable, Sequence
@@ -7,7 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from cases.benchmark import SCENES, Benchmark, measure, stored
 from cases.case import Case
+from cases.case_file import load_case
 from cases.cross_validation import cross_validate
 from cases.engine_run import PARTS
 from cases.errors import shortened
@@ -15,6 +18,7 @@ from cases.experiment import load_curves
 from cases.fingerprint import code_fingerprint
 from cases.store import Store
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, Studies, run_studies
+from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN
 from reports.findings.evidence import evidence
 from reports.findings.measured import measured_comparisons
@@ -27,6 +31,7 @@ from reports.pages.blocks import Chapter
 from reports.pages.comparison import disagreement, runs_by_engines
 from reports.pages.content import Content
 from reports.pages.experiment import experiment, published
+from reports.pages.methods import methods
 from reports.pages.per_run import per_run
 from reports.pages.provenance import files, provenance, verification
 from reports.pages.studies import accuracy_and_cost, open_points
@@ -95,14 +100,16 @@ def write_report(cases: Sequence[Case], folder: Path, store: Store, jobs: int | 
     curves = load_curves()
     results = cross_validate(cases, store, engines, jobs=jobs)
     studies = _studies(cases, store, jobs)
+    benchmarks = _benchmarks(store) if studies is not None else []
     example = of_run(results, EXAMPLE) if EXAMPLE else None
     content = Content(
         results=results,
         studies=studies,
+        benchmarks=benchmarks,
         evidence=evidence(example, store) if example is not None else None,
         curves=curves,
         comparisons=measured_comparisons(results, curves),
-        pictures=draw_pictures(results, studies, curves, store, jobs),
+        pictures=draw_pictures(results, studies, benchmarks, curves, store, jobs),
         verification=stored_verification(store.folder),
         facts=machine_facts(),
         code=code_fingerprint(PARTS),
@@ -131,8 +138,8 @@ def write(content: Content, folder: Path) -> Written:
 def chapters_of(content: Content) -> list[Chapter]:
     """All chapters in their order."""
     makers: tuple[Callable[[Content], Chapter], ...] = (
-        answer, runs_by_engines, disagreement, thesis_view, open_points, accuracy_and_cost,
-        experiment, published, per_run, provenance, verification,
+        answer, runs_by_engines, disagreement, thesis_view, methods, open_points,
+        accuracy_and_cost, experiment, published, per_run, provenance, verification,
     )  # fmt: skip
     chapters = [make(content) for make in makers]
     tables = [table for chapter in chapters for table in chapter.tables]
@@ -144,6 +151,20 @@ def _studies(cases: Sequence[Case], store: Store, jobs: int | None) -> Studies |
     """The studies, if the report is about all runs that they are about."""
     shown = {case.name for case in cases if case.source == "library"}
     return run_studies(store, jobs) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
+
+
+def _benchmarks(store: Store) -> list[Benchmark]:
+    """What was measured last of each scene; the first scene is measured now, once, if it never was."""
+    found = []
+    for name in SCENES:
+        case = load_case(name)
+        table = stored(case, store)
+        if table is None and name == SCENES[0]:
+            with contextlib.suppress(EngineFailure, Refusal):  # the chapter says what is missing
+                table = measure(case, store, repetitions=1)
+        if table is not None:
+            found.append(table)
+    return found
 
 
 def _earlier_tables(folder: Path) -> set[str]:

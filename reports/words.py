@@ -1,8 +1,8 @@
 """Numbers and names as the report writes them."""
 
 import math
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
 from reports.findings.runs import run_number
 
@@ -30,6 +30,22 @@ def number(value: float, form: str) -> str:
     if text[0] in "+-" and not any(digit in text for digit in "123456789"):
         text = text[1:]  # -0.00 is no less and +0.00 no more than 0.00
     return text.replace("-", MINUS)
+
+
+def settings_words(settings: Mapping[str, Any]) -> str:
+    """Settings as "modes 5, tolerance 1e-07"."""
+    return ", ".join(f"{name.replace('_', ' ')} {f'{value:g}' if isinstance(value, float) else value}" for name, value in settings.items())
+
+
+def duration(seconds: float) -> str:
+    """A time span to two figures, in ms below a second."""
+    value, unit = (1e3 * seconds, "ms") if seconds < 0.9995 else (seconds, "s")
+    return f"{number(value, '.0f' if value >= 9.95 else '.1f' if value >= 0.995 else '.2f')}{TIED}{unit}"
+
+
+def times(factor: float) -> str:
+    """A ratio to two figures: "3.4 times"."""
+    return f"{number(factor, '.0f' if factor >= 9.95 else '.1f')} times"
 
 
 def percent(share: float, form: str = ".2f") -> str:

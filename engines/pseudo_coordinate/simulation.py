@@ -62,16 +62,15 @@ class ExplicitSimulation(Simulation):
             result = self.model.integrate(self.state, output_step, intervals, self.tolerance, self._step)
         else:
             result = self.model.integrate(self.state, output_step, intervals, self.tolerance, method=self._method, first_step=self._step)
+        integrated = time.perf_counter()
         try:
             columns = self.model.observe(result.states)
         except ObservationFailed as failure:
             columns = self.model.observe(result.states[: failure.row])
         columns["time"] = self.time + output_step * np.arange(len(columns["crank_angle"]), dtype=np.float64)
-        trajectory = Trajectory(
-            columns,
-            time.perf_counter() - began,
-            {"right_hand_side_calls": float(result.calls), "degrees_of_freedom": self.model.degrees_of_freedom},
-        )
+        done = time.perf_counter()
+        statistics = {"right_hand_side_calls": float(result.calls), "integration_seconds": integrated - began}
+        trajectory = Trajectory(columns, done - began, statistics)
         if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
             cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
             raise EngineFailure(self.time + result.end_time, cause, f"try {advice}", trajectory if len(trajectory) else None)

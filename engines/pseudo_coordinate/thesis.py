@@ -56,6 +56,10 @@ class ThesisEngine(FixedShapeModelEngine):
         """Integration tolerance for an error against the model's own equations."""
         return ThesisSettings(tolerance=accuracy * THESIS_TOLERANCE_PER_ERROR)
 
+    def ladder(self, mechanism: Mechanism) -> tuple[ThesisSettings, ...]:
+        """A coarse and a fine tolerance: what is wrong with this model is not its integration."""
+        return tuple(self.settings_for(accuracy, mechanism) for accuracy in (1e-2, 1e-3))
+
     def coarser(self, settings: Settings) -> tuple[ThesisSettings, float]:
         """Ten times the tolerance; the error factor is measured."""
         own = _own(settings)

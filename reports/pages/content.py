@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from cases.benchmark import Benchmark
 from cases.comparison import CaseResult
 from cases.experiment import MeasuredCurve
 from cases.studies import Studies
@@ -22,6 +23,7 @@ class Content:
     Attributes:
         results: the cases, at least one.
         studies: None where the cases that they are about are not all among the results.
+        benchmarks: of the scenes on which methods are compared, those that there are.
         evidence: on the thesis' example run; None where that is not among the results.
         curves: measured curves, of whatever runs.
         comparisons: of the curves of the runs shown.
@@ -34,6 +36,7 @@ class Content:
 
     results: Sequence[CaseResult]
     studies: Studies | None = None
+    benchmarks: Sequence[Benchmark] = ()
     evidence: Evidence | None = None
     curves: Sequence[MeasuredCurve] = ()
     comparisons: Sequence[Comparison] = ()

@@ -74,7 +74,6 @@ def accuracy_and_cost(content: Content) -> Chapter:
             chapter.heading("Convergence of the reference", "convergence")
             chapter.figures(
                 (content.pictures.of_all.get("convergence"), "Error of the reference (% of RMS) in run 24 over its number of modes."),
-                (content.pictures.of_all.get("cost"), "Error (%) of each engine at its default accuracy in run 24 over its solve time."),
             )
             chapter.table(tables.convergence(studies.convergence))
     chapter.heading("Solve times to the steady state", "solve-times")

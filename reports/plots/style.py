@@ -69,6 +69,10 @@ _LOOKS: Final = {
     "thesis": Look(VERMILION, (0, (5, 1.6)), 1.2, "D", 2.1),
     "exudyn": Look(BLACK, (0, (6, 9)), 1.2, "^", 2.3),
     "mujoco": Look(GREEN, (7.5, (6, 9)), 1.2, "v", 2.2),
+    "fixed-shapes": Look(BLUE, (0, (9, 2)), 1.1, "s", 2.4),
+    "multiplier": Look(PURPLE, (0, (3, 1, 1, 1, 1, 1)), 1.1, "X", 2.4),
+    "stiff-spring": Look(ORANGE, (0, (4, 1.5)), 1.1, "P", 2.4),
+    "nodal-load": Look(GREY, (0, (1.5, 1.2)), 1.1, "p", 2.4),
 }
 _OTHERS: Final = (Look(PURPLE, (0, (3, 1, 1, 1, 1, 1)), 1.1, "s", 2.4), Look(ORANGE, (0, (9, 2)), 1.1, "P", 2.5))
 MEASURED: Final = Look(BLUE, "-", 0.9, ".", 2.6)

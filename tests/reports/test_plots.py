@@ -16,8 +16,9 @@ from cases.comparison import CaseResult
 from cases.experiment import MeasuredCurve, axis_labels
 from cases.measures import time_scale
 from reference_model.mechanism import PrescribedSpeed
-from reports.plots import convergence, cycle, forces, heat_map, mechanism, overview, sensitivity, spectrogram
+from reports.plots import convergence, cycle, forces, heat_map, mechanism, overview, sensitivity, spectrogram, work_precision
 from reports.plots.picture import Picture, picture
+from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.plotted_results import made_up_result, with_mechanism
 
 #: Bytes. Four pictures for each of 24 runs shall leave the page below 5 MB with its base64: 40 kB each on average. The made-up curves
@@ -56,7 +57,8 @@ OF_ALL: dict[str, Callable[[], Figure | None]] = {
     "overview": lambda: overview.draw_overview(RUNS),
     "heat map": lambda: heat_map.draw_heat_map(RUNS),
     "convergence": lambda: convergence.draw_convergence(_convergence_table()),
-    "cost": lambda: convergence.draw_cost(_cost_table()),
+    "work precision": lambda: work_precision.draw(made_up_benchmark(), "solve_seconds"),
+    "degrees of freedom": lambda: work_precision.draw(made_up_benchmark(), "degrees_of_freedom"),
     "sensitivity": lambda: sensitivity.draw_sensitivity(_sensitivity_table()),
 }
 
@@ -74,15 +76,6 @@ def _convergence_table() -> pd.DataFrame:
     ]
     rows[-1] |= dict.fromkeys(convergence.COLUMNS, 0.0) | {"is_reference": True}
     return pd.DataFrame(rows)
-
-
-def _cost_table() -> pd.DataFrame:
-    return pd.DataFrame(
-        [
-            {"engine": name, "solve_seconds": seconds, **dict.fromkeys(convergence.COLUMNS, 2.0 * error), "tip_deflection": error}
-            for name, seconds, error in (("reference", 1.0, 1e-3), ("exudyn", 2.0, 2e-3), ("exudyn", 0.5, 2e-2), ("own", 0.1, 0.1))
-        ]
-    )
 
 
 def _sensitivity_table() -> pd.DataFrame:
@@ -152,7 +145,7 @@ def test_every_axis_has_its_unit(kind: str) -> None:
     assert figure.axes[-1].get_xlabel().startswith("cycle")
 
 
-@pytest.mark.parametrize("kind", ["overview", "convergence", "cost", "sensitivity"])
+@pytest.mark.parametrize("kind", ["overview", "convergence", "sensitivity"])
 def test_every_abscissa_is_labelled(kind: str) -> None:
     figure = OF_ALL[kind]()
     assert figure is not None
@@ -279,7 +272,9 @@ def test_a_picture_goes_into_a_page_as_it_is() -> None:
 def test_pictures_with_nothing_to_compare_are_left_out() -> None:
     assert overview.overview_figure([NOTHING]) is None
     assert convergence.convergence_figure(pd.DataFrame()) is None
-    assert convergence.cost_figure(pd.DataFrame()) is None
+    nothing = dataclasses.replace(made_up_benchmark(), points=made_up_benchmark().points[-1:])
+    assert work_precision.work_precision_figure(nothing) is None
+    assert work_precision.work_freedom_figure(nothing) is None
     assert sensitivity.sensitivity_figure(pd.DataFrame()) is None
 
 
@@ -293,7 +288,8 @@ def test_all_pictures_describe_themselves() -> None:
         overview.overview_figure(RUNS[:2]),
         heat_map.heat_map_figure(RUNS[:2]),
         convergence.convergence_figure(_convergence_table()),
-        convergence.cost_figure(_cost_table()),
+        work_precision.work_precision_figure(made_up_benchmark()),
+        work_precision.work_freedom_figure(made_up_benchmark()),
         sensitivity.sensitivity_figure(_sensitivity_table()),
     ]
     texts = [shown.alt for shown in made if shown is not None]
@@ -308,3 +304,19 @@ def test_a_single_engine_has_pictures_of_its_own_but_no_comparison() -> None:
         _check(draw(alone))
     assert overview.overview_figure([alone]) is None
     assert heat_map.heat_map_figure([alone]) is None
+
+
+def test_methods_that_completed_nothing_have_no_mark() -> None:
+    figure = OF_ALL["work precision"]()
+    assert figure is not None
+    assert "nodal-load" not in _texts(figure)
+    assert {"reference", "multiplier, Hermite elements"} <= set(_texts(figure))
+
+
+def test_the_front_lies_below_the_points() -> None:
+    figure = OF_ALL["work precision"]()
+    assert figure is not None
+    lowest = min(figure.axes[0].lines, key=lambda line: line.get_zorder())
+    seconds, errors = np.asarray(lowest.get_xdata()), np.asarray(lowest.get_ydata())
+    assert np.all(np.diff(seconds) > 0.0)
+    assert np.all(np.diff(errors) < 0.0)

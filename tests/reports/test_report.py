@@ -27,6 +27,7 @@ from reports.report import CATALOGUE, chapters_of, check_folder, write, write_re
 from reports.tables.table import Table
 from reports.verification import FILE, PARTS, verification
 from tests.reports.conftest import Call
+from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.reported_results import PageReader, reported_result
 
 ERRORS = dict.fromkeys(("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force"), 0.001)
@@ -60,9 +61,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report on two made-up cases, in one of which an engine failed, with pictures and studies."""
     place = tmp_path_factory.mktemp("report")
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
-    pictures = draw_pictures(results, studies(), [], Store(place / "store"), jobs=2)
+    benchmarks = [made_up_benchmark(), made_up_benchmark("thesis-17", confirmed=False)]
+    pictures = draw_pictures(results, studies(), benchmarks, [], Store(place / "store"), jobs=2)
     assert pictures.failures == ()
-    content = Content(results=results, studies=studies(), pictures=pictures, facts=machine_facts(), code="abc", notices=("a <notice>",))
+    told = {"facts": machine_facts(), "code": "abc", "notices": ("a <notice>",)}
+    content = Content(results=results, studies=studies(), benchmarks=benchmarks, pictures=pictures, **told)  # type: ignore[arg-type]
     write(content, place)
     return place
 
@@ -86,8 +89,8 @@ def test_the_page_refers_to_nothing_but_itself_and_its_tables(folder: Path, read
 
 
 def test_every_picture_of_every_case_is_there_with_words_for_it(folder: Path, read: PageReader) -> None:
-    # per case, all cases together (two), and the studies (three)
-    assert len(read.sources) == 2 * len(OF_CASE) + 2 + 3
+    # per case, all cases together (two), the studies (two), and two of each benchmark
+    assert len(read.sources) == 2 * len(OF_CASE) + 2 + 2 + 2 * 2
     assert 'alt=""' not in (folder / "index.html").read_text("utf-8")
 
 
@@ -222,7 +225,7 @@ def test_unknown_cases_and_doubles_are_refused(call: Call) -> None:
 def test_exit_codes_tell_whether_every_engine_completed(call: Call, monkeypatch: pytest.MonkeyPatch, status: str, expected: int) -> None:
     monkeypatch.setenv("QUICKRETURN_STORE", "store")
     monkeypatch.setattr(report_module, "cross_validate", lambda *_, **__: [reported_result("thesis-17", {"mujoco": status})])
-    monkeypatch.setattr(report_module, "draw_pictures", lambda *_: draw_pictures([], None, [], Store()))
+    monkeypatch.setattr(report_module, "draw_pictures", lambda *_: draw_pictures([], None, [], [], Store()))
     code, output, errors = call("report", "thesis-17")
     assert (code, errors) == (expected, "")
     lines = output.splitlines()

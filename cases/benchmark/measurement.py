@@ -1,0 +1,233 @@
+"""One scene: error and solve time of every method over its ladder of settings, against a solution that a second engine confirms.
+
+One process, pinned to one processor; the repetitions of all points are interleaved, so that a drift of the machine's speed meets all
+of them alike. Times are solve times as measured: nothing is scaled. Points that fail, and those that were not tried, stay in the table.
+"""
+
+import os
+import platform
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from cases.benchmark.methods import Method, methods
+from cases.case import Case
+from engines.accurate import ESTIMATED, run_once
+from engines.base import Engine, EngineFailure, Refusal
+from engines.registry import engine
+from engines.settings import SettingError, Settings
+from engines.start import standard_start
+from engines.trajectory import Trajectory
+from reference_model.natural_modes import frozen_crank_modes
+
+#: Repetitions of a point at most, and the solve time (s) that the repetitions of one point may take together.
+REPETITIONS: Final = 5
+BUDGET: Final = 4.0
+#: Solve time (s) beyond which the finer settings of a method are not tried.
+LONG: Final = 20.0
+#: The solution that errors are measured against, and the one that confirms it: no coordinate, no joint, no integrator in common.
+TRUTH: Final = ("reference", {"modes": "11", "tolerance": "1e-10"})
+CONFIRMING: Final = ("mujoco", {"links": "60", "armature": "0"})
+#: What the two may differ by.
+CONFIRMED: Final = 2e-4
+COMPLETED: Final = "completed"
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """The table of one scene.
+
+    Attributes:
+        case: its name.
+        title: its title.
+        duration: s.
+        truth: engine, settings, and `sizes`: RMS of each column of `ESTIMATED` (SI).
+        confirmation: engine, settings and `differences` of each column; {"engine", "failure"} if there is none.
+        points: one dict per method and settings: method, engine, settings, status ("completed", or why not), degrees_of_freedom, errors
+            by column, solve_seconds (the least), solve_seconds_median, solve_seconds_largest, repetitions, setup_seconds, statistics.
+        repetitions: of a point at most.
+        machine: processor, system and versions.
+    """
+
+    case: str
+    title: str
+    duration: float
+    truth: dict[str, Any]
+    confirmation: dict[str, Any]
+    points: list[dict[str, Any]]
+    repetitions: int
+    machine: dict[str, str]
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the tip deflection of both solutions agrees to `CONFIRMED`."""
+        difference = self.confirmation.get("differences", {}).get("tip_deflection")
+        return difference is not None and difference <= CONFIRMED
+
+
+def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS) -> Benchmark:
+    """Measure engines on a case, in this process.
+
+    Args:
+        case: the scene; from its standard start, over its duration and output step.
+        names: of engines.
+        repetitions: of each point, at most.
+
+    Raises:
+        UnknownEngine: no engine has this name.
+        EngineFailure: the solution to measure against cannot be computed.
+        Refusal: likewise.
+    """
+    points = [_Point(method, settings) for method in methods(names, case) for settings in method.ladder]
+    truth = _run(engine(TRUTH[0]), case, _settings(TRUTH, case))[0]
+    confirmation = _confirmation(case, truth)
+    for point in points:
+        point.warm_up(case)
+    for repetition in range(repetitions):
+        slow: set[str] = set()
+        for point in points:
+            point.repeat(case, repetition, slow)
+    sizes = {column: _size(truth, column) for column in ESTIMATED}
+    return Benchmark(
+        case.name,
+        case.title,
+        case.duration,
+        {"engine": TRUTH[0], "settings": _settings(TRUTH, case).as_dict(), "sizes": sizes},
+        confirmation,
+        [point.as_dict(case, truth) for point in points],
+        repetitions,
+        _machine(names),
+    )
+
+
+def pinned(case: Case, names: Sequence[str], repetitions: int) -> Benchmark:
+    """The same, with the process held on one processor from now on."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    return benchmark(case, names, repetitions)
+
+
+def _settings(chosen: tuple[str, Mapping[str, str]], case: Case) -> Settings:
+    name, texts = chosen
+    return engine(name).settings_for(1e-4, case.mechanism).with_texts(dict(texts))
+
+
+def _machine(names: Sequence[str]) -> dict[str, str]:
+    return {
+        "date": time.strftime("%Y-%m-%d", time.gmtime()),
+        "processor": platform.processor() or platform.machine(),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        **{name: engine(name).version() for name in names if not engine(name).unavailable()},
+    }
+
+
+def _run(chosen: Engine, case: Case, settings: Settings) -> tuple[Trajectory, float]:
+    return run_once(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, settings)
+
+
+def _confirmation(case: Case, truth: Trajectory) -> dict[str, Any]:
+    name, settings = CONFIRMING[0], _settings(CONFIRMING, case)
+    try:
+        trajectory, _ = _run(engine(name), case, settings)
+    except (EngineFailure, Refusal) as failure:
+        return {"engine": name, "settings": settings.as_dict(), "failure": str(failure)}
+    return {"engine": name, "settings": settings.as_dict(), "differences": _errors(trajectory, truth)}
+
+
+def _size(trajectory: Trajectory, column: str) -> float:
+    return float(np.sqrt(np.mean(trajectory[column] ** 2)))
+
+
+def _errors(trajectory: Trajectory, truth: Trajectory) -> dict[str, float | None]:
+    errors: dict[str, float | None] = {}
+    for column in ESTIMATED:
+        size = _size(truth, column)
+        errors[column] = float(np.sqrt(np.mean((trajectory[column] - truth[column]) ** 2))) / size if size > 0.0 else None
+    return errors
+
+
+class _Point:
+    """One method with one set of settings."""
+
+    def __init__(self, method: Method, settings: Settings) -> None:
+        self.method, self.settings, self.status = method, settings, ""
+        self.times: list[float] = []
+        self.setup: list[float] = []
+        self.trajectory: Trajectory | None = None
+
+    def warm_up(self, case: Case) -> None:
+        """A step of output, so that no time below counts what is done but once: compiling, loading, the first touch of memory."""
+        with_start = standard_start(case.mechanism)
+        try:
+            run_once(self.method.engine, case.mechanism, with_start, case.output_step, case.output_step, self.settings)
+        except (EngineFailure, Refusal, SettingError) as failure:
+            self.status = str(failure)
+
+    def repeat(self, case: Case, repetition: int, slow: set[str]) -> None:
+        """One more time, unless it has failed, its repetitions have taken long enough, or coarser settings already took too long.
+
+        Args:
+            case: the scene.
+            repetition: 0 for the first.
+            slow: names of methods whose coarser settings took longer than `LONG`; this one's is added where it does.
+        """
+        if self.status and self.status != COMPLETED:
+            return
+        if repetition and (sum(self.times) + min(self.times) > BUDGET):
+            return
+        if not repetition and self.method.name in slow:
+            self.status = f"not tried: coarser settings took longer than {LONG:g} s"
+            return
+        try:
+            self.trajectory, setup = _run(self.method.engine, case, self.settings)
+        except (EngineFailure, Refusal) as failure:
+            self.status = str(failure)
+            return
+        self.status = COMPLETED
+        self.times.append(self.trajectory.solve_seconds)
+        self.setup.append(setup)
+        if self.times[0] > LONG:
+            slow.add(self.method.name)
+
+    def as_dict(self, case: Case, truth: Trajectory) -> dict[str, Any]:
+        about = {"method": self.method.name, "engine": self.method.engine.name, "settings": self.settings.as_dict(), "status": self.status}
+        if self.trajectory is None or self.status != COMPLETED:
+            return about
+        free = self.method.engine.describe(case.mechanism, self.settings).degrees_of_freedom
+        return about | {
+            "degrees_of_freedom": free,
+            "errors": _errors(self.trajectory, truth),
+            "solve_seconds": min(self.times),
+            "solve_seconds_median": float(np.median(self.times)),
+            "solve_seconds_largest": max(self.times),
+            "repetitions": len(self.times),
+            "setup_seconds": min(self.setup),
+            "statistics": self.trajectory.statistics | self._joint(),
+            "calls_per_period": self._calls_per_period(case),
+        }
+
+    def _joint(self) -> dict[str, float]:
+        """What the joint lets through: the largest gap in m, and spurious work over the drive's, where there are such columns."""
+        assert self.trajectory is not None
+        found: dict[str, float] = {}
+        columns = self.trajectory.columns
+        if "constraint_gap" in columns:
+            found["largest_gap"] = float(np.max(np.abs(columns["constraint_gap"])))
+        moved = self.trajectory.statistics.get("spurious_energy_moved")
+        if moved is not None and "drive_work" in columns and columns["drive_work"][-1] != 0.0:
+            found["spurious_share"] = moved / abs(float(columns["drive_work"][-1]))
+        return found
+
+    def _calls_per_period(self, case: Case) -> float | None:
+        """Right-hand sides per period of the highest mode that `reference` keeps, at the start's crank angle; None of other methods."""
+        assert self.trajectory is not None
+        modes = self.settings.as_dict().get("modes")
+        calls = self.trajectory.statistics.get("right_hand_side_calls")
+        if self.method.engine.name != "reference" or modes is None or calls is None or case.mechanism.follower.is_rigid:
+            return None
+        highest = frozen_crank_modes(case.mechanism, case.mechanism.crank.initial_angle, modes).frequencies[-1]
+        return calls / (case.duration * float(highest))

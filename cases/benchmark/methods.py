@@ -1,0 +1,41 @@
+"""The methods that a benchmark compares: an engine, its ladder of settings, and variants that differ in one setting."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from cases.case import Case
+from engines.base import Engine
+from engines.registry import engine
+from engines.settings import Settings
+
+#: Engine -> name of a variant, and the settings that make it.
+VARIANTS: Final[Mapping[str, tuple[tuple[str, Mapping[str, str]], ...]]] = {
+    "multiplier": (("multiplier, Hermite elements", {"family": "hermite"}),),
+    "nodal-load": (("nodal-load, both linear", {"distribution": "both linear"}),),
+}
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method: its name (that of its engine, or of a variant), the engine, and settings from coarse to fine."""
+
+    name: str
+    engine: Engine
+    ladder: tuple[Settings, ...]
+
+
+def methods(names: Sequence[str], case: Case) -> list[Method]:
+    """All methods of some engines; of an engine that cannot be used here, one with an empty ladder.
+
+    Raises:
+        UnknownEngine: no engine has this name.
+    """
+    found = []
+    for name in names:
+        chosen = engine(name)
+        ladder = () if chosen.unavailable() else chosen.ladder(case.mechanism)
+        found.append(Method(name, chosen, ladder))
+        for variant, texts in VARIANTS.get(name, ()):
+            found.append(Method(variant, chosen, tuple(settings.with_texts(dict(texts)) for settings in ladder)))
+    return found

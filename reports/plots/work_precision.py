@@ -1,0 +1,120 @@
+"""Error against solve time and against degrees of freedom, all methods of a benchmark."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
+
+from cases.benchmark import Benchmark, pareto_front
+from cases.benchmark.findings import error_of
+from reports.plots.picture import Picture, picture
+from reports.plots.style import LIGHT, Look, legend_above, look, new_figure, plain_numbers, tidy
+
+PERCENT: Final = 100.0
+#: Column -> heading of its panel.
+PANELS: Final = {
+    "tip_deflection": "tip deflection",
+    "tip_acceleration": "tip acceleration",
+    "strain": "worst strain",
+    "slider_force": "slider force",
+}
+#: Errors beyond these (in percent) say nothing more.
+LOWEST, HIGHEST = 5e-4, 300.0
+FRONT_WIDTH: Final = 5.0
+
+
+def work_precision_figure(table: Benchmark) -> Picture | None:
+    """Error of four observables against solve time, with the Pareto front of each; None where no point completed."""
+    figure = draw(table, "solve_seconds")
+    if figure is None:
+        return None
+    return picture(figure, f"Error over solve time of all methods on {table.case}, four observables, both axes logarithmic")
+
+
+def work_freedom_figure(table: Benchmark) -> Picture | None:
+    """Error of four observables against degrees of freedom; None where no point completed."""
+    figure = draw(table, "degrees_of_freedom")
+    if figure is None:
+        return None
+    return picture(figure, f"Error over degrees of freedom of all methods on {table.case}, four observables, both axes logarithmic")
+
+
+def draw(table: Benchmark, across: str) -> Figure | None:
+    """The figure before it is rendered; `across` is the quantity of the x axis, a key of the points."""
+    points = [point for point in table.points if "errors" in point]
+    if not points:
+        return None
+    figure = new_figure(5.2)
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
+    for axes, (column, words) in zip(panels.flat, PANELS.items(), strict=True):
+        if across == "solve_seconds":
+            _front(axes, points, column)
+        for method in dict.fromkeys(point["method"] for point in points):
+            _method(axes, [point for point in points if point["method"] == method], column, across)
+        axes.set_title(words, fontsize=9.0, pad=3.0)
+    _axes(panels, across)
+    legend_above(figure, _legend(points), 4)
+    return figure
+
+
+def _front(axes: Axes, points: Sequence[Mapping[str, Any]], column: str) -> None:
+    front = pareto_front(points, column)
+    seconds, errors = [point["solve_seconds"] for point in front], [PERCENT * (error_of(point, column) or 0.0) for point in front]
+    axes.plot(seconds, errors, color=LIGHT, linewidth=FRONT_WIDTH, solid_capstyle="round", solid_joinstyle="round", zorder=1.0)
+
+
+def _method(axes: Axes, points: Sequence[Mapping[str, Any]], column: str, across: str) -> None:
+    style, known = _look(points[0]), [(point[across], error) for point in points if (error := error_of(point, column))]
+    if not known:
+        return
+    x, y = zip(*known, strict=True)
+    face = "white" if _is_variant(points[0]) else style.colour
+    axes.plot(x, [PERCENT * error for error in y], color=style.colour, linewidth=0.9, linestyle="-", zorder=style.order)
+    keywords: dict[str, Any] = {
+        "color": style.colour,
+        "markersize": 4.2,
+        "markerfacecolor": face,
+        "markeredgewidth": 0.8,
+        "zorder": style.order,
+    }
+    axes.plot(x, [PERCENT * error for error in y], style.marker, **keywords)
+
+
+def _look(point: Mapping[str, Any]) -> Look:
+    return look(point["engine"])
+
+
+def _is_variant(point: Mapping[str, Any]) -> bool:
+    return bool(point["method"] != point["engine"])
+
+
+def _axes(panels: Any, across: str) -> None:
+    for axes in panels.flat:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        tidy(axes, None, None)
+        for which in ("x", "y"):
+            plain_numbers(axes, which)
+        axes.tick_params(which="minor", length=1.5, width=0.5)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_minor_formatter(NullFormatter())
+    low, high = panels[0, 0].get_ylim()
+    panels[0, 0].set_ylim(max(low, LOWEST), min(high, HIGHEST))
+    for axes in panels[1]:
+        axes.set_xlabel("solve time (s)" if across == "solve_seconds" else "degrees of freedom", fontsize=9.0)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("error (% of RMS)", fontsize=9.0)
+
+
+def _legend(points: Sequence[Mapping[str, Any]]) -> list[Line2D]:
+    marks = []
+    for method in dict.fromkeys(point["method"] for point in points):
+        first = next(point for point in points if point["method"] == method)
+        style = _look(first)
+        face = "white" if _is_variant(first) else style.colour
+        words = {"color": style.colour, "markerfacecolor": face, "markersize": 5.0, "label": method}
+        marks.append(Line2D([], [], linestyle="-", linewidth=0.9, marker=style.marker, **words))
+    return marks

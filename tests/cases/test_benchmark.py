@@ -1,0 +1,159 @@
+"""Speed against error: fronts and orders of known points, and a real table on a short stretch of run 24."""
+
+import dataclasses
+import os
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cases.benchmark import SCENES, Benchmark, fastest_at, measure, measurement, observed_order, pareto_front, stored
+from cases.benchmark.findings import error_of
+from cases.benchmark.methods import Method, methods
+from cases.case import Case
+from cases.case_file import load_case
+from cases.store import Store
+from engines.base import EngineFailure
+from engines.registry import RIVALS, UnknownEngine
+from tests.engines.fake_engine import FakeEngine, FakeSettings
+
+
+def point(seconds: float, error: float | None, method: str = "a", free: int = 3) -> dict[str, Any]:
+    about: dict[str, Any] = {"method": method, "engine": method, "settings": {}, "status": "completed"}
+    if error is None:
+        return about | {"status": "failed"}
+    return about | {"solve_seconds": seconds, "errors": {"tip_deflection": error}, "degrees_of_freedom": free}
+
+
+def short(name: str = "thesis-24") -> Case:
+    return dataclasses.replace(load_case(name), duration=0.05)
+
+
+positive = st.floats(1e-6, 1e3)
+
+
+@given(st.lists(st.tuples(positive, st.none() | positive), max_size=12))
+def test_the_front_is_what_no_point_beats(values: list[tuple[float, float | None]]) -> None:
+    points = [point(*value) for value in values]
+    front = pareto_front(points)
+    done = [(p["solve_seconds"], p["errors"]["tip_deflection"]) for p in points if "errors" in p]
+    of_front = [(p["solve_seconds"], p["errors"]["tip_deflection"]) for p in front]
+    assert of_front == sorted(of_front)
+    for seconds, error in done:
+        beaten = any(s <= seconds and e <= error and (s, e) != (seconds, error) for s, e in done)
+        assert beaten != ((seconds, error) in of_front)
+
+
+def test_the_fastest_that_is_good_enough() -> None:
+    points = [point(1.0, 0.1), point(2.0, 0.01), point(3.0, 0.001), point(0.5, 0.009, "b"), point(9.0, None, "c")]
+    found = fastest_at(points, 0.01)
+    assert list(found) == ["b", "a"]
+    assert found["a"]["solve_seconds"] == 2.0
+    assert fastest_at(points, 1e-4) == {}
+
+
+@given(st.floats(0.5, 6.0), st.floats(1e-3, 1e3))
+def test_the_order_of_a_power_law(order: float, size: float) -> None:
+    points = [point(1.0, size * free**-order, free=free) for free in (3, 5, 9, 17)]
+    points += [point(1.0, 7.0 * size * free**-order, free=free) for free in (3, 5)]  # the same elements, a larger step
+    assert observed_order(points, "a") == pytest.approx(order, rel=1e-9)
+    assert observed_order(points, "b") is None
+    assert observed_order(points[:2], "a") is None
+
+
+def test_the_worst_gauge_stands_for_strain() -> None:
+    errors = {"strain_1": 0.1, "strain_2": 0.3, "strain_3": None}
+    assert error_of({"errors": errors}, "strain") == 0.3
+    assert error_of({"status": "failed"}, "strain") is None
+
+
+def test_every_rival_has_a_ladder_from_coarse_to_fine() -> None:
+    for method in methods(("reference", *RIVALS), load_case("thesis-24")):
+        free = [method.engine.describe(load_case("thesis-24").mechanism, settings).degrees_of_freedom for settings in method.ladder]
+        assert len(free) >= 5, method.name
+        assert free == sorted(free), method.name
+
+
+def test_scenes_are_in_the_library() -> None:
+    assert [load_case(name).name for name in SCENES] == list(SCENES)
+
+
+@pytest.fixture(scope="module")
+def table() -> Benchmark:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(measurement, "CONFIRMING", ("mujoco", {"links": "16"}))
+        return measurement.benchmark(short(), ("reference", "thesis"), repetitions=2)
+
+
+def test_a_table_has_every_point_with_its_errors_and_times(table: Benchmark) -> None:
+    ladder = methods(("reference",), short())[0].ladder
+    reference = [p for p in table.points if p["engine"] == "reference"]
+    assert [p["settings"] for p in reference] == [settings.as_dict() for settings in ladder]
+    for p in table.points:
+        assert p["status"] == "completed"
+        assert p["repetitions"] == 2
+        assert 0.0 < p["solve_seconds"] <= p["solve_seconds_median"] <= p["solve_seconds_largest"]
+        assert set(p["errors"]) == set(table.truth["sizes"])
+
+
+def test_errors_are_against_a_solution_that_another_engine_confirms(table: Benchmark) -> None:
+    # 16 links are within 1e-3 over 2 s of run 24 (engines.mujoco.settings.LADDER); the first 0.05 s are no harder
+    assert 0.0 < table.confirmation["differences"]["tip_deflection"] < 2e-3
+    errors = [error_of(p) for p in table.points if p["engine"] == "reference"]
+    assert errors[0] is not None
+    assert errors[-1] is not None
+    assert errors[-1] < 1e-4 < errors[0]  # one mode, and the most of the ladder
+    assert all((error_of(p) or 0.0) > 0.05 for p in table.points if p["engine"] == "thesis")  # one cubic
+
+
+def test_calls_per_period_are_those_of_the_highest_mode_kept(table: Benchmark) -> None:
+    for p in table.points:
+        if p["engine"] == "thesis":
+            assert p["calls_per_period"] is None
+    # one mode: 20.354 Hz with the slider farthest, published beside the mechanism's numbers
+    first = table.points[0] if table.points[0]["engine"] == "reference" else next(p for p in table.points if p["engine"] == "reference")
+    calls = first["statistics"]["right_hand_side_calls"]
+    assert first["calls_per_period"] == pytest.approx(calls / (0.05 * 20.354), rel=1e-4)
+
+
+def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypatch: pytest.MonkeyPatch) -> None:
+    ladder = tuple(FakeSettings(step=step, behaviour=kind) for step, kind in ((0.1, "fails"), (0.1, "good"), (0.05, "good")))
+    monkeypatch.setattr(measurement, "methods", lambda *_: [Method("fake", FakeEngine(), ladder)])
+    monkeypatch.setattr(measurement, "CONFIRMING", ("thesis", {}))
+    monkeypatch.setattr(measurement, "LONG", 0.1)  # the fake engine claims 0.125 s
+    found = measurement.benchmark(short(), (), repetitions=2).points
+    assert found[0]["status"].startswith("failed at t = 0.002 s: the beam snapped") or "the beam snapped" in found[0]["status"]
+    assert "errors" not in found[0]
+    assert found[1]["status"] == "completed"
+    assert found[1]["solve_seconds"] == 0.125
+    assert found[2]["status"] == "not tried: coarser settings took longer than 0.1 s"
+
+
+def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    store, case, affinity = Store(tmp_path), short(), os.sched_getaffinity(0)
+    monkeypatch.setattr("cases.benchmark.scenes.pinned", _quick)
+    assert stored(case, store, ("thesis",)) is None
+    made = measure(case, store, ("thesis",), 1)
+    assert stored(case, store, ("thesis",)) == made
+    assert stored(dataclasses.replace(case, duration=0.1), store, ("thesis",)) is None
+    assert stored(case, store, ("thesis", "reference")) is None
+    assert os.sched_getaffinity(0) == affinity  # only the worker is pinned
+
+
+def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cases.benchmark.scenes.pinned", _broken)
+    with pytest.raises(EngineFailure, match="the loop cannot close"):
+        measure(short(), Store(), ("thesis",), 1)
+    with pytest.raises(UnknownEngine):
+        measurement.benchmark(short(), ("nobody",), 1)
+
+
+def _quick(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
+    sizes = dict.fromkeys(("tip_deflection",), float(np.float64(1.0)))
+    return Benchmark(case.name, case.title, case.duration, {"sizes": sizes}, {"engine": "none", "failure": "no"}, [], repetitions, {})
+
+
+def _broken(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
+    raise EngineFailure(0.1, "the loop cannot close any more", "check the scene")
