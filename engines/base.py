@@ -18,8 +18,8 @@ from engines.start import Start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
 
-#: Accuracies whose settings make up an engine's ladder, each once.
-LADDER_ACCURACIES: Final = (0.3, 0.1, 5e-2, 2e-2, 1e-2, 5e-3, 3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5)
+#: Accuracies whose settings make up an engine's ladder, each once: ten in a decade, so that no rung is passed over.
+LADDER_ACCURACIES: Final = tuple(float(accuracy) for accuracy in np.geomspace(0.5, 2e-5, 45))
 
 
 class Refusal(Exception):

@@ -4,6 +4,7 @@ One process, pinned to one processor; the repetitions of all points are interlea
 of them alike. Times are solve times as measured: nothing is scaled. Points that fail, and those that were not tried, stay in the table.
 """
 
+import contextlib
 import os
 import platform
 import time
@@ -27,7 +28,7 @@ from reference_model.natural_modes import frozen_crank_modes
 REPETITIONS: Final = 5
 BUDGET: Final = 4.0
 #: Solve time (s) beyond which the finer settings of a method are not tried.
-LONG: Final = 20.0
+LONG: Final = 10.0
 #: The solution that errors are measured against, and the one that confirms it: no coordinate, no joint, no integrator in common.
 TRUTH: Final = ("reference", {"modes": "11", "tolerance": "1e-10"})
 CONFIRMING: Final = ("mujoco", {"links": "60", "armature": "0"})
@@ -49,6 +50,7 @@ class Benchmark:
         points: one dict per method and settings: method, engine, settings, status ("completed", or why not), degrees_of_freedom, errors
             by column, solve_seconds (the least), solve_seconds_median, solve_seconds_largest, repetitions, setup_seconds, statistics.
         repetitions: of a point at most.
+        longest: solve time (s) beyond which the finer settings of a method were not tried.
         machine: processor, system and versions.
     """
 
@@ -59,6 +61,7 @@ class Benchmark:
     confirmation: dict[str, Any]
     points: list[dict[str, Any]]
     repetitions: int
+    longest: float
     machine: dict[str, str]
 
     @property
@@ -68,13 +71,14 @@ class Benchmark:
         return difference is not None and difference <= CONFIRMED
 
 
-def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS) -> Benchmark:
+def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS, longest: float = LONG) -> Benchmark:
     """Measure engines on a case, in this process.
 
     Args:
         case: the scene; from its standard start, over its duration and output step.
         names: of engines.
         repetitions: of each point, at most.
+        longest: solve time (s) beyond which the finer settings of a method are not tried.
 
     Raises:
         UnknownEngine: no engine has this name.
@@ -84,12 +88,16 @@ def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS) 
     points = [_Point(method, settings) for method in methods(names, case) for settings in method.ladder]
     truth = _run(engine(TRUTH[0]), case, _settings(TRUTH, case))[0]
     confirmation = _confirmation(case, truth)
-    for point in points:
-        point.warm_up(case)
+    for method in {point.method.name: point for point in points}.values():
+        method.warm_up(case)
     for repetition in range(repetitions):
         slow: set[str] = set()
         for point in points:
-            point.repeat(case, repetition, slow)
+            if repetition == 0 and point.method.name in slow:
+                point.status = f"not tried: coarser settings took longer than {longest:g} s"
+            point.repeat(case, repetition)
+            if repetition == 0 and point.times and point.times[0] > longest:
+                slow.add(point.method.name)
     sizes = {column: _size(truth, column) for column in ESTIMATED}
     return Benchmark(
         case.name,
@@ -99,15 +107,16 @@ def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS) 
         confirmation,
         [point.as_dict(case, truth) for point in points],
         repetitions,
+        longest,
         _machine(names),
     )
 
 
-def pinned(case: Case, names: Sequence[str], repetitions: int) -> Benchmark:
+def pinned(case: Case, names: Sequence[str], repetitions: int, longest: float) -> Benchmark:
     """The same, with the process held on one processor from now on."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    return benchmark(case, names, repetitions)
+    return benchmark(case, names, repetitions, longest)
 
 
 def _settings(chosen: tuple[str, Mapping[str, str]], case: Case) -> Settings:
@@ -161,37 +170,23 @@ class _Point:
 
     def warm_up(self, case: Case) -> None:
         """A step of output, so that no time below counts what is done but once: compiling, loading, the first touch of memory."""
-        with_start = standard_start(case.mechanism)
-        try:
-            run_once(self.method.engine, case.mechanism, with_start, case.output_step, case.output_step, self.settings)
-        except (EngineFailure, Refusal, SettingError) as failure:
-            self.status = str(failure)
+        with contextlib.suppress(EngineFailure, Refusal, SettingError):  # what is wrong shows when it counts
+            run_once(self.method.engine, case.mechanism, standard_start(case.mechanism), case.output_step, case.output_step, self.settings)
 
-    def repeat(self, case: Case, repetition: int, slow: set[str]) -> None:
-        """One more time, unless it has failed, its repetitions have taken long enough, or coarser settings already took too long.
-
-        Args:
-            case: the scene.
-            repetition: 0 for the first.
-            slow: names of methods whose coarser settings took longer than `LONG`; this one's is added where it does.
-        """
-        if self.status and self.status != COMPLETED:
+    def repeat(self, case: Case, repetition: int) -> None:
+        """One more time (`repetition` 0 is the first), unless it has failed or its repetitions have taken long enough."""
+        if self.status not in ("", COMPLETED):
             return
-        if repetition and (sum(self.times) + min(self.times) > BUDGET):
-            return
-        if not repetition and self.method.name in slow:
-            self.status = f"not tried: coarser settings took longer than {LONG:g} s"
+        if repetition and sum(self.times) + min(self.times) > BUDGET:
             return
         try:
             self.trajectory, setup = _run(self.method.engine, case, self.settings)
-        except (EngineFailure, Refusal) as failure:
+        except (EngineFailure, Refusal, SettingError) as failure:
             self.status = str(failure)
             return
         self.status = COMPLETED
         self.times.append(self.trajectory.solve_seconds)
         self.setup.append(setup)
-        if self.times[0] > LONG:
-            slow.add(self.method.name)
 
     def as_dict(self, case: Case, truth: Trajectory) -> dict[str, Any]:
         about = {"method": self.method.name, "engine": self.method.engine.name, "settings": self.settings.as_dict(), "status": self.status}

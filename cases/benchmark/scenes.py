@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Final
 
-from cases.benchmark.measurement import REPETITIONS, Benchmark, pinned
+from cases.benchmark.measurement import LONG, REPETITIONS, Benchmark, pinned
 from cases.case import Case
 from cases.fingerprint import SIMULATION, code_fingerprint
 from cases.store import Store, key_of
@@ -25,15 +25,15 @@ def stored(case: Case, store: Store, names: Sequence[str] = ENGINES) -> Benchmar
     return None if entry is None else Benchmark(**entry.document)
 
 
-def measure(case: Case, store: Store, names: Sequence[str] = ENGINES, repetitions: int = REPETITIONS) -> Benchmark:
-    """Measure anew, in a process of its own, and store the result.
+def measure(case: Case, store: Store, names: Sequence[str] = ENGINES, repetitions: int = REPETITIONS, longest: float = LONG) -> Benchmark:
+    """Measure anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
 
     Raises:
         EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.
         StoreError: the result cannot be written.
         KeyboardInterrupt: Ctrl-C.
     """
-    (outcome,) = run_jobs([Job(case.name, pinned, (case, tuple(names), repetitions))], preload=())
+    (outcome,) = run_jobs([Job(case.name, pinned, (case, tuple(names), repetitions, longest))], preload=())
     if outcome.error is not None:
         raise outcome.error
     if not outcome.completed:

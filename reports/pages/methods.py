@@ -146,6 +146,9 @@ def _scene(chapter: Chapter, table: Benchmark, content: Content) -> None:
 
 
 def _machine(table: Benchmark) -> str:
-    repeated = f"up to {counted(table.repetitions, 'repetition')} of a point, within {BUDGET:g} s"
+    repeated = (
+        f"up to {counted(table.repetitions, 'repetition')} of a point, within {BUDGET:g} s; settings finer than those that take"
+        f" {table.longest:g} s were not tried"
+    )
     versions = ", ".join(f"{name}: {words}" for name, words in table.machine.items())
     return f"Measured with {repeated}. {versions}. Errors are against {REFERENCE} with many modes, not against its default."

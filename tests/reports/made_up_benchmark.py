@@ -51,5 +51,6 @@ def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True) -> Benchm
         },
         points=points,
         repetitions=5,
+        longest=10.0,
         machine={"processor": "one"},
     )
