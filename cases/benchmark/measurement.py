@@ -47,8 +47,9 @@ class Benchmark:
         duration: s.
         truth: engine, settings, and `sizes`: RMS of each column of `ESTIMATED` (SI).
         confirmation: engine, settings and `differences` of each column; {"engine", "failure"} if there is none.
-        points: one dict per method and settings: method, engine, settings, status ("completed", or why not), degrees_of_freedom, errors
-            by column, solve_seconds (the least), solve_seconds_median, solve_seconds_largest, repetitions, setup_seconds, statistics.
+        points: one dict per method and settings: method, engine, settings, changing (those settings that the method's ladder changes),
+            status ("completed", or why not), degrees_of_freedom, errors by column, solve_seconds (the least), solve_seconds_median,
+            solve_seconds_largest, repetitions, setup_seconds, statistics, calls_per_period.
         repetitions: of a point at most.
         longest: solve time (s) beyond which the finer settings of a method were not tried.
         machine: processor, system and versions.
@@ -189,7 +190,13 @@ class _Point:
         self.setup.append(setup)
 
     def as_dict(self, case: Case, truth: Trajectory) -> dict[str, Any]:
-        about = {"method": self.method.name, "engine": self.method.engine.name, "settings": self.settings.as_dict(), "status": self.status}
+        about = {
+            "method": self.method.name,
+            "engine": self.method.engine.name,
+            "settings": self.settings.as_dict(),
+            "changing": self.method.changing(self.settings),
+            "status": self.status,
+        }
         if self.trajectory is None or self.status != COMPLETED:
             return about
         free = self.method.engine.describe(case.mechanism, self.settings).degrees_of_freedom

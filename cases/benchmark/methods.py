@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from cases.case import Case
 from engines.base import Engine
@@ -23,6 +23,12 @@ class Method:
     name: str
     engine: Engine
     ladder: tuple[Settings, ...]
+
+    def changing(self, settings: Settings) -> dict[str, Any]:
+        """Those of the settings that differ somewhere on the ladder; all of them where it has but one rung."""
+        values = settings.as_dict()
+        rungs = [rung.as_dict() for rung in self.ladder]
+        return {name: value for name, value in values.items() if len(rungs) < 2 or any(rung[name] != rungs[0][name] for rung in rungs)}
 
 
 def methods(names: Sequence[str], case: Case) -> list[Method]:

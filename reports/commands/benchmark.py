@@ -73,7 +73,7 @@ def _row(point: dict[str, Any], best: bool) -> tuple[str, ...]:
     from cases.benchmark.findings import error_of
     from reports.words import settings_words
 
-    head = ("*" if best else "", point["method"], settings_words(point["settings"]))
+    head = ("*" if best else "", point["method"], settings_words(point["changing"]))
     if "errors" not in point:
         return (*head, point["status"], "", "", "", "", "", "")
     shown = [error_of(point, column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]

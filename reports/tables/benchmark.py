@@ -37,7 +37,7 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
             first = next(iter(found), None)
             cells: dict[str, Any] = {}
             for name, point in found.items():
-                seconds, note = float(point["solve_seconds"]), settings_words(point["settings"])
+                seconds, note = float(point["solve_seconds"]), settings_words(point["changing"])
                 cells[f"{name} solve_seconds"] = Cell(seconds, duration(seconds), note, "good" if name == first else "")
             builder.add(case=Cell(table.case, case_label(table.case)), level=level, **cells)
     return builder.table()
@@ -76,7 +76,7 @@ def joints(table: Benchmark) -> Table:
             statistics = done[-1]["statistics"]
             builder.add(
                 method=name,
-                settings=settings_words(done[-1]["settings"]),
+                settings=settings_words(done[-1]["changing"]),
                 largest_gap=statistics.get("largest_gap"),
                 spurious_share=statistics.get("spurious_share"),
             )
@@ -106,7 +106,7 @@ def failures(tables: Sequence[Benchmark]) -> Table:
     for table in tables:
         for point in table.points:
             if "errors" not in point:
-                words = settings_words(point["settings"])
+                words = settings_words(point["changing"])
                 builder.add(case=Cell(table.case, case_label(table.case)), method=point["method"], settings=words, status=point["status"])
     return builder.table()
 
@@ -141,7 +141,7 @@ def _point_columns() -> tuple[Column, ...]:
 
 
 def _point_cells(point: Any) -> dict[str, Any]:
-    cells: dict[str, Any] = {"method": point["method"], "settings": settings_words(point["settings"])}
+    cells: dict[str, Any] = {"method": point["method"], "settings": settings_words(point["changing"])}
     if "errors" in point:
         names = ("degrees_of_freedom", "solve_seconds", "solve_seconds_median", "solve_seconds_largest", "repetitions", "setup_seconds")
         cells |= {name: point[name] for name in names} | {key: error_of(point, key) for key, _ in _ERRORS}

@@ -76,6 +76,12 @@ def test_every_rival_has_a_ladder_from_coarse_to_fine() -> None:
         assert free == sorted(free), method.name
 
 
+def test_settings_that_a_ladder_changes() -> None:
+    for method in methods(("exudyn", "stiff-spring"), load_case("thesis-24")):
+        changing = set(method.changing(method.ladder[0]))
+        assert changing == ({"elements", "step"} if method.name == "exudyn" else {"shapes", "stiffness", "damping", "tolerance"})
+
+
 def test_scenes_are_in_the_library() -> None:
     assert [load_case(name).name for name in SCENES] == list(SCENES)
 

@@ -24,7 +24,8 @@ def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True) -> Benchm
                 {
                     "method": method,
                     "engine": engine,
-                    "settings": settings,
+                    "settings": settings | {"always": 1},
+                    "changing": settings,
                     "status": "completed",
                     "degrees_of_freedom": free,
                     "errors": dict.fromkeys(COLUMNS, error * free ** (-order)),
@@ -38,7 +39,9 @@ def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True) -> Benchm
                 }
             )
     status = "failed at t = 0.1 s: the beam snapped; try another beam"
-    points.append({"method": "nodal-load", "engine": "nodal-load", "settings": {"elements": 2}, "status": status})
+    points.append(
+        {"method": "nodal-load", "engine": "nodal-load", "settings": {"elements": 2}, "changing": {"elements": 2}, "status": status}
+    )
     return Benchmark(
         case=case,
         title="a title",
