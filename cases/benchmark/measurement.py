@@ -29,9 +29,10 @@ REPETITIONS: Final = 5
 BUDGET: Final = 4.0
 #: Solve time (s) beyond which the finer settings of a method are not tried.
 LONG: Final = 10.0
-#: The solution that errors are measured against, and the one that confirms it: no coordinate, no joint, no integrator in common.
-TRUTH: Final = ("reference", {"modes": "11", "tolerance": "1e-10"})
-CONFIRMING: Final = ("mujoco", {"links": "60", "armature": "0"})
+#: The solution that errors are measured against, and the one that confirms it: no coordinate, no joint, no integrator in common. The
+#: finer chain is taken where the first does not agree: of a follower that bends to two thirds of its length 60 links are 1e-3 off.
+TRUTH: Final = ("reference", {"modes": "13", "tolerance": "1e-10"})
+CONFIRMING: Final[tuple[str, tuple[dict[str, str], ...]]] = ("mujoco", ({"links": "60", "armature": "0"}, {"links": "160"}))
 #: What the two may differ by.
 CONFIRMED: Final = 2e-4
 COMPLETED: Final = "completed"
@@ -140,12 +141,19 @@ def _run(chosen: Engine, case: Case, settings: Settings) -> tuple[Trajectory, fl
 
 
 def _confirmation(case: Case, truth: Trajectory) -> dict[str, Any]:
-    name, settings = CONFIRMING[0], _settings(CONFIRMING, case)
-    try:
-        trajectory, _ = _run(engine(name), case, settings)
-    except (EngineFailure, Refusal) as failure:
-        return {"engine": name, "settings": settings.as_dict(), "failure": str(failure)}
-    return {"engine": name, "settings": settings.as_dict(), "differences": _errors(trajectory, truth)}
+    name, choices = CONFIRMING
+    about: dict[str, Any] = {"engine": name, "settings": {}, "failure": "no settings"}
+    for texts in choices:
+        settings = _settings((name, texts), case)
+        about = {"engine": name, "settings": settings.as_dict()}
+        try:
+            about["differences"] = _errors(_run(engine(name), case, settings)[0], truth)
+        except (EngineFailure, Refusal) as failure:
+            about["failure"] = str(failure)
+            continue
+        if (about["differences"]["tip_deflection"] or 0.0) <= CONFIRMED:
+            break
+    return about
 
 
 def _size(trajectory: Trajectory, column: str) -> float:

@@ -21,6 +21,8 @@ _QUESTION: Final = (
     " ladder of settings each; only the treatment of the constraint and the shapes differ."
 )
 _LIMITS: Final = (
+    "Errors are against a solution of the reference with many modes, which mujoco's chain, refined until it agrees, confirms to the"
+    " differences given: an error smaller than that difference is not known better than to it.",
     "Solve time is from the prepared model to the finished table of observables every millisecond, one thread, one process held on one"
     " processor, the least of repetitions that are interleaved over all points. Setup and compilation are apart. On a shared machine ratios"
     " within a scene mean more than seconds.",
