@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from cases.case import Case
 from cases.document import Document, check_complete, header_of, missing, overridden, read_document
-from cases.errors import CaseError, as_written, nearest, printable
+from cases.errors import CaseError, as_written, nearest, path_shown
 from cases.keys import PRESCRIBED, SECTIONS, TORQUE_DRIVEN, Key, key_of
 from cases.library import case_names, case_notes, case_text, impossible_names
 from cases.text_file import read_text
@@ -48,7 +48,7 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
         near = nearest(name_or_path, case_names())
         accepted = f"the nearest one is {near} (`quickreturn cases` lists all); or give a path"
         raise CaseError(shown, None, None, "no case of the library has this name", accepted)
-    return parse_case(read_text(name_or_path), printable(name_or_path), overrides)
+    return parse_case(read_text(name_or_path), path_shown(name_or_path), overrides)
 
 
 def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = None) -> Case:

@@ -5,6 +5,7 @@ from difflib import SequenceMatcher
 from typing import Any
 
 _LONGEST_VALUE = 60
+_LONGEST_PATH = 255
 _NEAR = 0.6  # of 1: share of letters in the same order; less is no slip of the hand
 
 
@@ -47,6 +48,11 @@ def as_written(value: Any) -> str:
 def shortened(text: str) -> str:
     """A text that may hold anything, at most 60 characters of it, safe to print on a terminal."""
     return printable(text[:_LONGEST_VALUE]) + ("..." if len(text) > _LONGEST_VALUE else "")
+
+
+def path_shown(path: str) -> str:
+    """A path in full, or the beginning of one that is longer than any file's name, safe to print on a terminal."""
+    return printable(path) if len(path) <= _LONGEST_PATH else shortened(path)
 
 
 def printable(text: str) -> str:

@@ -4,7 +4,7 @@ import os
 import stat
 from typing import Final
 
-from cases.errors import CaseError, printable
+from cases.errors import CaseError, path_shown
 
 #: Characters of a case file, which has some 2000.
 LARGEST_TEXT: Final = 64_000
@@ -16,7 +16,7 @@ def read_text(path: str) -> str:
     Raises:
         CaseError: missing, a directory, no regular file, unreadable, too large or not in UTF-8.
     """
-    shown = printable(path)
+    shown = path_shown(path)
     try:
         mode = os.stat(path).st_mode
         if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # opening a pipe would wait for ever

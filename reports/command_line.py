@@ -15,7 +15,7 @@ from typing import Final
 
 import click
 
-from cases.errors import as_written
+from cases.errors import as_written, shortened
 
 #: In the order of `--help`; each is a module of `reports.commands`.
 COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "report", "benchmark")
@@ -97,9 +97,12 @@ def _run(arguments: list[str]) -> int:
 
 
 def _with_help(error: click.ClickException) -> str:
-    """The message; click's own ones, which end with a point, tell what is wrong and not what is accepted."""
+    """The message; click's own ones, which begin with a capital, tell what is wrong and not what is accepted."""
     message, context = error.format_message(), getattr(error, "ctx", None)
-    if context is None or not message.endswith((".", ")", "?")) or ";" in message:
+    if isinstance(error, click.NoSuchOption):
+        near = f" (perhaps {error.possibilities[0]} is meant)" if error.possibilities else ""
+        message = f"No such option: {shortened(error.option_name)}{near}"
+    if context is None or not message[:1].isupper():
         return message
     return f"{message.rstrip('.')}; see {context.command_path} --help"
 

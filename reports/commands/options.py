@@ -120,6 +120,7 @@ def load(case: str, overrides: dict[str, str], duration: str | None = None, outp
         click.UsageError: a time is given both as an option and by `--set`.
     """
     from cases.case_file import load_case, with_times
+    from cases.errors import CaseError
 
     times = {"--duration": ("simulation.duration", duration), "--output-step": ("simulation.output_step", output_step)}
     for option, (path, text) in times.items():
@@ -127,7 +128,12 @@ def load(case: str, overrides: dict[str, str], duration: str | None = None, outp
             given = f"{option} {as_written(text)} and --set {path}={as_written(overrides[path])}"
             raise click.UsageError(f"{given} are both given; give one of them")
     seconds = [None if text is None else _seconds(option, text) for option, (_, text) in times.items()]
-    return with_times(load_case(case, overrides), *seconds)
+    loaded = load_case(case, overrides)
+    try:
+        return with_times(loaded, *seconds)
+    except CaseError as wrong:  # told with the option as it was given
+        text = times[wrong.key or ""][1]
+        raise CaseError(wrong.source, wrong.key, wrong.value if text is None else as_written(text), wrong.problem, wrong.accepted) from None
 
 
 def _seconds(option: str, text: str) -> float:

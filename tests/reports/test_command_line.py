@@ -283,7 +283,7 @@ def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.Monk
 
 
 def process(*arguments: str, folder: Path, **more: Any) -> "subprocess.Popen[str]":
-    environment = {**os.environ, "PYTHONPATH": str(folder / "packages")}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder / "packages"), os.environ.get("PYTHONPATH", "")])}
     pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen([PROGRAM, *arguments], cwd=folder, env=environment, **pipes, **more)
 
