@@ -1,10 +1,14 @@
-"""The README's pictures, from the same results as the report: `python -m reports.readme_pictures` after `make report`."""
+"""The README's pictures, from the same results as the report: `python -m reports.readme_pictures`.
+
+After `make report`, and after `quickreturn benchmark` on a machine that does nothing else.
+"""
 
 import io
 from pathlib import Path
 
 from PIL import Image
 
+from cases.benchmark import stored
 from cases.case_file import load_case
 from cases.cross_validation import cross_validate
 from cases.experiment.published import axis_labels
@@ -13,6 +17,7 @@ from cases.store import Store
 from reports.plots.cycle import cycle_figure
 from reports.plots.overview import overview_figure
 from reports.plots.picture import Picture
+from reports.plots.work_precision import work_precision_figure
 
 FOLDER = Path(__file__).parent / "readme"
 COLOURS = 64  # of the palette: flat colours and their soft edges need no more
@@ -24,6 +29,8 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     _write("overview", overview_figure(results))
     _write("run-24", cycle_figure(results[-1], axis_labels(24)))
+    measured = stored(results[-1].case, Store())
+    _write("methods", None if measured is None else work_precision_figure(measured))
 
 
 def _write(name: str, picture: Picture | None) -> None:
