@@ -36,6 +36,7 @@ CONFIRMING: Final[tuple[str, tuple[dict[str, str], ...]]] = ("mujoco", ({"links"
 #: What the two may differ by.
 CONFIRMED: Final = 2e-4
 COMPLETED: Final = "completed"
+NOT_TRIED: Final = "not tried"
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS, 
         slow: set[str] = set()
         for point in points:
             if repetition == 0 and point.method.name in slow:
-                point.status = f"not tried: coarser settings took longer than {longest:g} s"
+                point.status = f"{NOT_TRIED}: coarser settings took longer than {longest:g} s"
             point.repeat(case, repetition)
             if repetition == 0 and point.times and point.times[0] > longest:
                 slow.add(point.method.name)

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from cases.benchmark import SCENES, Benchmark, fastest_at, observed_order, pareto_front
 from cases.benchmark.findings import LEVELS
-from cases.benchmark.measurement import BUDGET, CONFIRMED
+from cases.benchmark.measurement import BUDGET, CONFIRMED, NOT_TRIED
 from cases.comparison import REFERENCE
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
@@ -78,12 +78,19 @@ def _levels(table: Benchmark) -> list[str]:
         first, *others = found
         sentence = f"To {level_words(level)} of {case_label(table.case)}'s tip deflection {_timed(first, found[first])} is fastest"
         rest = [name for name in others if found[name]["engine"] not in (*PACKAGES, found[first]["engine"])]
-        told = [_compared(name, found, first) for name in rest[:1]] + [_compared(name, found, first) for name in others if name in PACKAGES]
-        absent = [name for name in PACKAGES if name not in found]
-        sentence += f"; then {listed(told)}" if told else ""
-        sentence += f"; {listed(absent)} {'do' if len(absent) > 1 else 'does'} not get there" if absent else ""
+        told = [_compared(name, found, first) for name in others if name in (*rest[:1], *PACKAGES)]
+        sentence += f"; {listed(told)}" if told else ""
+        sentence += "".join(f"; {_absent(name, table)}" for name in PACKAGES if name not in found)
         lines.append(f"{sentence}.")
     return lines
+
+
+def _absent(name: str, table: Benchmark) -> str:
+    """Why a package has no time at a level."""
+    states = [point["status"] for point in table.points if point["method"] == name]
+    if any(state.startswith(NOT_TRIED) for state in states):
+        return f"{name} was not tried that fine, it took longer than {table.longest:g} s before"
+    return f"{name} does not get there with the settings of its ladder" if states else f"{name} is not here"
 
 
 def _timed(name: str, point: Mapping[str, Any]) -> str:
@@ -123,9 +130,9 @@ def _stuck(table: Benchmark) -> list[str]:
 
 
 def _scene(chapter: Chapter, table: Benchmark, content: Content) -> None:
-    chapter.heading(
-        f"{case_label(table.case).capitalize()}: {table.title}", f"benchmark-{table.case.replace('.', '-')}", case_label(table.case)
-    )
+    label = case_label(table.case)
+    title = table.title if table.title.lower().startswith("run ") else f"{label}: {table.title}"
+    chapter.heading(title[0].upper() + title[1:], f"benchmark-{table.case.replace('.', '-')}", label)
     if not table.confirmed:
         difference = table.confirmation.get("differences", {}).get("tip_deflection")
         words = f"agree to {size(difference)} only" if difference is not None else "could not be compared"
@@ -137,11 +144,12 @@ def _scene(chapter: Chapter, table: Benchmark, content: Content) -> None:
     chapter.figures(
         (
             content.pictures.of_all.get(f"work precision {table.case}"),
-            f"{case_label(table.case).capitalize()}: error over solve time. The grey band is the Pareto front; hollow marks are variants.",
+            f"{label}: error over solve time. The grey band is the Pareto front, hollow marks are variants; in the"
+            " hatched range errors are less than what the two solutions that stand for the truth differ by.",
         ),
         (
             content.pictures.of_all.get(f"freedom {table.case}"),
-            f"{case_label(table.case).capitalize()}: error over degrees of freedom.",
+            f"{label}: error over degrees of freedom.",
         ),
     )
     chapter.table(tables.front(table))

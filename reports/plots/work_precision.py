@@ -6,7 +6,7 @@ from typing import Any, Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import NullFormatter, NullLocator
 
 from cases.benchmark import Benchmark, pareto_front
 from cases.benchmark.findings import error_of
@@ -22,7 +22,9 @@ PANELS: Final = {
     "slider_force": "slider force",
 }
 #: Errors beyond these (in percent) say nothing more.
-LOWEST, HIGHEST = 5e-4, 300.0
+LOWEST, HIGHEST = 1e-3, 300.0
+#: Ticks of degrees of freedom.
+FREEDOM: Final = (1, 2, 3, 5, 10, 20, 30, 50, 100, 200, 300)
 FRONT_WIDTH: Final = 5.0
 
 
@@ -52,12 +54,20 @@ def draw(table: Benchmark, across: str) -> Figure | None:
     for axes, (column, words) in zip(panels.flat, PANELS.items(), strict=True):
         if across == "solve_seconds":
             _front(axes, points, column)
+        _unknowable(axes, table, column)
         for method in dict.fromkeys(point["method"] for point in points):
             _method(axes, [point for point in points if point["method"] == method], column, across)
         axes.set_title(words, fontsize=9.0, pad=3.0)
     _axes(panels, across)
     legend_above(figure, _legend(points), 4)
     return figure
+
+
+def _unknowable(axes: Axes, table: Benchmark, column: str) -> None:
+    """Hatch where errors are less than what the two solutions that stand for the truth differ by."""
+    difference = error_of({"errors": table.confirmation.get("differences")}, column)
+    if difference:
+        axes.axhspan(1e-9, PERCENT * difference, facecolor="none", edgecolor="#BBBBBB", hatch="////", linewidth=0.0, zorder=0.5)
 
 
 def _front(axes: Axes, points: Sequence[Mapping[str, Any]], column: str) -> None:
@@ -101,8 +111,11 @@ def _axes(panels: Any, across: str) -> None:
         axes.tick_params(which="minor", length=1.5, width=0.5)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_minor_formatter(NullFormatter())
-    low, high = panels[0, 0].get_ylim()
-    panels[0, 0].set_ylim(max(low, LOWEST), min(high, HIGHEST))
+    panels[0, 0].set_ylim(LOWEST, HIGHEST)
+    if across == "degrees_of_freedom":
+        low, high = panels[0, 0].get_xlim()
+        panels[0, 0].set_xticks([free for free in FREEDOM if low <= free <= high])
+        panels[0, 0].xaxis.set_minor_locator(NullLocator())
     for axes in panels[1]:
         axes.set_xlabel("solve time (s)" if across == "solve_seconds" else "degrees of freedom", fontsize=9.0)
     for axes in panels[:, 0]:

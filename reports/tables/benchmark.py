@@ -6,6 +6,7 @@ from typing import Any
 
 from cases.benchmark import Benchmark, fastest_at, observed_order, pareto_front
 from cases.benchmark.findings import LEVELS, error_of
+from cases.benchmark.measurement import NOT_TRIED
 from reports.tables.table import Cell, Column, Table, TableBuilder
 from reports.words import case_label, duration, percent, settings_words
 
@@ -96,7 +97,7 @@ def front(table: Benchmark) -> Table:
 
 
 def failures(tables: Sequence[Benchmark]) -> Table:
-    """Points that failed or were not tried."""
+    """Points that failed, and from where on finer settings were not tried."""
     builder = TableBuilder(
         "not_completed",
         "Settings that did not complete.",
@@ -104,10 +105,15 @@ def failures(tables: Sequence[Benchmark]) -> Table:
         grouped=True,
     )
     for table in tables:
+        told: set[str] = set()
         for point in table.points:
-            if "errors" not in point:
-                words = settings_words(point["changing"])
-                builder.add(case=Cell(table.case, case_label(table.case)), method=point["method"], settings=words, status=point["status"])
+            untried = str(point["status"]).startswith(NOT_TRIED)
+            if "errors" in point or (untried and point["method"] in told):
+                continue
+            if untried:
+                told.add(point["method"])
+            words = settings_words(point["changing"]) + (" and finer" if untried else "")
+            builder.add(case=Cell(table.case, case_label(table.case)), method=point["method"], settings=words, status=point["status"])
     return builder.table()
 
 
