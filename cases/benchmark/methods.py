@@ -11,8 +11,8 @@ from engines.settings import Settings
 
 #: Engine -> name of a variant, and the settings that make it.
 VARIANTS: Final[Mapping[str, tuple[tuple[str, Mapping[str, str]], ...]]] = {
-    "multiplier": (("multiplier, Hermite elements", {"family": "hermite"}),),
-    "nodal-load": (("nodal-load, both linear", {"distribution": "both linear"}),),
+    "multiplier": (("multiplier, elements", {"family": "hermite"}),),
+    "nodal-load": (("nodal-load, linear", {"distribution": "both linear"}),),
 }
 
 

@@ -14,6 +14,7 @@ from reports.findings.agreement import Kind, differences, engines_of, spread
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, MODEL, NOT, UNCHECKABLE
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
+from reports.pages.methods import headline
 from reports.words import HALF, case_label, counted, listed, number, percent, percents, place, size, span
 
 #: "Agrees" as long as no tolerance is missed, "agrees but for a few" up to this part of them.
@@ -56,7 +57,7 @@ def _lines(content: Content) -> list[str]:
     lines += [line for name in others if (line := _against_reference(results, name))]
     lines += [line for first, second in pairwise(others) if (line := _pair(results, first, second))]
     lines += [line for line in (_cubic(results), _cubic_amplitudes(results), _statements(content)) if line]
-    lines += [line for line in (_experiment(content), _accuracy(content), _open_points(content)) if line]
+    lines += [line for line in (_experiment(content), _accuracy(content), headline(content), _open_points(content)) if line]
     return lines
 
 

@@ -28,7 +28,7 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
         (
             Column("case", "scene"),
             Column("level", "error", "1", "g", "%", 100.0),
-            *(Column(f"{name} solve_seconds", name, "s", ".2g") for name in names),
+            *(Column(f"{name} solve_seconds", name, "s", ".2g", shown_unit="") for name in names),
         ),
         grouped=True,
     )

@@ -9,7 +9,7 @@ COLUMNS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain
 METHODS = {
     "reference": ("reference", 4.0, 0.1, 1e-3),
     "multiplier": ("multiplier", 3.0, 1.0, 1e-2),
-    "multiplier, Hermite elements": ("multiplier", 4.0, 30.0, 2e-2),
+    "multiplier, elements": ("multiplier", 4.0, 30.0, 2e-2),
     "exudyn": ("exudyn", 2.0, 2.0, 0.1),
     "thesis": ("thesis", 0.0, 0.8, 1e-2),
 }

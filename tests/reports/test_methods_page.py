@@ -5,7 +5,7 @@ import dataclasses
 from cases.benchmark import Benchmark
 from reports.pages.blocks import Points, Text
 from reports.pages.content import Content
-from reports.pages.methods import methods
+from reports.pages.methods import headline, methods
 from reports.tables import benchmark as tables
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.reported_results import reported_result
@@ -24,6 +24,14 @@ def test_the_fastest_the_next_and_the_packages_are_named_at_each_error() -> None
         " 1.6 s, 800 times as long; mujoco is not here."
     )
     assert "exudyn does not get there with the settings of its ladder; mujoco is not here" in told[1]
+
+
+def test_the_answer_in_one_sentence() -> None:
+    content = Content(results=[reported_result("thesis-24")], benchmarks=[made_up_benchmark()])
+    told = headline(content).replace("\N{NO-BREAK SPACE}", " ")
+    assert "on 1 scene is reference in 3 of 3." in told
+    assert told.endswith("To 0.1 % in run 24: reference (4.0 ms) and multiplier (160 ms).")
+    assert headline(Content(results=[reported_result("thesis-24")])) == ""
 
 
 def test_a_model_that_does_not_converge_is_said_to() -> None:
