@@ -77,11 +77,8 @@ def headline(content: Content) -> str:
     shares = [f"{name} in {count} of {len(firsts)}" for name, count in sorted(counts.items(), key=lambda item: -item[1])]
     level = LEVELS[1]
     best = fastest_at(found[0].points, level)
-    told = (
-        f" To {level_words(level)} in {case_label(found[0].case)}: {listed([_timed(name, best[name]) for name in best if best[name]['engine'] == name])}."
-        if best
-        else ""
-    )
+    timed = [_timed(name, point) for name, point in best.items() if point["engine"] == name]
+    told = f" To {level_words(level)} in {case_label(found[0].case)}: {listed(timed)}." if timed else ""
     scenes = counted(len(found), "scene")
     return (
         f"Which method excels, the thesis' open question: fastest to an error of 1, 0.1 and 0.01 % on {scenes} is {listed(shares)}.{told}"
