@@ -2,12 +2,17 @@
 
 from typing import Final
 
+import numpy as np
 import pandas as pd
 
+from cases.comparison import REFERENCE
+from reports.findings.agreement import engines_of
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables import studies as tables
-from reports.words import case_label, counted, listed, percent, size
+from reports.tables.orbits import GONE_AT, SETTLED_AT, orbits
+from reports.tables.table import Table
+from reports.words import case_label, counted, listed, number, percent, size, times
 
 _ABSENT: Final = "This belongs to runs 10 and 24 of the thesis and is shown when both are among the cases."
 #: What two solutions may differ by to confirm each other.
@@ -76,9 +81,30 @@ def accuracy_and_cost(content: Content) -> Chapter:
                 (content.pictures.of_all.get("convergence"), "Error of the reference (% of RMS) in run 24 over its number of modes."),
             )
             chapter.table(tables.convergence(studies.convergence))
+    chapter.heading("Steady states without waiting", "periodic-orbits")
+    marching = [name for name in engines_of(content.results) if name != REFERENCE]
+    found = orbits(content.results, marching)
+    chapter.text(_saved(found))
+    chapter.table(found)
     chapter.heading("Solve times to the steady state", "solve-times")
     chapter.table(tables.solve_times(content.results))
     return chapter
+
+
+def _saved(found: Table) -> str:
+    """How much less work than marching it is, in the median."""
+    work, settled, gone = (
+        np.array([row[index].value for row in found.rows], dtype=float)
+        for index, column in enumerate(found.columns)
+        if column.key in ("cycles_of_work", "cycles_to_settled", "cycles_to_gone")
+    )
+    if not len(work):
+        return "No steady state was found directly: every engine marched."
+    return (
+        f"Finding the steady state takes the work of {number(float(np.nanmedian(work)), '.3g')} cycles in the median of"
+        f" {counted(len(work), 'run')}: {times(float(np.nanmedian(settled / work)))} less than marching to {SETTLED_AT:g},"
+        f" {times(float(np.nanmedian(gone / work)))} less than marching to {GONE_AT:g}."
+    )
 
 
 def _confirmation(chapter: Chapter, frame: pd.DataFrame) -> None:

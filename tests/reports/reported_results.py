@@ -25,7 +25,14 @@ def reported_result(name: str, statuses: dict[str, str] | None = None, seed: int
             settings={"elements": 16, "step": 1e-4},
             degrees_of_freedom=DEGREES_OF_FREEDOM[engine],
             reached=True,
+            periodic_orbit=None,
         )
+    result.runs["reference"].document["periodic_orbit"] = {
+        "period": 0.378,
+        "multipliers": [[0.6, 0.48], [0.5, 0.0]],  # largest modulus 0.768
+        "stable": True,
+        "iterations": 5,
+    }
     return result
 
 

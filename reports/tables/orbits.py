@@ -1,0 +1,57 @@
+"""Steady states that were found directly: how, how stable, and what waiting for them would take."""
+
+import math
+from collections.abc import Sequence
+
+from cases.comparison import REFERENCE, CaseResult
+from reports.tables.table import Cell, Column, Table, TableBuilder
+from reports.words import case_label
+
+#: What is left of the way to the steady state when a marched run counts as settled, and a distance at which no measure sees it any more.
+SETTLED_AT, GONE_AT = 1e-3, 1e-6
+
+
+def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
+    """One row per case whose steady state the reference found directly.
+
+    Args:
+        results: of all cases.
+        marching: engines that wait for their steady state, whose cycles stand beside.
+    """
+    builder = TableBuilder(
+        "periodic_orbits",
+        "Steady states that the reference finds directly, by Newton's method on the map from one passage of the slider's farthest place to"
+        " the next. Work is counted in cycles simulated. The largest Floquet multiplier is what a cycle leaves of a disturbance; from it"
+        " follow the cycles that marching takes to shrink one to a part of itself. Beside it the cycles that engines marched.",
+        (
+            Column("case", "run"),
+            Column("period", "period", "s", ".4f"),
+            Column("iterations", "Newton steps", form="d"),
+            Column("cycles_of_work", "cycles' work", form=".3g"),
+            Column("multiplier", "largest multiplier", "1", ".3f"),
+            Column("stable", "stable"),
+            Column("cycles_to_settled", f"to {SETTLED_AT:g}", form=".1f", group="cycles of marching"),
+            Column("cycles_to_gone", f"to {GONE_AT:g}", form=".1f", group="cycles of marching"),
+            *(Column(f"{name}_cycles", name, form="d", group="cycles marched") for name in marching),
+        ),
+    )
+    for result in results:
+        run = result.runs.get(REFERENCE)
+        orbit = None if run is None else run.document.get("periodic_orbit")
+        if run is None or not orbit or not orbit["multipliers"]:
+            continue
+        modulus = math.hypot(*orbit["multipliers"][0])
+        shrinking = 0.0 < modulus < 1.0
+        cycles = {f"{name}_cycles": result.runs[name].document["cycles"] for name in marching if name in result.runs}
+        builder.add(
+            case=Cell(result.case.name, case_label(result.case.name)),
+            period=orbit["period"],
+            iterations=orbit["iterations"],
+            cycles_of_work=run.document["cycles"] if orbit["stable"] else None,
+            multiplier=modulus,
+            stable=orbit["stable"],
+            cycles_to_settled=math.log(SETTLED_AT) / math.log(modulus) if shrinking else None,
+            cycles_to_gone=math.log(GONE_AT) / math.log(modulus) if shrinking else None,
+            **cycles,
+        )
+    return builder.table()

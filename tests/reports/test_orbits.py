@@ -1,0 +1,33 @@
+"""Steady states found directly, as the report shows them."""
+
+import math
+
+import pytest
+
+from reports.pages.content import Content
+from reports.pages.studies import accuracy_and_cost
+from reports.tables.orbits import orbits
+from tests.reports.reported_results import reported_result
+
+
+def test_marching_is_told_from_the_largest_multiplier() -> None:
+    table = orbits([reported_result("thesis-24"), reported_result("thesis-06")], ["exudyn"])
+    values = {column.key: cell.value for column, cell in zip(table.columns, table.rows[0], strict=True)}
+    modulus = math.hypot(0.6, 0.48)
+    assert values["multiplier"] == pytest.approx(modulus)
+    assert modulus ** float(str(values["cycles_to_settled"])) == pytest.approx(1e-3)
+    assert modulus ** float(str(values["cycles_to_gone"])) == pytest.approx(1e-6)
+    assert values["cycles_of_work"] == 12
+    assert values["exudyn_cycles"] == 12
+    assert len(table.rows) == 2
+
+
+def test_the_chapter_says_how_much_is_saved_or_that_nothing_is() -> None:
+    content = Content(results=[reported_result("thesis-24")])
+    texts = [block.text for block in accuracy_and_cost(content).blocks if hasattr(block, "text")]
+    # ln 1e-3 / ln 0.768 = 26.2 cycles against 12
+    assert any("2.2 times less than marching to 0.001, 4.4 times less" in text for text in texts)
+    marched = reported_result("thesis-24")
+    marched.runs["reference"].document["periodic_orbit"] = None
+    texts = [block.text for block in accuracy_and_cost(Content(results=[marched])).blocks if hasattr(block, "text")]
+    assert any("every engine marched" in text for text in texts)
