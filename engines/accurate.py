@@ -1,16 +1,17 @@
 """One trajectory to an accuracy: run, estimate the error, refine until the estimate is good enough or the ladder ends.
 
-The estimate does not know the answer. It compares the run with a coarser one of the same engine whose error is `factor` times as
-large (`Engine.coarser`), so that error = difference / (factor - 1): Richardson's estimate, Hairer, Norsett and Wanner, Solving
-Ordinary Differential Equations I, section II.4. It is as good as the factor: where the runs converge at the engine's stated order
-it is right to some ten percent; before convergence sets in it may be off by a factor of two or more. It sees the engine's own
-discretization alone: an engine that converges to a wrong model is found by comparison with other engines only.
+The estimate does not know the answer. It compares runs of the same engine whose errors stand in a known ratio (`Comparison`), so
+that error = difference / |factor - 1|: Richardson's estimate, Hairer, Norsett and Wanner, Solving Ordinary Differential Equations
+I, section II.4. Errors of different origin are shown by a pair of runs each, and their sizes added: they cannot cancel. The estimate
+is as good as the factor: where the runs converge at the engine's stated order it is right to some ten percent, and each engine states
+its factors on the safe side (`cases.accuracy_campaign` measures what comes of it). It sees the engine's own discretization alone: an
+engine that converges to a wrong model is found by comparison with other engines only.
 """
 
 import contextlib
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -46,7 +47,7 @@ class Result:
         setup_seconds: building the model of the delivered run.
         solve_seconds: solving the delivered run.
         compile_seconds: compiling or loading machine code before anything was timed.
-        estimate_seconds: wall time of all other runs: the coarser ones and the rungs climbed.
+        estimate_seconds: wall time of all other runs: those it was compared with and the rungs climbed.
         description: bodies, joints and degrees of freedom of the delivered run.
     """
 
@@ -154,41 +155,48 @@ def check_trajectory(trajectory: Trajectory, duration: float, output_step: float
         )
 
 
-def estimated_errors(fine: Trajectory, coarse: Trajectory, factor: float, length: float) -> tuple[float, dict[str, float | None]]:
-    """Error estimate of `fine` from a coarser run whose error is `factor` (> 1) times as large.
+def estimated_part(
+    delivered: Trajectory, run: Trajectory, other: Trajectory, factor: float, length: float
+) -> tuple[float, dict[str, float | None]]:
+    """A part of the error of `delivered`, from two runs on the same output grid (see `Comparison`).
 
     Args:
-        fine: the run in question.
-        coarse: the coarser run on the same output grid.
-        factor: ratio of the errors, above 1.
+        delivered: the run in question; differences are taken relative to the size of its columns.
+        run: it, or one with the same error in this part.
+        other: the one that `run` is compared with.
+        factor: error of `other` over that of `run`, not 1.
         length: follower length, m.
 
     Returns:
-        The estimate of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
+        The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
     """
-    each = {name: _relative(_rms(fine[name] - coarse[name]), _rms(fine[name])) for name in ESTIMATED}
-    estimates = {name: None if value is None else value / (factor - 1.0) for name, value in each.items()}
-    deflection = estimates["tip_deflection"]
-    if deflection is None or _rms(fine["tip_deflection"]) < NO_DEFLECTION * length:
-        distance = np.hypot(fine["tip_x"] - coarse["tip_x"], fine["tip_y"] - coarse["tip_y"])
-        return _rms(distance) / length / (factor - 1.0), estimates
-    return deflection, estimates
+    scale = 1.0 / abs(factor - 1.0)
+    each = {name: _relative(scale * _rms(run[name] - other[name]), _rms(delivered[name])) for name in ESTIMATED}
+    deflection = each["tip_deflection"]
+    if deflection is None or _rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
+        distance = np.hypot(run["tip_x"] - other["tip_x"], run["tip_y"] - other["tip_y"])
+        return scale * _rms(distance) / length, each
+    return deflection, each
 
 
 @dataclass(frozen=True)
 class _Judged:
-    """A run with its estimate; `remark` says why there is none."""
+    """A run with its estimate and the parts of it; `remark` says why there is none."""
 
     settings: Settings
     trajectory: Trajectory
     setup_seconds: float
-    estimate: float | None = None
+    parts: tuple[float, ...] = ()
     estimates: dict[str, float | None] = field(default_factory=lambda: dict.fromkeys(ESTIMATED))
     remark: str = ""
 
+    @property
+    def estimate(self) -> float | None:
+        return sum(self.parts) if self.parts else None
+
 
 class _Runs:
-    """Runs of one scene by settings: what was computed for one rung serves as the coarser run of the next."""
+    """Runs of one scene by settings: what was computed for the estimate of one rung serves the next."""
 
     def __init__(self, engine: Engine, mechanism: Mechanism, start: Start, duration: float, output_step: float) -> None:
         self.engine, self.mechanism = engine, mechanism
@@ -215,14 +223,24 @@ class _Runs:
 
     def judged(self, settings: Settings) -> _Judged:
         trajectory, setup_seconds = self.run(settings)
-        coarser, factor = self.engine.coarser(settings)
-        try:
-            coarse, _ = self.run(coarser)
-        except EngineFailure as failure:
-            remark = f"the error is unknown: the coarser run for its estimate {failure}"
+        length, parts = self.mechanism.follower.length, []
+        pairs = self.engine.comparisons(settings, self.mechanism, self._scene[-1])
+        if any(pair.run == pair.other for pair in pairs):
+            remark = "the error is unknown: these settings leave no others to compare with"
             return _Judged(settings, trajectory, setup_seconds, remark=remark)
-        estimate, estimates = estimated_errors(trajectory, coarse, factor, self.mechanism.follower.length)
-        return _Judged(settings, trajectory, setup_seconds, estimate, estimates)
+        try:
+            for pair in pairs:
+                run, other = self.run(pair.run)[0], self.run(pair.other)[0]
+                parts.append(estimated_part(trajectory, run, other, pair.factor, length))
+        except EngineFailure as failure:
+            remark = f"the error is unknown: the run for its estimate {failure}"
+            return _Judged(settings, trajectory, setup_seconds, remark=remark)
+        columns = {name: _sum([each[name] for _, each in parts]) for name in ESTIMATED}
+        return _Judged(settings, trajectory, setup_seconds, tuple(tip for tip, _ in parts), columns)
+
+    def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
+        excess = tuple(part / target for part in judged.parts) if judged is not None and judged.settings == rung else ()
+        return self.engine.finer(rung, excess, self._scene[-1])
 
     def result(self, judged: _Judged, target: float | None, *, asked: bool) -> Result:
         remark, reached = judged.remark, True
@@ -266,7 +284,7 @@ def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
             failure = error
         if best is not None and best.estimate is not None and best.estimate <= target:
             return best
-        rung = runs.engine.finer(rung)
+        rung = runs.finer(best, rung, target)
     if best is not None:
         return _with_remark(best, "these are the finest settings of the engine's ladder")
     raise failure if failure is not None else AssertionError("a ladder has at least one rung")
@@ -283,6 +301,11 @@ def _head(trajectory: Trajectory, rows: int) -> Trajectory:
 
 def _rms(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _sum(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) if known and len(known) == len(values) else None
 
 
 def _relative(difference: float, size: float) -> float | None:

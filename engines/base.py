@@ -81,6 +81,21 @@ class Simulation(ABC):
         """
 
 
+@dataclass(frozen=True)
+class Comparison:
+    """Two runs whose difference D shows a part of an error: that part is D / |factor - 1| in `run`.
+
+    Attributes:
+        run: settings whose error is judged; those of the delivered run, or of one with the same error in this part.
+        other: settings of the run that it is compared with.
+        factor: error of `other` over that of `run`, as far as they differ; below 1 where `other` is the finer one.
+    """
+
+    run: AnySettings
+    other: AnySettings
+    factor: float
+
+
 class NoSteadyState(Exception):
     """An engine's direct search for the steady state ended without one; the text is a clause that says why."""
 
@@ -145,15 +160,19 @@ class Engine(ABC):
         return tuple(dict.fromkeys(self.settings_for(accuracy, mechanism) for accuracy in LADDER_ACCURACIES))
 
     @abstractmethod
-    def coarser(self, settings: AnySettings) -> tuple[AnySettings, float]:
-        """Settings of a cheaper run for the error estimate, and the factor by which their error exceeds that of `settings`.
+    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        """Pairs of runs that show the parts of the error of `settings`, one pair per part; the estimate is the parts' sum.
 
-        With the difference D of the two trajectories the error of `settings` is estimated as D / (factor - 1).
+        Parts must be shown apart where they may have opposite signs (space and time, say): the difference of runs that are coarser
+        in both would let them cancel. `output_step` (s) bounds the time steps of most engines.
         """
 
     @abstractmethod
-    def finer(self, settings: AnySettings) -> AnySettings | None:
-        """The next finer rung, taken when the estimate misses the accuracy asked; None at the end of the ladder."""
+    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
+        """The next finer rung, taken when the estimate misses the accuracy asked; None at the end of the ladder.
+
+        `excess` holds the parts of the estimate over the accuracy asked, in the order of `comparisons`; it is empty if unknown.
+        """
 
     @abstractmethod
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:

@@ -16,7 +16,7 @@ from typing import ClassVar, Final, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Engine, ModelDescription, Refusal, Simulation
+from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.settings import Settings as AnySettings
 from engines.start import Start
 from reference_model.mechanism import Mechanism
@@ -142,10 +142,10 @@ class _Missing(Engine):
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
         self._refuse()
 
-    def coarser(self, settings: AnySettings) -> tuple[AnySettings, float]:
+    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         self._refuse()
 
-    def finer(self, settings: AnySettings) -> AnySettings | None:
+    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
         self._refuse()
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:

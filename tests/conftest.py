@@ -18,15 +18,17 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class _Outcome:
-    """Collects one row per test."""
+    """Collects one row per test, and the chapters that tests hand in by `record_property("chapter", {...})`."""
 
     def __init__(self) -> None:
         self.rows: list[list[Any]] = []
+        self.chapters: list[dict[str, Any]] = []
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.when == "call" or (report.when == "setup" and report.outcome != "passed"):
             file, _, name = report.nodeid.partition("::")
-            measured = "; ".join(f"{key} {value}" for key, value in report.user_properties)
+            self.chapters += [dict(value) for key, value in report.user_properties if key == "chapter" and isinstance(value, dict)]
+            measured = "; ".join(f"{key} {value}" for key, value in report.user_properties if key != "chapter")
             self.rows.append([file.removeprefix("tests/"), _words(name), report.outcome, round(report.duration, 1), measured or None])
 
     def pytest_sessionfinish(self) -> None:
@@ -41,7 +43,8 @@ class _Outcome:
             "columns": ["where", "what", "outcome", "time [s]", "measured"],
             "rows": sorted(self.rows, key=lambda row: (row[0], row[1])),
         }
-        document = {"code": code_fingerprint(PARTS), "date": time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime()), "chapters": [chapter]}
+        date = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime())
+        document = {"code": code_fingerprint(PARTS), "date": date, "chapters": [*self.chapters, chapter]}
         write_atomically(Store().folder / FILE, json.dumps(document, indent=1).encode())
 
 

@@ -8,14 +8,14 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Engine, ModelDescription, Refusal, Simulation
+from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.exudyn import modes
+from engines.exudyn import settings as ladder
 from engines.exudyn.flexible import FlexibleModel
 from engines.exudyn.record import Model
 from engines.exudyn.rigid import RigidModel
-from engines.exudyn.settings import FEWEST_ELEMENTS, LARGEST_STEP, ExudynSettings, settings_for
+from engines.exudyn.settings import ExudynSettings
 from engines.exudyn.simulation import ExudynSimulation
-from engines.settings import SettingError
 from engines.settings import Settings as AnySettings
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
@@ -49,24 +49,17 @@ class ExudynEngine(Engine):
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> ExudynSettings:
         """The measured ladder of run 24; the run's own estimate decides about other scenes."""
-        return settings_for(accuracy)
+        return ladder.settings_for(accuracy)
 
-    def coarser(self, settings: AnySettings) -> tuple[ExudynSettings, float]:
-        """Twice the step, whose error dominates and is of second order, and three quarters of the elements.
+    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        """Time and space apart, for their errors have opposite signs; a rigid follower has no elements."""
+        own = _own(settings)
+        in_time = ladder.in_time(own, output_step)
+        return (in_time,) if mechanism.follower.is_rigid else (in_time, ladder.in_space(own, in_time))
 
-        Not half of them: the elements' error has the other sign, and with 8 for 16 the estimate falls 30 % short in run 24.
-        """
-        chosen = _own(settings)
-        coarse = chosen.replaced(elements=max(FEWEST_ELEMENTS, 3 * chosen.elements // 4), step=min(LARGEST_STEP, 2.0 * chosen.step))
-        return coarse, 4.0
-
-    def finer(self, settings: AnySettings) -> ExudynSettings | None:
-        """Twice the elements at half the step, as long as both are accepted."""
-        chosen = _own(settings)
-        try:
-            return chosen.replaced(elements=2 * chosen.elements, step=chosen.step / 2.0)
-        except SettingError:
-            return None
+    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
+        """Smaller steps or more elements, as far as each is needed."""
+        return ladder.finer(_own(settings), excess, output_step)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Engine, ModelDescription, Refusal, Simulation
+from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.mujoco import settings as ladder
 from engines.mujoco.settings import ChainSettings
 from engines.settings import Settings as AnySettings
@@ -66,11 +66,12 @@ class MujocoEngine(Engine):
         """See `Engine.settings_for`."""
         return ladder.for_accuracy(accuracy)
 
-    def coarser(self, settings: AnySettings) -> tuple[AnySettings, float]:
-        """See `Engine.coarser`."""
-        return ladder.coarser(_own(settings))
+    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        """One pair: the step, bound to stability, leaves no error of its own beside the chain's."""
+        chosen = _own(settings)
+        return (Comparison(chosen, *ladder.coarser(chosen)),)
 
-    def finer(self, settings: AnySettings) -> AnySettings | None:
+    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
         """See `Engine.finer`."""
         return ladder.finer(_own(settings))
 

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from engines.base import Comparison
 from engines.pseudo_coordinate.fixed_shape_model import FixedShapeModelEngine
 from engines.settings import Settings, setting
 from reference_model.frequencies import shape_frequencies
@@ -79,14 +80,17 @@ class FixedShapesEngine(FixedShapeModelEngine):
         shapes, tolerance, _ = LADDER[-1]
         return FixedShapesSettings(shapes=shapes, tolerance=tolerance)
 
-    def coarser(self, settings: Settings) -> tuple[FixedShapesSettings, float]:
-        """Four shapes fewer (two fewer and twice the error, below eight); the factor stays a little below those of the ladder."""
+    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        """Four shapes fewer, or two fewer and twice the error below eight (two more below three).
+
+        The factor stays a little below those of the ladder.
+        """
         own = _own(settings)
         if own.shapes >= 8:
-            return own.replaced(shapes=own.shapes - 4), (own.shapes / (own.shapes - 4.0)) ** 2.5
-        return own.replaced(shapes=max(1, own.shapes - 2)), 2.0
+            return (Comparison(own, own.replaced(shapes=own.shapes - 4), (own.shapes / (own.shapes - 4.0)) ** 2.5),)
+        return (Comparison(own, own.replaced(shapes=own.shapes - 2 if own.shapes > 2 else own.shapes + 2), 2.0),)
 
-    def finer(self, settings: Settings) -> FixedShapesSettings | None:
+    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> FixedShapesSettings | None:
         """The next rung of the ladder."""
         own = _own(settings)
         for shapes, tolerance, _ in LADDER:

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from engines.base import Comparison
 from engines.pseudo_coordinate.fixed_shape_model import FixedShapeModelEngine
 from engines.settings import Settings, setting
 from reference_model.frequencies import shape_frequencies
@@ -60,12 +61,12 @@ class ThesisEngine(FixedShapeModelEngine):
         """A coarse and a fine tolerance: what is wrong with this model is not its integration."""
         return tuple(self.settings_for(accuracy, mechanism) for accuracy in (1e-2, 1e-3))
 
-    def coarser(self, settings: Settings) -> tuple[ThesisSettings, float]:
+    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Ten times the tolerance; the error factor is measured."""
         own = _own(settings)
-        return own.replaced(tolerance=min(10.0 * own.tolerance, 1e-2)), THESIS_ERROR_PER_DECADE
+        return (Comparison(own, own.replaced(tolerance=min(10.0 * own.tolerance, 1e-2)), THESIS_ERROR_PER_DECADE),)
 
-    def finer(self, settings: Settings) -> ThesisSettings | None:
+    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> ThesisSettings | None:
         """A tenth of the tolerance."""
         own = _own(settings)
         return own.replaced(tolerance=0.1 * own.tolerance) if own.tolerance > 1e-11 else None

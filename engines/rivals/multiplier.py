@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
+from engines.base import Comparison
 from engines.rivals.rival import RivalEngine, ShapeSettings, shapes_of
 from engines.settings import Settings, setting
 from reference_model.constraints.joint import Joint
@@ -53,16 +54,16 @@ class MultiplierEngine(RivalEngine):
         shapes, tolerance, _ = LADDER[-1]
         return MultiplierSettings(shapes=shapes, tolerance=tolerance)
 
-    def coarser(self, settings: Settings) -> tuple[MultiplierSettings, float]:
+    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Four shapes fewer (two fewer and twice the error, below eight): the method has the errors of its shapes."""
         own = _own(settings)
         if own.shapes >= 8:
-            return own.replaced(shapes=own.shapes - 4), (own.shapes / (own.shapes - 4.0)) ** 2.5
+            return (Comparison(own, own.replaced(shapes=own.shapes - 4), (own.shapes / (own.shapes - 4.0)) ** 2.5),)
         if own.shapes == 1:
-            return own.replaced(tolerance=min(10.0 * own.tolerance, 1e-4)), 2.0
-        return own.replaced(shapes=max(1, own.shapes - 2)), 2.0
+            return (Comparison(own, own.replaced(tolerance=min(10.0 * own.tolerance, 1e-4)), 2.0),)
+        return (Comparison(own, own.replaced(shapes=max(1, own.shapes - 2)), 2.0),)
 
-    def finer(self, settings: Settings) -> MultiplierSettings | None:
+    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> MultiplierSettings | None:
         """The next rung of the ladder."""
         own = _own(settings)
         for shapes, tolerance, _ in LADDER:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
+from engines.base import Comparison
 from engines.rivals.rival import RivalEngine, RivalSettings
 from engines.settings import Settings, setting
 from reference_model.constraints.joint import BOTH_LINEAR, CONSISTENT, LEVER, Joint
@@ -69,15 +70,15 @@ class NodalLoadEngine(RivalEngine):
         elements, tolerance, _ = rung
         return NodalLoadSettings(elements=elements, tolerance=tolerance)
 
-    def coarser(self, settings: Settings) -> tuple[NodalLoadSettings, float]:
+    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Two thirds of the elements; the error factor is that of second order."""
         own = _own(settings)
         fewer = max(1, 2 * own.elements // 3)
         if fewer == own.elements:
-            return own.replaced(tolerance=min(10.0 * own.tolerance, 1e-4)), 2.0
-        return own.replaced(elements=fewer), (own.elements / fewer) ** 2.0
+            return (Comparison(own, own.replaced(tolerance=min(10.0 * own.tolerance, 1e-4)), 2.0),)
+        return (Comparison(own, own.replaced(elements=fewer), (own.elements / fewer) ** 2.0),)
 
-    def finer(self, settings: Settings) -> NodalLoadSettings | None:
+    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> NodalLoadSettings | None:
         """The next rung of the ladder."""
         own = _own(settings)
         for elements, tolerance, _ in LADDER:

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+from engines.base import Comparison
 from engines.rivals.rival import RivalEngine, ShapeSettings, shapes_of
 from engines.settings import Settings, setting
 from reference_model.constraints.joint import Joint
@@ -53,7 +54,7 @@ class StiffSpringEngine(RivalEngine):
         shapes, stiffness, damping, tolerance, _ = rung
         return StiffSpringSettings(shapes=shapes, stiffness=stiffness, damping=damping, tolerance=tolerance)
 
-    def coarser(self, settings: Settings) -> tuple[StiffSpringSettings, float]:
+    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """A seventh of the shapes fewer on a spring twice as stiff.
 
         Shapes are too stiff, springs too soft: softening the spring along with fewer shapes would let the difference of the runs cancel.
@@ -62,9 +63,10 @@ class StiffSpringEngine(RivalEngine):
         own = _own(settings)
         stiffer = min(2.0 * own.stiffness, 1e9)
         ratio = stiffer / own.stiffness
-        return own.replaced(shapes=max(1, round(0.85 * own.shapes)), stiffness=stiffer, damping=min(ratio * own.damping, 1e5)), 1.5
+        other = own.replaced(shapes=max(1, round(0.85 * own.shapes)), stiffness=stiffer, damping=min(ratio * own.damping, 1e5))
+        return (Comparison(own, other, 1.5),)
 
-    def finer(self, settings: Settings) -> StiffSpringSettings | None:
+    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> StiffSpringSettings | None:
         """The next rung of the ladder."""
         own = _own(settings)
         for shapes, stiffness, damping, tolerance, _ in LADDER:

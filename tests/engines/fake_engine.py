@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Engine, EngineFailure, ModelDescription, Refusal, Simulation
+from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
 from engines.settings import Settings as AnySettings
 from engines.settings import setting
 from engines.start import Start
@@ -100,11 +100,11 @@ class FakeEngine(Engine):
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> FakeSettings:
         return FakeSettings(step=0.2 if accuracy > 1e-3 else 0.1)
 
-    def coarser(self, settings: AnySettings) -> tuple[FakeSettings, float]:
+    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         assert isinstance(settings, FakeSettings)
-        return settings.replaced(step=2.0 * settings.step), 4.0
+        return (Comparison(settings, settings.replaced(step=2.0 * settings.step), 4.0),)
 
-    def finer(self, settings: AnySettings) -> FakeSettings | None:
+    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> FakeSettings | None:
         assert isinstance(settings, FakeSettings)
         return settings.replaced(step=settings.step / 2.0) if settings.step > 0.03 else None
 

@@ -10,7 +10,7 @@ from scipy.interpolate import PPoly
 from engines.base import EngineFailure, Refusal
 from engines.exudyn import ExudynEngine
 from engines.exudyn.cable import Cable
-from engines.exudyn.settings import ExudynSettings
+from engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from engines.trajectory import REQUIRED, Trajectory, join
@@ -107,9 +107,9 @@ def test_second_order_in_step_and_elements():
     }
     # second order: 4.2 to 5 against a reference that is itself only a fourth of the step (third of the elements) finer
     assert 3.5 < errors[32, 1e-3] / errors[32, 5e-4] < 5.5
-    # the factor that `coarser` claims, 4, within what the finite reference leaves open
-    assert ENGINE.coarser(ExudynSettings(elements=16, step=5e-4)) == (ExudynSettings(elements=12, step=1e-3), 4.0)
-    assert 3.5 < errors[12, 1e-3] / errors[16, 5e-4] < 5.5
+    in_time, in_space = ENGINE.comparisons(ExudynSettings(elements=32, step=5e-4), run_24(), 1e-3)
+    assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=1e-3), 4.0)
+    assert (in_space.run, in_space.other, in_space.factor) == (in_time.other, ExudynSettings(elements=16, step=1e-3), 8.0)
     assert errors[8, 1.25e-4] > 2.5 * errors[16, 1.25e-4]
 
 
@@ -284,11 +284,35 @@ def test_ladder_is_monotone_and_ends():
     assert [rung.step for rung in rungs] == sorted((rung.step for rung in rungs), reverse=True)
     assert rungs[2] == ExudynSettings()
     settings, count = ExudynSettings(), 0
-    while (finer := ENGINE.finer(settings)) is not None:
-        assert finer.elements > settings.elements
+    while (finer := ENGINE.finer(settings, (), 1e-3)) is not None:
         assert finer.step < settings.step
         settings, count = finer, count + 1
     assert count >= 1
+    assert settings.step >= SMALLEST_STEP
+
+
+def test_finer_settings_cure_what_is_too_large():
+    settings = ExudynSettings(elements=24, step=2.5e-4)
+    steps = ENGINE.finer(settings, (2.0, 0.1), 1e-3)
+    assert steps is not None
+    assert steps.elements == 24
+    # of second order: the error in time comes down to 0.7 of the accuracy or less
+    assert 2.0 * (steps.step / settings.step) ** 2 <= 0.7
+    elements = ENGINE.finer(settings, (0.5, 1.0), 1e-3)
+    assert elements is not None
+    assert elements.step == settings.step
+    assert 1.0 * (24 / elements.elements) ** 3 <= 0.2
+
+
+@pytest.mark.parametrize("output_step", [1e-2, 1e-3, 5e-4, 2.5e-4, 1e-5])
+def test_runs_compared_differ_on_any_output_grid(output_step):
+    """A step cannot pass an output: settings that differ may be the same run."""
+    for step in (5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4):
+        own = ExudynSettings(elements=8, step=step)
+        for pair in ENGINE.comparisons(own, run_24(), output_step):
+            fine, coarse = (math.ceil(output_step / settings.step - 1e-9) for settings in (pair.run, pair.other))
+            assert fine != coarse or pair.run.elements != pair.other.elements
+            assert pair.factor == pytest.approx((coarse / fine) ** -2 * (pair.run.elements / pair.other.elements) ** 3)
 
 
 @pytest.mark.parametrize("x", [0.0, 0.02, 0.1, 0.33, 0.5, 0.999, 1.0])

@@ -153,16 +153,16 @@ def test_settings_follow_the_ladder() -> None:
     mechanism = run_24()
     chosen = [ENGINE.settings_for(accuracy, mechanism) for accuracy in (0.05, 7e-3, 1e-3, 1e-4)]
     assert [s.as_dict()["links"] for s in chosen] == [8, 12, 27, 60]
-    coarser, factor = ENGINE.coarser(chosen[1])
-    assert coarser.as_dict()["links"] == 8
-    assert factor > 1.0
+    (pair,) = ENGINE.comparisons(chosen[1], mechanism, 1e-3)
+    assert pair.other.as_dict()["links"] == 8
+    assert pair.factor > 1.0
     rung, climbed = chosen[1], []
-    while (finer := ENGINE.finer(rung)) is not None:
+    while (finer := ENGINE.finer(rung, (), 1e-3)) is not None:
         climbed.append(finer.as_dict()["links"])
         rung = finer
     assert climbed == [links for links, _ in LADDER if links > 12]
     with pytest.raises(Refusal, match=r"engine\.links"):
-        ENGINE.coarser(ChainSettings(links=1))
+        ENGINE.comparisons(ChainSettings(links=1), mechanism, 1e-3)
 
 
 def test_is_registered_and_available() -> None:

@@ -60,10 +60,12 @@ def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
     visited = []
     while rung is not None:
         visited.append(rung.modes)
-        coarse, factor = ENGINE.coarser(rung)
-        assert factor > 1.0
-        assert coarse.modes < rung.modes or coarse.tolerance > rung.tolerance
-        rung = ENGINE.finer(rung)
+        (pair,) = ENGINE.comparisons(rung, run_24(), 1e-3)
+        assert isinstance(pair.other, ReferenceSettings)
+        assert pair.other.modes > rung.modes
+        assert pair.other.tolerance <= rung.tolerance
+        assert 0.0 < pair.factor < 1.0
+        rung = ENGINE.finer(rung, (), 1e-3)
     assert visited == list(modes)
 
 

@@ -168,8 +168,10 @@ class TestFeatures:
         rung: Settings | None = chosen.settings_for(0.05, run_24())
         finest, steps = rung, 0
         while rung is not None:
-            finest, rung, steps = rung, chosen.finer(rung), steps + 1
-            assert chosen.coarser(finest)[1] > 1.0
+            finest, rung, steps = rung, chosen.finer(rung, (), 1e-3), steps + 1
+            (pair,) = chosen.comparisons(finest, run_24(), 1e-3)
+            assert pair.run == finest != pair.other
+            assert pair.factor > 1.0
         assert steps > 2
         assert finest == chosen.settings_for(1e-9, run_24())
 
