@@ -83,7 +83,7 @@ def _full() -> list[tuple[Scene, tuple[tuple[str, float], ...]]]:
 
 def row(**changes: object) -> Row:
     known = Row(scene="a", condition=1.0, engine="reference", asked=1e-2, truth_error=1e-5, confirmation=None)
-    return dataclasses.replace(known, estimate=8e-3, achieved=5e-3, reached=True, **changes)  # type: ignore[arg-type]
+    return dataclasses.replace(known, **({"estimate": 8e-3, "achieved": 5e-3, "reached": True} | changes))  # type: ignore[arg-type]
 
 
 def test_summary_counts_what_is_judged() -> None:
