@@ -45,7 +45,7 @@ class Cable:
         return np.linspace(0.0, self.length, self.elements + 1)
 
     def evaluate(self, q: Array, x: Array, nu: int = 0) -> Array:
-        """The `nu`-th derivative (0, 1) of the centre line at one arc length per row.
+        """The `nu`-th derivative (0 to 2) of the centre line at one arc length per row; the second jumps at nodes.
 
         Args:
             q: nodal coordinates or their rates, shape (rows, nodes, 4).

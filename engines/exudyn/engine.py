@@ -35,12 +35,15 @@ class ExudynEngine(Engine):
         return f"exudyn {exu.__version__}"
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse a slider with inertia of rotation or a compliant joint: the joint passes a force, no moment, and is rigid."""
+        """Refuse a slider with inertia of rotation, for the joint passes a force and no moment, and a damper beside a rigid joint."""
         slider = mechanism.slider
         if slider.inertia > 0.0:
             raise Refusal(f"slider.inertia = {slider.inertia:g} kg*m^2: exudyn's joint passes no moment; it accepts 0 only")
-        if not math.isinf(slider.joint_stiffness):
-            raise Refusal(f"slider.joint_stiffness = {slider.joint_stiffness:g} N/m: exudyn's joint is rigid; it accepts inf only")
+        if math.isinf(slider.joint_stiffness) and slider.joint_damping > 0.0:
+            raise Refusal(
+                f"slider.joint_damping = {slider.joint_damping:g} N*s/m: it does nothing in a rigid joint; exudyn accepts 0, or a finite"
+                " slider.joint_stiffness"
+            )
 
     def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""
@@ -70,7 +73,7 @@ class ExudynEngine(Engine):
         return simulation
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
-        """Frozen-crank frequencies in Hz; none for a rigid follower. See `Engine.natural_frequencies`."""
+        """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
         return modes.natural_frequencies(mechanism, crank_angle, count, _own(settings).elements)
 

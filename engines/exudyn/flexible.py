@@ -1,9 +1,4 @@
-"""The mechanism with a flexible follower: construction in Exudyn and observables from its coordinates.
-
-The slider is `ObjectJointALEMoving2D`: the cable does not flow (`movingMassFactor=0`), the axial coordinate of the arbitrary
-Lagrangian-Eulerian elements only says where on the cable the slider stands, and its equation is that the joint passes no force
-along the tangent.
-"""
+"""The mechanism with a flexible follower: construction in Exudyn and observables from its coordinates."""
 
 from typing import Any, Final
 
@@ -14,6 +9,7 @@ from numpy.typing import NDArray
 from engines.exudyn.assembly import Assembly
 from engines.exudyn.cable import Cable
 from engines.exudyn.record import Record, accumulated, drive_columns, index
+from engines.exudyn.slider import Gap, add_slider, gap
 from engines.start import Start
 from engines.start_state import StartState
 from reference_model.mechanism import Follower, Mechanism
@@ -121,8 +117,10 @@ class FlexibleModel:
             self._damper_weights = follower.damping * _quadrature(cable)
             self._add_dampers(base[1], nodes)
         self._add_weight(nodes)
-        self._joint = self._add_slider(state, crank, cables, axial)
+        slider = add_slider(assembly, cable, state, start, crank, cables, axial)
+        self._joint = slider.joint
         assembly.mbs.Assemble()
+        slider.locate(assembly, nodes, axial)
         self._crank_index = index(assembly, crank_node) + 2
         self._node_indices = np.array([index(assembly, node) for node in nodes])
         self._axial_index = index(assembly, axial)
@@ -154,20 +152,6 @@ class FlexibleModel:
                         marker = self.assembly.coordinate_marker(node, coordinate)
                         self.assembly.mbs.AddLoad(items.LoadCoordinate(markerNumber=marker, load=load))
 
-    def _add_slider(self, state: StartState, crank: Any, cables: list[Any], axial: Any) -> Any:
-        mbs, h = self.assembly.mbs, self._cable.element_length
-        markers = [mbs.AddMarker(items.MarkerBodyCable2DCoordinates(bodyNumber=cable)) for cable in cables]
-        element = min(int(state.slider_position / h), len(cables) - 1)
-        history = mbs.AddNode(items.NodeGenericData(initialCoordinates=[element], numberOfDataCoordinates=1))
-        joint = items.ObjectJointALEMoving2D(
-            markerNumbers=[self.assembly.point_marker(crank, self._mechanism.crank.length), markers[element]],
-            slidingMarkerNumbers=markers,
-            slidingMarkerOffsets=[i * h for i in range(len(cables))],
-            slidingOffset=state.slider_position,
-            nodeNumbers=[history, axial],
-        )
-        return self.assembly.add_joint("slider on the follower", joint, 2)
-
     def slider_position(self, coordinates: Array) -> float:
         """Arc length of the slider for one row of coordinates, m."""
         return float(coordinates[self._axial_index]) + self._slider_start
@@ -188,6 +172,7 @@ class FlexibleModel:
         slider_tangent = cable.evaluate(q, s, 1)
         slider_normal = _turned(slider_tangent) / np.linalg.norm(slider_tangent, axis=1)[:, None]
         crank_tip = LA * np.column_stack([np.cos(crank_angle), np.sin(crank_angle)])
+        joint = self._gap(record, (q, rates, accelerations), s)
         joint_force = record.multipliers[:, self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)]
         return {
             "time": record.time,
@@ -203,11 +188,23 @@ class FlexibleModel:
             "slider_force": -_dot(slider_normal, joint_force),
             **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),
             "kinetic_energy": self._kinetic_energy(crank_speed, frame_rate, q, rates),
-            "strain_energy": cable.strain_energy(q),
-            "dissipated_energy": self._dissipated(record, q, rates, accelerations),
+            "strain_energy": cable.strain_energy(q) + self._spring_energy(joint),
+            "dissipated_energy": self._dissipated(record, q, rates, accelerations, joint),
             "constraint_gap": np.linalg.norm(cable.evaluate(q, s) - crank_tip, axis=1),
             "gravity_energy": self._gravity_energy(crank_angle, q, tip_tangent),
         }
+
+    def _gap(self, record: Record, line: tuple[Array, Array, Array], s: Array) -> Gap:
+        angle, speed, acceleration = (v[:, self._crank_index] for v in (record.coordinates, record.rates, record.accelerations))
+        arm = self._mechanism.crank.length * np.column_stack([np.cos(angle), np.sin(angle)])
+        across = _turned(arm)
+        crank_tip = (arm, speed[:, None] * across, acceleration[:, None] * across - (speed**2)[:, None] * arm)
+        return gap(self._cable, line, (s, record.rates[:, self._axial_index]), crank_tip)
+
+    def _spring_energy(self, joint: Gap) -> Array:
+        if not self.assembly.joint_is_compliant:
+            return np.zeros_like(joint.value)
+        return 0.5 * self._mechanism.slider.joint_stiffness * joint.value**2
 
     def _kinetic_energy(self, crank_speed: Array, frame_rate: Array, q: Array, rates: Array) -> Array:
         crank, slider, tip = self._mechanism.crank, self._mechanism.slider, self._mechanism.tip
@@ -228,8 +225,8 @@ class FlexibleModel:
             moment = moment + tip.mass * (q[:, -1, :2] + tip.center_of_mass * tip_tangent)
         return -moment @ np.array(self._mechanism.gravity)
 
-    def _dissipated(self, record: Record, q: Array, rates: Array, accelerations: Array) -> Array:
-        """Work taken by the dampers of crank, base and follower, exactly as they are built."""
+    def _dissipated(self, record: Record, q: Array, rates: Array, accelerations: Array, joint: Gap) -> Array:
+        """Work taken by the dampers of crank, base, follower and slider, exactly as they are built."""
         crank_damping = getattr(self._mechanism.crank.drive, "damping", 0.0)
         speed, acceleration = record.rates[:, self._crank_index], record.accelerations[:, self._crank_index]
         b1, frame_rate, frame_acceleration = _direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
@@ -242,6 +239,8 @@ class FlexibleModel:
         )
         power = power + np.sum(relative**2, axis=2) @ self._damper_weights
         power_rate = power_rate + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights
+        power = power + self._mechanism.slider.joint_damping * joint.rate**2
+        power_rate = power_rate + 2.0 * self._mechanism.slider.joint_damping * joint.rate * joint.acceleration
         return accumulated(record.time, power, power_rate)
 
 

@@ -1,19 +1,23 @@
 """Frozen-crank natural frequencies.
 
 The ALE joint carries its massless axial coordinate into the eigenvalue problem and is several per cent off; the sliding joint on
-ordinary cable elements, with its point held on the ground, gives the frequencies of the beam supported at the slider.
+ordinary cable elements, with its point held on the ground, gives the frequencies of the beam supported at the slider. A compliant
+joint is a spring along the normal from the ground to the follower's point at the slider: the follower does not slide in its modes.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
+from engines.exudyn.cable import Cable
 from engines.exudyn.flexible import add_ends, add_nodes, cable_of
+from engines.exudyn.rigid import follower_inertia
 from engines.start import Start
-from engines.start_state import reconstruct
+from engines.start_state import StartState, reconstruct
 from reference_model.mechanism import Mechanism
 
 _LOWEST = 1e-3  # Hz; below lies only the round-off of a mechanism's own mobility
@@ -21,14 +25,31 @@ _LOWEST = 1e-3  # Hz; below lies only the round-off of a mechanism's own mobilit
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, elements: int) -> NDArray[np.float64]:
     """The `count` lowest frequencies with the crank held, follower straight and at rest, Hz, ascending, shape (<= count,)."""
-    if mechanism.follower.is_rigid:
-        return np.empty(0)
     state = reconstruct(mechanism, Start(crank_angle, 0.0))
     assembly = Assembly(mechanism)
-    mbs, cable = assembly.mbs, cable_of(mechanism.follower, elements)
-    nodes = add_nodes(assembly, cable, state)
-    cables = [
-        mbs.AddObject(
+    if mechanism.follower.is_rigid:
+        if not assembly.joint_is_compliant:
+            return np.empty(0)
+        _, follower = assembly.pinned_body("follower", mechanism.pivot_distance, state.follower_angle, 0.0, follower_inertia(mechanism))
+        _add_spring(assembly, state, assembly.frame_marker(follower, state.slider_position))
+    else:
+        cable = cable_of(mechanism.follower, elements)
+        nodes = add_nodes(assembly, cable, state)
+        bodies = _add_cable(assembly, cable, nodes)
+        add_ends(assembly, cable, state, nodes)
+        if assembly.joint_is_compliant:
+            element = min(int(state.slider_position / cable.element_length), elements - 1)
+            _add_spring(assembly, state, assembly.frame_marker(bodies[element], state.slider_position - element * cable.element_length))
+        else:
+            _add_support(assembly, cable, state, crank_angle, bodies)
+    assembly.mbs.Assemble()
+    frequencies = np.asarray(assembly.mbs.ComputeODE2Eigenvalues(convert2Frequencies=True)[0])
+    return np.sort(frequencies[np.isfinite(frequencies) & (frequencies > _LOWEST)])[:count]
+
+
+def _add_cable(assembly: Assembly, cable: Cable, nodes: list[Any]) -> list[Any]:
+    return [
+        assembly.mbs.AddObject(
             items.ObjectANCFCable2D(
                 length=cable.element_length,
                 massPerLength=cable.mass_per_length,
@@ -37,23 +58,37 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, el
                 nodeNumbers=[nodes[i], nodes[i + 1]],
             )
         )
-        for i in range(elements)
+        for i in range(cable.elements)
     ]
-    add_ends(assembly, cable, state, nodes)
-    LA, h = mechanism.crank.length, cable.element_length
+
+
+def _add_support(assembly: Assembly, cable: Cable, state: StartState, crank_angle: float, bodies: list[Any]) -> None:
+    """Hold the follower's point at the slider on the ground."""
+    mbs, LA, h = assembly.mbs, assembly.mechanism.crank.length, cable.element_length
     held = assembly.point_marker(assembly.ground, LA * math.cos(crank_angle), LA * math.sin(crank_angle))
-    markers = [mbs.AddMarker(items.MarkerBodyCable2DCoordinates(bodyNumber=body)) for body in cables]
-    element = min(int(state.slider_position / h), elements - 1)
+    markers = [mbs.AddMarker(items.MarkerBodyCable2DCoordinates(bodyNumber=body)) for body in bodies]
+    element = min(int(state.slider_position / h), cable.elements - 1)
     history = mbs.AddNode(items.NodeGenericData(initialCoordinates=[element, state.slider_position], numberOfDataCoordinates=2))
     mbs.AddObject(
         items.ObjectJointSliding2D(
             markerNumbers=[held, markers[element]],
             slidingMarkerNumbers=markers,
-            slidingMarkerOffsets=[i * h for i in range(elements)],
+            slidingMarkerOffsets=[i * h for i in range(cable.elements)],
             nodeNumber=history,
             useClassicalFormulation=False,
         )
     )
-    mbs.Assemble()
-    frequencies = np.asarray(mbs.ComputeODE2Eigenvalues(convert2Frequencies=True)[0])
-    return np.sort(frequencies[np.isfinite(frequencies) & (frequencies > _LOWEST)])[:count]
+
+
+def _add_spring(assembly: Assembly, state: StartState, point: Any) -> None:
+    """The joint's spring from the ground to a point of the follower, along the follower's normal."""
+    place = state.position(np.array([state.slider_position]))[0]
+    ground = assembly.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=assembly.ground, localPosition=[*place, 0.0]))
+    c, s = math.cos(state.follower_angle), math.sin(state.follower_angle)
+    stiffness = np.zeros((6, 6))
+    stiffness[1, 1] = assembly.mechanism.slider.joint_stiffness
+    assembly.mbs.AddObject(
+        items.ObjectConnectorRigidBodySpringDamper(
+            markerNumbers=[ground, point], stiffness=stiffness, rotationMarker0=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        )
+    )

@@ -6,13 +6,22 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import Assembly
+from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
 from engines.exudyn.record import Record, accumulated, drive_columns, index
 from engines.start import Start
 from engines.start_state import StartState
 from reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
+
+
+def follower_inertia(mechanism: Mechanism) -> float:
+    """Moment of inertia about P of base, rigid beam and tip, kg m^2."""
+    follower, tip = mechanism.follower, mechanism.tip
+    inertia = mechanism.base.inertia + follower.mass_per_length * follower.length**3 / 3.0
+    if tip is not None:
+        inertia += tip.inertia + tip.mass * (follower.length + tip.center_of_mass) ** 2
+    return inertia
 
 
 class RigidModel:
@@ -23,11 +32,10 @@ class RigidModel:
         self._mechanism = mechanism
         follower, tip = mechanism.follower, mechanism.tip
         mass = follower.mass_per_length * follower.length
-        self._inertia = mechanism.base.inertia + mass * follower.length**2 / 3.0
+        self._inertia = follower_inertia(mechanism)
         self._moment = mass * follower.length / 2.0  # kg m, first moment of mass about P
         if tip is not None:
             reach = follower.length + tip.center_of_mass
-            self._inertia += tip.inertia + tip.mass * reach**2
             self._moment += tip.mass * reach
 
         crank_node, crank, self._speed_constraint = assembly.crank(start)
@@ -37,17 +45,40 @@ class RigidModel:
         assembly.weight(body, follower.length / 2.0, mass)
         if tip is not None:
             assembly.weight(body, reach, tip.mass)
-        self._joint = assembly.add_joint("slider on the follower", self._slider(crank, body), 1)
+        self._joint = self._add_slider(start, state, crank, body)
         assembly.mbs.Assemble()
         self._crank_index = index(assembly, crank_node) + 2
         self._follower_index = index(assembly, node) + 2
 
-    def _slider(self, crank: Any, follower: Any) -> Any:
-        """The point of the crank tip on the axis of the follower; the joint's second equation is idle."""
-        markers = [self.assembly.frame_marker(crank, self._mechanism.crank.length), self.assembly.frame_marker(follower)]
-        return items.ObjectJointPrismatic2D(
-            markerNumbers=markers, axisMarker0=[1.0, 0.0, 0.0], normalMarker1=[0.0, 1.0, 0.0], constrainRotation=False
+    def _add_slider(self, start: Start, state: StartState, crank: Any, follower: Any) -> Any:
+        """The point of the crank tip, or a compliant joint's carriage, on the axis of the follower; returns the joint's number.
+
+        The carriage turns with the follower, so that the damper lies along the follower's normal. It is free along the axis and
+        stands where the spring, the same in both directions, has no pull on it there: at the foot of the crank tip.
+        """
+        assembly, slider = self.assembly, self._mechanism.slider
+        crank_tip, axis = assembly.frame_marker(crank, self._mechanism.crank.length), assembly.frame_marker(follower)
+        rider, equations = crank_tip, 1  # the joint's second equation, of the rotation, is idle
+        if assembly.joint_is_compliant:
+            place = state.position(np.array([state.slider_position]))[0]
+            velocity = start.crank_speed * np.array([-place[1], place[0]])
+            node, _ = assembly.rigid_body(list(place), state.follower_angle, list(velocity), state.follower_rate, CARRIAGE_MASS, 0.0)
+            assembly.listed_carriage()
+            rider = assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
+            equations = 3  # normal and rotation, and the balance along the axis, which leaves the carriage no motion of its own
+            stiffness, damping = np.zeros((6, 6)), np.zeros((6, 6))
+            stiffness[0, 0] = stiffness[1, 1] = slider.joint_stiffness
+            damping[1, 1] = slider.joint_damping
+            assembly.mbs.AddObject(
+                items.ObjectConnectorRigidBodySpringDamper(markerNumbers=[rider, crank_tip], stiffness=stiffness, damping=damping)
+            )
+        joint = items.ObjectJointPrismatic2D(
+            markerNumbers=[rider, axis],
+            axisMarker0=[1.0, 0.0, 0.0],
+            normalMarker1=[0.0, 1.0, 0.0],
+            constrainRotation=assembly.joint_is_compliant,
         )
+        return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations)
 
     def slider_position(self, coordinates: Array) -> float:
         """Arc length of the slider for one row of coordinates, m."""
@@ -65,6 +96,12 @@ class RigidModel:
         crank_moment = crank.mass * crank.center_of_mass + mechanism.slider.mass * crank.length
         crank_damping, base_damping = getattr(crank.drive, "damping", 0.0), mechanism.base.damping
         straight = np.zeros_like(q1)
+        joint_damping = mechanism.slider.joint_damping
+        # of gap = LA sin(q1 - q2) + d sin(q2), the crank tip across the follower
+        LA, d, turn, turn_rate = crank.length, mechanism.pivot_distance, q1 - q2, q1_rate - q2_rate
+        gap_rate = LA * np.cos(turn) * turn_rate + d * np.cos(q2) * q2_rate
+        gap_acceleration = LA * (np.cos(turn) * (q1_acceleration - q2_acceleration) - np.sin(turn) * turn_rate**2)
+        gap_acceleration += d * (np.cos(q2) * q2_acceleration - np.sin(q2) * q2_rate**2)
         gx, gy = mechanism.gravity
         return {
             "time": record.time,
@@ -82,11 +119,16 @@ class RigidModel:
             "slider_force": self._slider_force(record),
             **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),
             "kinetic_energy": 0.5 * (crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
-            "strain_energy": straight,
+            "strain_energy": 0.5 * mechanism.slider.joint_stiffness * slider[:, 1] ** 2 if self.assembly.joint_is_compliant else straight,
             "dissipated_energy": accumulated(
                 record.time,
-                crank_damping * q1_rate**2 + base_damping * q2_rate**2,
-                2.0 * (crank_damping * q1_rate * q1_acceleration + base_damping * q2_rate * q2_acceleration),
+                crank_damping * q1_rate**2 + base_damping * q2_rate**2 + joint_damping * gap_rate**2,
+                2.0
+                * (
+                    crank_damping * q1_rate * q1_acceleration
+                    + base_damping * q2_rate * q2_acceleration
+                    + joint_damping * gap_rate * gap_acceleration
+                ),
             ),
             "constraint_gap": np.abs(slider[:, 1]),
             "gravity_energy": -crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))

@@ -11,7 +11,7 @@ from engines.base import EngineFailure, Simulation
 from engines.exudyn.record import Model, Record
 from engines.exudyn.settings import ExudynSettings
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Follower
+from reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array]
@@ -31,7 +31,7 @@ class ExudynSimulation(Simulation):
         self._model = model
         self._mbs = model.assembly.mbs
         self._step = settings.step
-        self._solver_settings = _solver_settings(settings, model.assembly.mechanism.follower)
+        self._solver_settings = _solver_settings(settings, model.assembly.mechanism)
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._totals = dict.fromkeys(_ACCUMULATED, 0.0)
         self._length = model.assembly.mechanism.follower.length
@@ -106,7 +106,8 @@ class ExudynSimulation(Simulation):
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
 
 
-def _solver_settings(settings: ExudynSettings, follower: Follower) -> exu.SimulationSettings:
+def _solver_settings(settings: ExudynSettings, mechanism: Mechanism) -> exu.SimulationSettings:
+    follower, spring = mechanism.follower, mechanism.slider.joint_stiffness
     result = exu.SimulationSettings()
     integration = result.timeIntegration
     integration.startTime, integration.endTime, integration.numberOfSteps = 0.0, settings.step, 1
@@ -114,8 +115,10 @@ def _solver_settings(settings: ExudynSettings, follower: Follower) -> exu.Simula
     integration.verboseMode = 0
     integration.generalizedAlpha.spectralRadius = settings.spectral_radius
     integration.newton.useModifiedNewton = True
-    # Round-off of the places, times EA / h, is the least residual that an iteration can reach.
+    # Round-off of the places, times EA / h or the stiffness of the slider's joint, is the least residual that an iteration can reach.
     round_off = 0.0 if follower.is_rigid else follower.axial_stiffness * np.finfo(float).eps * settings.elements
+    if math.isfinite(spring):
+        round_off = max(round_off, spring * mechanism.pivot_distance * np.finfo(float).eps)
     tolerance = settings.newton_tolerance * (1e-3 if follower.is_rigid else 1.0)  # the smaller one serves the drive's torque
     integration.newton.relativeTolerance = tolerance
     integration.newton.absoluteTolerance = max(1e-2 * tolerance, 8.0 * round_off)

@@ -1,0 +1,168 @@
+"""The slider on the flexible follower: an ALE joint, and between it and the crank tip the spring and damper of a compliant joint.
+
+The cable does not flow (`movingMassFactor=0`), the axial coordinate of the arbitrary Lagrangian-Eulerian elements only says where on
+the cable the slider stands, and its equation is that the joint passes no force along the tangent.
+
+A compliant joint gives the slider a carriage, a point that the ALE joint keeps on the centre line; spring and damper lie between it
+and the crank tip. Nothing holds the carriage along the tangent, so it stands where the spring has no pull on it there: at the foot
+of the crank tip. The gap lies along the normal, and the spring may be the same in all directions. The damper may not: as the normal
+turns, the crank tip moves along the tangent relative to the carriage, and a damper in all directions would drag the carriage along
+(RIVALS.md, section 8).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items  # noqa: N813
+from numpy.typing import NDArray
+
+from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
+from engines.exudyn.cable import Cable
+from engines.exudyn.record import index
+from engines.start import Start
+from engines.start_state import StartState
+
+Array = NDArray[np.float64]
+Motion = tuple[Array, Array, Array]
+
+
+@dataclass(frozen=True)
+class Slider:
+    """The joint as built.
+
+    Attributes:
+        joint: object number; its multipliers are the force on the crank tip or carriage, x and y.
+        spring: the force law that Exudyn calls back, None where the connector's own does.
+    """
+
+    joint: Any
+    spring: "SpringAndNormalDamper | None"
+
+    def locate(self, assembly: Assembly, nodes: list[Any], axial: Any) -> None:
+        """Tell the force law where the coordinates are; call after `mbs.Assemble()`."""
+        if self.spring is not None:
+            self.spring.locate(assembly, nodes, axial)
+
+
+def add_slider(assembly: Assembly, cable: Cable, state: StartState, start: Start, crank: Any, elements: list[Any], axial: Any) -> Slider:
+    """Add the joint between the crank tip and the cable.
+
+    Args:
+        assembly: under construction.
+        cable: the follower.
+        state: of the start; the gap is closed there.
+        start: crank angle and speed of it.
+        crank: object number of the crank.
+        elements: object numbers of the cable's elements.
+        axial: number of the node that holds the slider's travel along the cable.
+    """
+    mbs, h = assembly.mbs, cable.element_length
+    rider = assembly.point_marker(crank, assembly.mechanism.crank.length)
+    spring = None
+    if assembly.joint_is_compliant:
+        rider, spring = _add_carriage(assembly, cable, state, start, rider)
+    markers = [mbs.AddMarker(items.MarkerBodyCable2DCoordinates(bodyNumber=element)) for element in elements]
+    first = min(int(state.slider_position / h), len(elements) - 1)
+    history = mbs.AddNode(items.NodeGenericData(initialCoordinates=[first], numberOfDataCoordinates=1))
+    joint = items.ObjectJointALEMoving2D(
+        markerNumbers=[rider, markers[first]],
+        slidingMarkerNumbers=markers,
+        slidingMarkerOffsets=[i * h for i in range(len(elements))],
+        slidingOffset=state.slider_position,
+        nodeNumbers=[history, axial],
+    )
+    # Two equations for travel and normal; of the carriage's two coordinates one is taken by the joint, the other by the balance along
+    # the tangent, which makes it no motion of its own.
+    equations = 3 if assembly.joint_is_compliant else 2
+    return Slider(assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations), spring)
+
+
+def _add_carriage(
+    assembly: Assembly, cable: Cable, state: StartState, start: Start, crank_tip: Any
+) -> tuple[Any, "SpringAndNormalDamper | None"]:
+    """Add the carriage with its spring and damper, on the crank tip and moving with it; returns its marker and the force law."""
+    mbs, slider = assembly.mbs, assembly.mechanism.slider
+    place = state.position(np.array([state.slider_position]))[0]
+    velocity = start.crank_speed * np.array([-place[1], place[0]])  # of the crank tip, which is at the same place
+    node = mbs.AddNode(items.NodePoint2D(referenceCoordinates=list(place), initialVelocities=list(velocity)))
+    mbs.AddObject(items.ObjectMassPoint2D(mass=CARRIAGE_MASS, nodeNumber=node))
+    assembly.listed_carriage()
+    carriage = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
+    stiffness = [slider.joint_stiffness, slider.joint_stiffness, 0.0]
+    connector = items.ObjectConnectorCartesianSpringDamper(markerNumbers=[carriage, crank_tip], stiffness=stiffness)
+    spring = None
+    if slider.joint_damping > 0.0:
+        spring = SpringAndNormalDamper(cable, state.slider_position, slider.joint_stiffness, slider.joint_damping)
+        connector.springForceUserFunction = spring
+    mbs.AddObject(connector)
+    return carriage, spring
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Distance of the crank tip from the centre line along its normal n at the slider, m, m/s and m/s^2, each of shape (rows,)."""
+
+    value: Array
+    rate: Array
+    acceleration: Array
+
+
+def gap(cable: Cable, line: Motion, slider: tuple[Array, Array], crank_tip: Motion) -> Gap:
+    """The gap and its derivatives; n.t = 0 leaves the slider's travel out of the rate (equation R1.3).
+
+    Args:
+        cable: the follower.
+        line: nodal coordinates, rates and accelerations, each of shape (rows, nodes, 4).
+        slider: arc length and its rate, each of shape (rows,).
+        crank_tip: place, velocity and acceleration, each of shape (rows, 2).
+    """
+    q, rates, accelerations = line
+    s, s_rate = slider[0], slider[1][:, None]
+    slope, slope_rate = cable.evaluate(q, s, 1), cable.evaluate(rates, s, 1)
+    length = np.linalg.norm(slope, axis=1)[:, None]
+    tangent = slope / length
+    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
+    turning = np.sum(normal * (slope_rate + cable.evaluate(q, s, 2) * s_rate), axis=1) / length[:, 0]
+    apart = crank_tip[0] - cable.evaluate(q, s)
+    velocity = crank_tip[1] - cable.evaluate(rates, s)
+    acceleration = crank_tip[2] - cable.evaluate(accelerations, s) - slope_rate * s_rate
+    return Gap(
+        np.sum(normal * apart, axis=1),
+        np.sum(normal * velocity, axis=1),
+        np.sum(normal * acceleration, axis=1) - turning * np.sum(tangent * velocity, axis=1),
+    )
+
+
+class SpringAndNormalDamper:
+    """Force k u + c n (n·u̇) for the displacement u of the crank tip from the carriage, n the cable's normal at the slider.
+
+    Exudyn calls it some three times a step and again for its derivatives: a third of the run's time, in plain numbers because arrays
+    of two cost more.
+    """
+
+    def __init__(self, cable: Cable, slider_start: float, stiffness: float, damping: float) -> None:
+        self._h, self._last = cable.element_length, cable.elements - 1
+        self._slider_start = slider_start
+        self._stiffness, self._damping = stiffness, damping
+
+    def locate(self, assembly: Assembly, nodes: list[Any], axial: Any) -> None:
+        """Find the coordinates of the nodes and of the slider's travel; call after `mbs.Assemble()`."""
+        self._nodes = [index(assembly, node) for node in nodes]
+        self._axial = index(assembly, axial)
+        self._reference = assembly.mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
+
+    def __call__(self, mbs: Any, time: float, item: int, displacement: Any, velocity: Any, *parameters: Any) -> list[float]:
+        """Force on the crank tip, reversed, N; `displacement` and `velocity` of the crank tip from the carriage, m and m/s."""
+        coordinates, h = mbs.systemData.GetODE2Coordinates(), self._h
+        s = float(coordinates[self._axial]) + self._slider_start
+        element = min(max(int(s / h), 0), self._last)
+        xi, first = s / h - element, self._nodes[element]
+        ends = slice(first, first + 8)  # both nodes of an element: they were added one after the other
+        x0, y0, tx0, ty0, x1, y1, tx1, ty1 = (coordinates[ends] + self._reference[ends]).tolist()
+        rise, left, right = 6.0 * xi * (1.0 - xi) / h, 1.0 + xi * (3.0 * xi - 4.0), xi * (3.0 * xi - 2.0)
+        tx = rise * (x1 - x0) + left * tx0 + right * tx1
+        ty = rise * (y1 - y0) + left * ty0 + right * ty1
+        damping = self._damping * (tx * velocity[1] - ty * velocity[0]) / (tx * tx + ty * ty)
+        return [self._stiffness * displacement[0] - damping * ty, self._stiffness * displacement[1] + damping * tx, 0.0]
