@@ -120,6 +120,11 @@ def _solver_settings(settings: ExudynSettings, mechanism: Mechanism) -> exu.Simu
     if math.isfinite(spring):
         round_off = max(round_off, spring * mechanism.pivot_distance * np.finfo(float).eps)
     tolerance = settings.newton_tolerance * (1e-3 if follower.is_rigid else 1.0)  # the smaller one serves the drive's torque
+    if math.isfinite(spring) and not follower.is_rigid:
+        # What the iteration starts from and is relative to grows with the stiffest spring, once that is not the cable itself: at
+        # 1e9 N/m the energy would be out of balance by 4e-3 of the strain energy, and is by 1e-4 to 7e-4 so.
+        stretching = follower.axial_stiffness * settings.elements / follower.length
+        tolerance *= min(1.0, 0.3 * stretching / spring)
     integration.newton.relativeTolerance = tolerance
     integration.newton.absoluteTolerance = max(1e-2 * tolerance, 8.0 * round_off)
     result.linearSolver.solverType = exu.LinearSolverType.EigenSparse
