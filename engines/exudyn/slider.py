@@ -138,8 +138,8 @@ def gap(cable: Cable, line: Motion, slider: tuple[Array, Array], crank_tip: Moti
 class SpringAndNormalDamper:
     """Force k u + c n (n·u̇) for the displacement u of the crank tip from the carriage, n the cable's normal at the slider.
 
-    Exudyn calls it some three times a step and again for its derivatives: a third of the run's time, in plain numbers because arrays
-    of two cost more.
+    Exudyn calls it some seven times a step, derivatives included, which makes a run a quarter to a third longer; in plain numbers,
+    because arrays of two cost more.
     """
 
     def __init__(self, cable: Cable, slider_start: float, stiffness: float, damping: float) -> None:
