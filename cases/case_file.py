@@ -1,5 +1,6 @@
 """Case files: from the text that a person wrote to a `Case` in SI units, or to one sentence about what is wrong with it."""
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import replace
@@ -25,6 +26,7 @@ from reference_model.mechanism import (
 )
 
 _MOST_STEPS: Final = 2_000_000  # a table of a gigabyte
+_LARGEST_ANGLE: Final = math.radians(1e6)  # there a double is still exact to 4e-12 rad; far beyond, a crank would turn in jumps
 _ROUNDING: Final = 1e-9  # relative; a quotient of two doubles that were read from decimal texts
 
 
@@ -94,6 +96,8 @@ def _mechanism(document: Document) -> Mechanism:
     crank = sections["crank"]
     for path in (PRESCRIBED, *TORQUE_DRIVEN):
         crank.pop(path.removeprefix("crank."), None)
+    if abs(crank["initial_angle"]) > _LARGEST_ANGLE:
+        raise document.error("crank.initial_angle", "is beyond a million degrees", "angles from -1e6 deg to 1e6 deg are accepted")
     _check_gauges(document, sections["follower"])
     _check_joint(document, sections.get("slider", {}))
     drive = _drive(document)

@@ -26,6 +26,13 @@ from reference_model.mechanism import Mechanism
 #: Grid on which cycles are recorded, s: fifteen samples in a period of the third mode (132 Hz), so that extremes are met to 1 %.
 OUTPUT_STEP: Final = 5e-4
 
+#: A crank that takes longer for a turn, s, has come to rest for all that can be measured; the table of a cycle has 200,000 rows then.
+SLOWEST_TURN: Final = 100.0
+#: A crank that takes less, s, leaves fewer than twenty rows to a cycle.
+FASTEST_TURN: Final = 20 * OUTPUT_STEP
+#: A cycle is advanced in pieces of at most this length, s: nobody knows how long a crank that begins at rest will take.
+LONGEST_PIECE: Final = 10.0
+
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
 ROWS_AFTER: Final = 4
 
@@ -149,6 +156,7 @@ def _found_directly(
         simulated_seconds=found.cycles_of_work * found.period + duration,
     )
     cycle = whole_cycles(piece)[0]
+    _check_pace(cycle)
     document["periodic_orbit"]["period"] = float(cycle.time[-1] - cycle.time[0])
     return {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
 
@@ -166,23 +174,34 @@ def settle(simulation: Simulation, crank_speed: float, document: dict[str, Any])
         document: gets "settled", "cycles", "settling_error", "solve_seconds" and "simulated_seconds".
 
     Raises:
-        EngineFailure: the run broke down.
+        EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured.
     """
     settling = Settling()
     solve_seconds = 0.0
-    speed = crank_speed
+    speed, last_passage = crank_speed, simulation.time
     rows: Trajectory | None = None
     last: Cycle | None = None
     while not (settling.settled or settling.given_up):
-        turn = OUTPUT_STEP * math.ceil(2.0 * math.pi / abs(speed) / OUTPUT_STEP)
-        piece = simulation.advance(turn, OUTPUT_STEP)
-        check_trajectory(piece, turn, OUTPUT_STEP)
+        turn = 2.0 * math.pi / abs(speed) if speed else math.inf
+        stretch = OUTPUT_STEP * math.ceil(min(turn, LONGEST_PIECE) / OUTPUT_STEP)
+        piece = simulation.advance(stretch, OUTPUT_STEP)
+        check_trajectory(piece, stretch, OUTPUT_STEP)
         solve_seconds += piece.solve_seconds
         document.update(solve_seconds=solve_seconds, simulated_seconds=simulation.time)
         rows = join([rows, piece]) if rows else piece
         speed = float(np.mean(piece["crank_speed"]))
-        cycles = whole_cycles(rows)
+        try:
+            cycles = whole_cycles(rows)
+        except ValueError as halted:
+            raise EngineFailure(
+                simulation.time, "the crank stands still or turns back", "let it turn one way, by torque or speed"
+            ) from halted
+        if cycles:
+            last_passage = simulation.time
+        elif simulation.time - last_passage > SLOWEST_TURN:
+            raise EngineFailure(simulation.time, f"the crank takes more than {SLOWEST_TURN:g} s for a turn", "let it turn faster")
         for cycle in cycles:
+            _check_pace(cycle)
             last = cycle
             if settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in CHANNELS})):
                 break
@@ -193,6 +212,14 @@ def settle(simulation: Simulation, crank_speed: float, document: dict[str, Any])
     error = settling.error_estimate
     document.update(settled=settling.settled, cycles=settling.cycles, settling_error=error if math.isfinite(error) else None)
     return {"time": last.time, "crank_angle": last.crank_angle, **last.channels} if last else {}
+
+
+def _check_pace(cycle: Cycle) -> None:
+    turn = float(cycle.time[-1] - cycle.time[0])
+    if turn < FASTEST_TURN:
+        raise EngineFailure(
+            float(cycle.time[0]), f"the crank takes {turn:.3g} s for a turn", f"let it turn slower: {FASTEST_TURN:g} s or more"
+        )
 
 
 def whole_cycles(rows: Trajectory) -> list[Cycle]:

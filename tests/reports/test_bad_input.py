@@ -186,6 +186,7 @@ IN_THE_FILE = [
     ("crank.length", '"18 in"', '"18 in" cannot be: the crank (0.4572 m) must be shorter than mechanism.pivot_distance (0.4572 m)'),
     ("crank.torque", '"1 Nm"', f'"1 Nm" is a quantity in m/kg (perhaps meant as "N*m"), but a torque is needed; {WRITE_TORQUE}'),
     ("crank.torque", '"1 lb*in"', f'"1 lb*in" is a quantity in kg*m because lb is a pound of mass (the pound of force is lbf), but a torque is needed; {WRITE_TORQUE}'),
+    ("crank.initial_angle", '"1e9 deg"', '"1e9 deg" is beyond a million degrees; angles from -1e6 deg to 1e6 deg are accepted'),
     ("follower.thickness", '"0 in"', '"0 in" is not positive; a length greater than zero is accepted'),
     ("follower.strain_gauges", '"26 in"', '["6.25 in", "12.5 in", "26 in"] leaves the strain gauge at 26 in outside the follower; its length is "25 in"'),
     ("simulation.output_step", '"3 s"', '"2 s" gives 0.666667 output steps (duration 2 s, output step 3 s); the duration must be a whole multiple of the output step'),
