@@ -4,7 +4,11 @@ import json
 import time
 from typing import Any
 
+import hypothesis
 import pytest
+
+hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy machine makes no law untrue
+hypothesis.settings.load_profile("quickreturn")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
