@@ -7,6 +7,7 @@ from cases.comparison import CaseResult, compare
 from cases.runner import Named, run_tasks
 from cases.steady_run import Task
 from cases.store import Store
+from cases.workers import Limits
 from engines.registry import MAIN
 
 
@@ -17,6 +18,7 @@ def cross_validate(
     accuracy: float | None = None,
     settings: Mapping[str, str] | None = None,
     jobs: int | None = None,
+    limits: Limits | None = None,
 ) -> list[CaseResult]:
     """Bring every engine to its steady state on every case and compare.
 
@@ -27,9 +29,10 @@ def cross_validate(
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
         settings: engine settings as text, the same for all engines.
         jobs: processes at a time; None: one per core.
+        limits: of each engine on each case; None: `cases.workers.default_limits`.
 
     Raises:
-        UnknownEngine, StoreError: see there.
+        UnknownEngine: see there.
     """
     tasks = [
         Named(
@@ -39,5 +42,5 @@ def cross_validate(
         for case in cases
         for engine in engines
     ]
-    results = run_tasks(tasks, store, jobs, "engines on cases")
+    results = run_tasks(tasks, store, jobs, "engines on cases", limits)
     return [compare(case, {engine: results[case.name, engine] for engine in engines}) for case in cases]

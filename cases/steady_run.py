@@ -40,7 +40,8 @@ SETTLED: Final = "settled"  # and the accuracy reached by the engine's own estim
 INACCURATE: Final = "inaccurate"  # settled, but the estimate misses the accuracy asked
 NOT_SETTLED: Final = "not settled"
 FAILED: Final = "failed"
-REFUSED: Final = "refused"
+REFUSED: Final = "refused"  # the engine cannot model this scene, and says so
+UNAVAILABLE: Final = "unavailable"  # the engine cannot be used on this machine
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +65,12 @@ class SteadyRun:
 
 
 def steady_run(task: Task) -> SteadyRun:
-    """Carry out a task. What an engine does wrong becomes part of the document; nothing is raised for it."""
+    """Carry out a task. What an engine does wrong becomes part of the document; nothing is raised for it.
+
+    Raises:
+        MemoryError, OSError: for lack of memory, disk or the like. That is the machine's doing, not the engine's, and may be otherwise
+            the next time.
+    """
     engine = engine_of_name(task.engine)
     began = time.perf_counter()
     document: dict[str, Any] = {
@@ -83,7 +89,7 @@ def steady_run(task: Task) -> SteadyRun:
     try:
         reason = engine.unavailable()
         if reason:
-            raise Refusal(reason)
+            return SteadyRun({**document, "status": UNAVAILABLE, "remark": reason}, {})
         document["version"] = engine.version()
         settings, start = _settle_settings(engine, task, document)
         cycle = _found_directly(engine, task.mechanism, start, settings, document)
@@ -99,6 +105,8 @@ def steady_run(task: Task) -> SteadyRun:
     except EngineFailure as failure:
         document.update(status=FAILED, remark=str(failure), failure_time=failure.time, cause=failure.cause, advice=failure.advice)
         cycle = dict(failure.partial.columns) if failure.partial is not None else {}
+    except (MemoryError, OSError):
+        raise
     except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
         cause = f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
         document.update(status=FAILED, remark=cause, cause=cause)

@@ -3,7 +3,8 @@
 An entry is one file named by its key, a hash of everything that determines the result (scene, engine, settings, versions, code).
 It is written to a temporary file, forced to the disk and renamed, so that it is there in full or not at all, whoever else writes
 at the same time. A checksum over key and content finds truncated, edited or misplaced files: such an entry counts as absent, which
-makes its result be computed anew, and a notice says so.
+makes its result be computed anew, and a notice says so. A result that cannot be written is not kept, a notice says so, and the run
+goes on: it costs one result to be computed again, not all those that the run still has to compute.
 
 File format: one line `quickreturn-store 1 <sha256>`, then numpy's npz with the JSON document as UTF-8 bytes and the arrays.
 """
@@ -17,7 +18,8 @@ import math
 import os
 import tempfile
 import time
-from collections.abc import Mapping
+import zipfile
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -36,7 +38,7 @@ _ABANDONED: Final = 3600.0  # s: no write takes an hour, so an older temporary f
 
 
 class StoreError(Exception):
-    """The store's folder cannot be used, or a result cannot be written to it; the text is one sentence."""
+    """The store's folder cannot be used; the text is one sentence."""
 
 
 @dataclass(frozen=True)
@@ -65,15 +67,19 @@ class Store:
 
     Attributes:
         folder: where the entries are.
-        notices: sentences on damaged entries found so far.
+        notices: sentences on damaged entries and on results that could not be written, so far.
+        lost: number of results that could not be written.
 
     Raises:
         StoreError: the folder cannot be created or written to.
     """
 
-    def __init__(self, folder: Path | None = None) -> None:
+    def __init__(self, folder: Path | None = None, tell: Callable[[str], None] | None = None) -> None:
+        """`folder`: None for that of the environment variable; `tell`: gets each notice the moment it arises."""
         self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER)
         self.notices: list[str] = []
+        self.lost = 0
+        self._tell = tell
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             self._clear_abandoned()
@@ -81,7 +87,7 @@ class Store:
                 pass
         except OSError as error:
             raise StoreError(
-                f"store folder {self.folder}: it cannot be created or written ({_words(error)});"
+                f"store folder {self.folder}: it cannot be created or written ({words_of(error)});"
                 f" set {VARIABLE} to a folder that can be written"
             ) from error
 
@@ -92,7 +98,7 @@ class Store:
         except FileNotFoundError:
             return None
         except OSError as error:
-            self._note_damage(key, f"cannot be read ({_words(error)})")
+            self._note_damage(key, f"cannot be read ({words_of(error)})")
             return None
         head, _, body = content.partition(b"\n")
         if head != _head(key, body):
@@ -102,16 +108,18 @@ class Store:
             with np.load(io.BytesIO(body), allow_pickle=False) as archive:
                 arrays = {name: archive[name] for name in archive.files}
             return Entry(json.loads(arrays.pop(_DOCUMENT).tobytes()), arrays)
-        except (ValueError, KeyError, OSError, EOFError) as error:  # a well-formed head over content that is none of ours
+        except (ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile) as error:  # a good head over other content
             self._note_damage(key, f"cannot be read ({error})")
             return None
 
     def put(self, key: str, document: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]] | None = None) -> None:
         """Store an entry, replacing one of the same key.
 
+        If it cannot be written (full disk, ...) a notice says so, and an entry that was there before stays.
+
         Raises:
-            StoreError: it cannot be written (full disk, ...); an entry that was there before stays.
             ValueError: an array is called "document" or holds Python objects, or the document holds NaN or infinities.
+            TypeError: the document holds what JSON does not know.
         """
         arrays = dict(arrays or {})
         if _DOCUMENT in arrays or any(array.dtype.hasobject for array in arrays.values()):
@@ -123,13 +131,20 @@ class Store:
         try:
             write_atomically(self._path(key), _head(key, body) + b"\n" + body)
         except OSError as error:
-            raise StoreError(f"store folder {self.folder}: a result cannot be written ({_words(error)})") from error
+            self.lost += 1
+            self._note(f"store folder {self.folder}: results cannot be written ({words_of(error)}); they are computed anew next time")
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.result"
 
     def _note_damage(self, key: str, what: str) -> None:
-        self.notices.append(f"stored result {self._path(key)} {what}; it is computed anew")
+        self._note(f"stored result {self._path(key)} {what}; it is computed anew")
+
+    def _note(self, sentence: str) -> None:
+        if sentence not in self.notices:
+            self.notices.append(sentence)
+            if self._tell is not None:
+                self._tell(sentence)
 
     def _clear_abandoned(self) -> None:
         now = time.time()
@@ -175,7 +190,8 @@ def _head(key: str, body: bytes) -> bytes:
     return f"{_MAGIC} {hashlib.sha256(key.encode() + body).hexdigest()}".encode()
 
 
-def _words(error: OSError) -> str:
+def words_of(error: OSError) -> str:
+    """What the system says, in lower case."""
     return (error.strerror or str(error)).lower() if error.errno != errno.ENOSPC else "no space left on the disk"
 
 

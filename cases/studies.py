@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -20,7 +21,7 @@ from cases.progress import with_progress
 from cases.runner import Named, run_tasks
 from cases.steady_run import Task
 from cases.store import Store, key_of
-from cases.workers import PRELOAD, Job, Outcome, run_jobs
+from cases.workers import PRELOAD, Job, Limits, Outcome, default_limits, run_jobs
 from engines.accurate import ESTIMATED, run_once, simulate
 from engines.base import EngineFailure
 from engines.convergence import convergence_table
@@ -64,11 +65,10 @@ class Studies:
     failures: tuple[str, ...]
 
 
-def run_studies(store: Store, jobs: int | None = None) -> Studies:
-    """All studies, from the store where they are there.
+def run_studies(store: Store, jobs: int | None = None, limits: Limits | None = None) -> Studies:
+    """All studies, from the store where they are there; `limits` are those of each simulation, None: `default_limits`.
 
     Raises:
-        StoreError: see `cases.store`.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     case = load_case(ACCURACY_CASE)
@@ -78,10 +78,10 @@ def run_studies(store: Store, jobs: int | None = None) -> Studies:
         ("convergence",): (_convergence, (case,)),
         **{("default", name): (_trajectory, (case, name, None)) for name in MAIN},
     }
-    found, failures = _stored(work, store, jobs)
+    found, failures = _stored(work, store, jobs, limits or default_limits())
     accuracy, confirmation = _accuracy_tables(found, failures)
     rows = found[("convergence",)][0]["rows"] if ("convergence",) in found else []
-    sensitivity = _sensitivity(store, jobs, failures)
+    sensitivity = _sensitivity(store, jobs, limits, failures)
     return Studies(accuracy, confirmation, pd.DataFrame(rows), sensitivity, tuple(failures))
 
 
@@ -89,7 +89,7 @@ Found = dict[tuple[str, ...], tuple[dict[str, Any], Mapping[str, NDArray[np.floa
 
 
 def _stored(
-    work: Mapping[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]], store: Store, jobs: int | None
+    work: Mapping[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]], store: Store, jobs: int | None, limits: Limits
 ) -> tuple[Found, list[str]]:
     """Results of the jobs by name, computed where they are not stored, and a sentence for each that failed."""
     code = code_fingerprint((*SIMULATION, "cases.studies"))
@@ -107,19 +107,20 @@ def _stored(
             found[name] = (entry.document, entry.arrays)
     failures: list[str] = []
     pending = [Job(key, *work[name]) for key, name in missing.items()]
-    for outcome in with_progress(run_jobs(pending, jobs, preload=(*PRELOAD, "cases.studies")), len(pending), "studies"):
-        name = missing[outcome.job.name]
-        if not outcome.completed:
-            failures.append(f"study {' '.join(name)}: {_clause(outcome)}")
-            continue
-        document, arrays = outcome.value
-        store.put(outcome.job.name, document, arrays)
-        found[name] = (document, arrays)
+    with closing(run_jobs(pending, jobs, limits, (*PRELOAD, "cases.studies"))) as outcomes:
+        for outcome in with_progress(outcomes, len(pending), "studies"):
+            name = missing[outcome.job.name]
+            if not outcome.completed:
+                failures.append(f"study {' '.join(name)}: {_clause(outcome)}")
+                continue
+            document, arrays = outcome.value
+            store.put(outcome.job.name, document, arrays)
+            found[name] = (document, arrays)
     return found, failures
 
 
 def _clause(outcome: Outcome) -> str:
-    return str(outcome.error) if isinstance(outcome.error, EngineFailure) else outcome.failure
+    return str(outcome.error) if isinstance(outcome.error, EngineFailure) else outcome.explanation
 
 
 def _trajectory(case: Case, name: str, settings: Mapping[str, str] | None) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
@@ -210,7 +211,7 @@ DAMPING_LAW: Final = "beam damping on the transverse velocity alone"
 DAMPING_LAW_ACCURACY: Final = 3e-3
 
 
-def _sensitivity(store: Store, jobs: int | None, failures: list[str]) -> pd.DataFrame:
+def _sensitivity(store: Store, jobs: int | None, limits: Limits | None, failures: list[str]) -> pd.DataFrame:
     tasks = []
     for name in OPEN_RUNS:
         case = load_case(name)
@@ -227,7 +228,7 @@ def _sensitivity(store: Store, jobs: int | None, failures: list[str]) -> pd.Data
                 settings={"damping_law": law},
             )
             tasks.append(Named((name, law), task))
-    results = run_tasks(tasks, store, jobs, "what the thesis leaves open")
+    results = run_tasks(tasks, store, jobs, "what the thesis leaves open", limits)
     rows: list[dict[str, Any]] = []
     for name in OPEN_RUNS:
         changes = list(open_changes(load_case(name).mechanism))

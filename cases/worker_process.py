@@ -28,6 +28,7 @@ def serve(work: bytes, memory: int | None, lifeline: Connection, output: Connect
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the runner's; it ends its workers
     _die_with_the_runner(lifeline.fileno())
+    _be_first_to_go()
     os.dup2(output.fileno(), 1)
     os.dup2(output.fileno(), 2)
     if memory is not None:
@@ -69,6 +70,12 @@ def _die_with_the_runner(lifeline: int) -> None:
     fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
     if select.select([lifeline], [], [], 0)[0]:  # it closed before the signal was asked for
         os._exit(ORPHANED)
+
+
+def _be_first_to_go() -> None:
+    """Where the system must kill something for lack of memory it shall be a worker, not its runner or what else runs there."""
+    with contextlib.suppress(OSError), open("/proc/self/oom_score_adj", "w", encoding="ascii") as file:
+        file.write("500")
 
 
 def _limit_memory(memory: int) -> None:

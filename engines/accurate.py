@@ -115,11 +115,12 @@ def run_once(
     Raises:
         Refusal, SettingError: as the engine raises them.
         EngineFailure: the run broke down, in whatever way: an unforeseen exception of an engine is reported as this too.
+        MemoryError, OSError: memory, disk or the like are lacking.
     """
     try:
         simulation = engine.prepare(mechanism, start, settings)
         trajectory = simulation.advance(duration, output_step)
-    except (Refusal, SettingError, EngineFailure, MemoryError):
+    except (Refusal, SettingError, EngineFailure, MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything
         cause = f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"

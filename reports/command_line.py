@@ -6,11 +6,16 @@ not settle or did not reach the accuracy asked; 130 Ctrl-C.
 
 import contextlib
 import difflib
+import errno
+import math
 import os
 import re
+import signal
 import sys
+import time
 from collections.abc import Sequence
 from importlib import import_module
+from types import FrameType
 from typing import Final
 
 import click
@@ -25,6 +30,11 @@ TOLERANCE_MISSED: Final = 1
 BAD_INPUT: Final = 2
 ENGINE_TROUBLE: Final = 3
 INTERRUPTED: Final = 130
+
+#: What the system says when there is no room for what is written.
+FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
+PATIENCE: Final = 3.0  # s: cleaning up takes a fraction of a second; if it hangs, another Ctrl-C is heard after this
 
 LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's megabyte argument
 
@@ -68,23 +78,48 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code. No exception leaves this function.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else it is to be ignored, or somebody else's
+        signal.signal(signal.SIGINT, _Interrupts())
     for stream in (sys.stdout, sys.stderr):  # a terminal that lacks a sign gets an escape in its place
         with contextlib.suppress(AttributeError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
         code = _run(arguments or ["--help"])
         sys.stdout.flush()
-    except BrokenPipeError:  # the reader (`head`) has enough; what is still buffered must not fail again at exit
-        with contextlib.suppress(OSError, ValueError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # the reader (`head`) has enough
+        _drop_output()
         return GOOD
     except (KeyboardInterrupt, click.Abort):
+        with contextlib.suppress(ValueError):  # not the main thread
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # all that is left to do is to leave
         return _told("interrupted", INTERRUPTED)
     except click.ClickException as error:
         return _told(_with_help(error), BAD_INPUT)
     except Exception as error:  # the last line of defence: a sentence, whatever happened
+        if isinstance(error, OSError) and error.filename is None and error.errno in FULL:  # files have names, and sentences of their own
+            _drop_output()
+            return _told(f"standard output cannot be written ({os.strerror(error.errno).lower()})", BAD_INPUT)
         return _told_of(error)
     return code
+
+
+class _Interrupts:
+    """Ctrl-C interrupts once; what comes soon after, from an impatient finger, must not disturb the cleaning up."""
+
+    def __init__(self) -> None:
+        self._last = -math.inf
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        now = time.monotonic()
+        if now - self._last > PATIENCE:
+            self._last = now
+            raise KeyboardInterrupt
+
+
+def _drop_output() -> None:
+    """Have what is still to be printed go nowhere, so that it does not fail again at exit."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run(arguments: list[str]) -> int:
@@ -130,7 +165,7 @@ def _told_of(error: Exception) -> int:
 
 
 def _told(sentence: str, code: int) -> int:
-    with contextlib.suppress(BrokenPipeError):
+    with contextlib.suppress(OSError):  # nobody listens, or the disk is full that it goes to
         print(f"quickreturn: {one_line(sentence)}", file=sys.stderr)
     return code
 

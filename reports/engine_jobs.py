@@ -1,14 +1,15 @@
 """What the command line asks of engines, each question in a process of its own.
 
 A library that crashes, prints or holds on to the interpreter then costs no more than its own answer: Ctrl-C works at once, and
-nothing but the command's own words gets to standard output.
+nothing but the command's own words gets to standard output. What an engine computed comes back through a pipe and is written here,
+so that a worker which is killed leaves no half file behind.
 """
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
-from cases.workers import Job, Outcome, run_jobs
+from cases.workers import Job, Limits, Outcome, default_limits, run_jobs
 from reports.output import plain, write_file
 
 if TYPE_CHECKING:
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     from engines.accurate import Result
     from engines.trajectory import Trajectory
     from reference_model.mechanism import Mechanism
+
+
+_ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
 
 class EngineDied(Exception):
@@ -26,14 +30,14 @@ class EngineDied(Exception):
         self.outcome = outcome
 
 
-def answer_of(job: Job) -> Any:
-    """The job's value.
+def answer_of(job: Job, limits: Limits | None = None) -> Any:
+    """The job's value; `limits` None: `cases.workers.default_limits`.
 
     Raises:
-        Refusal, SettingError, UnknownEngine, EngineFailure, OutputError: as raised in the job.
+        Refusal, SettingError, UnknownEngine, EngineFailure: as raised in the job.
         EngineDied: it ended in any other way.
     """
-    (outcome,) = run_jobs([job], preload=())
+    (outcome,) = run_jobs([job], limits=limits or default_limits(), preload=())
     return value_of(outcome)
 
 
@@ -44,17 +48,10 @@ def value_of(outcome: Outcome) -> Any:
     from engines.base import EngineFailure, Refusal
     from engines.registry import UnknownEngine
     from engines.settings import SettingError
-    from reports.output import OutputError
 
-    if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure, OutputError)):
+    if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure)):
         raise outcome.error
-    raise EngineDied(f"engine {outcome.job.name}: {outcome.failure}{_last_words(outcome)}", outcome)
-
-
-def _last_words(outcome: Outcome) -> str:
-    """The last line that a process printed before a signal ended it: native libraries tell the cause there if anywhere."""
-    lines = outcome.output.splitlines()
-    return f' (its last words: "{lines[-1].strip()[:200]}")' if lines and outcome.error is None else ""
+    raise EngineDied(f"engine {outcome.job.name}: {outcome.explanation}", outcome)
 
 
 def about(name: str) -> dict[str, Any]:
@@ -88,7 +85,9 @@ def modes(name: str, mechanism: "Mechanism", crank_angle: float, count: int, tex
     return plain({"engine": name, "version": found.version(), "settings": settings.as_dict(), "frequencies": frequencies[:count]})
 
 
-def simulate(name: str, case: "Case", texts: Mapping[str, str], accuracy: float | None, output: str) -> dict[str, Any]:
+def simulate(
+    name: str, case: "Case", texts: Mapping[str, str], accuracy: float | None, output: str, limits: Limits | None = None
+) -> dict[str, Any]:
     """Simulate a case from its standard start and write the trajectory, as far as it got, to the file `output`.
 
     Returns:
@@ -99,13 +98,16 @@ def simulate(name: str, case: "Case", texts: Mapping[str, str], accuracy: float 
     """
     document = {"case": case.name, "engine": name, "output": output, "notes": case.notes, "accuracy": accuracy}
     try:
-        return document | answer_of(Job(name, _simulated, (name, case, texts, accuracy, output)))
+        found, table = answer_of(Job(name, _simulated, (name, case, texts, accuracy)), limits)
     except EngineDied as death:
-        return document | _failed(None, death.outcome.failure + _last_words(death.outcome), "report this to the author of the engine")
+        return document | _failed(None, death.outcome.explanation, _ADVICE)
+    if table is not None:
+        write_file(Path(output), table)
+    return document | found
 
 
-def _simulated(name: str, case: "Case", texts: Mapping[str, str], accuracy: float | None, output: str) -> dict[str, Any]:
-    """The part of `simulate` that happens in the worker."""
+def _simulated(name: str, case: "Case", texts: Mapping[str, str], accuracy: float | None) -> tuple[dict[str, Any], bytes | None]:
+    """The part of `simulate` that happens in the worker: the document, and the trajectory as CSV as far as there is one."""
     from engines import accurate
     from engines.base import EngineFailure
     from engines.registry import usable_engine
@@ -116,13 +118,10 @@ def _simulated(name: str, case: "Case", texts: Mapping[str, str], accuracy: floa
     try:
         result = accurate.simulate(found, mechanism, start, case.duration, case.output_step, texts, accuracy)
     except EngineFailure as failure:
-        document = _failed(failure.time, failure.cause, failure.advice, failure.partial)
-        if failure.partial is not None:
-            _write(failure.partial, output)
+        document, trajectory = _failed(failure.time, failure.cause, failure.advice, failure.partial), failure.partial
     else:
-        document = _completed(result)
-        _write(result.trajectory, output)
-    return plain({"version": found.version(), **document})
+        document, trajectory = _completed(result), result.trajectory
+    return plain({"version": found.version(), **document}), None if trajectory is None else _table(trajectory)
 
 
 def _completed(result: "Result") -> dict[str, Any]:
@@ -164,6 +163,6 @@ def _failed(time: float | None, cause: str, advice: str, partial: "Trajectory | 
     }
 
 
-def _write(trajectory: "Trajectory", output: str) -> None:
+def _table(trajectory: "Trajectory") -> bytes:
     # pandas writes floats in full: the shortest text that reads back as the same number
-    write_file(Path(output), trajectory.table().to_csv(index=False, lineterminator="\n").encode("ascii"))
+    return trajectory.table().to_csv(index=False, lineterminator="\n").encode("ascii")

@@ -111,7 +111,9 @@ def _is_special(path: Path) -> bool:
 
 
 def _output_error(path: Path, error: OSError) -> OutputError:
-    return OutputError(f"{_option(path)}: it cannot be written ({(error.strerror or str(error)).lower()})")
+    from cases.store import words_of
+
+    return OutputError(f"{_option(path)}: it cannot be written ({words_of(error)})")
 
 
 def _option(path: Path) -> str:

@@ -1,6 +1,7 @@
 """All pictures of the report: from the store where they are there, else drawn in processes of their own, one per case."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -60,7 +61,6 @@ def draw_pictures(
     """All pictures of the page.
 
     Raises:
-        StoreError: a picture cannot be stored.
         KeyboardInterrupt: Ctrl-C; what was drawn is stored.
     """
     work: dict[str, Job] = {}
@@ -89,13 +89,14 @@ def draw_pictures(
             work[key] = Job(key, job.function, job.arguments)
             names[key] = name
     failures = []
-    for outcome in with_progress(run_jobs(work.values(), jobs, _LIMITS, _PRELOAD), len(work), "pictures"):
-        key = outcome.job.name
-        if not outcome.completed:
-            failures.append(f"pictures of {names[key]}: drawing {outcome.failure}")
-            continue
-        found[names[key]] = outcome.value
-        store.put(key, *_packed(outcome.value))
+    with closing(run_jobs(work.values(), jobs, _LIMITS, _PRELOAD)) as outcomes:
+        for outcome in with_progress(outcomes, len(work), "pictures"):
+            key = outcome.job.name
+            if not outcome.completed:
+                failures.append(f"pictures of {names[key]}: drawing {outcome.explanation}")
+                continue
+            found[names[key]] = outcome.value
+            store.put(key, *_packed(outcome.value))
     of_all = found.pop(_ALL, {}) | found.pop(_STUDIES, {}) | found.pop(_METHODS, {})
     return Pictures(of_all, found, tuple(failures))
 

@@ -11,16 +11,18 @@ from typing import Final
 from cases.benchmark import SCENES, Benchmark, measure, stored
 from cases.case import Case
 from cases.case_file import load_case
+from cases.comparison import CaseResult
 from cases.cross_validation import cross_validate
 from cases.engine_run import PARTS
 from cases.errors import shortened
 from cases.experiment import load_curves
 from cases.fingerprint import code_fingerprint
-from cases.store import Store
+from cases.store import Store, words_of
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, Studies, run_studies
+from cases.workers import Limits
 from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN
-from reports.findings.evidence import evidence
+from reports.findings.evidence import Evidence, NoEvidence, evidence
 from reports.findings.measured import measured_comparisons
 from reports.findings.runs import of_run, run_number
 from reports.machine import machine_facts
@@ -79,11 +81,18 @@ def check_folder(folder: Path) -> None:
         if (folder / PAGE).is_dir():
             raise OutputError(f"--output {shortened(str(folder))}: {PAGE} in it is a folder; give another folder")
     except (OSError, ValueError) as error:  # ValueError: a null byte
-        reason = (error.strerror or str(error)).lower() if isinstance(error, OSError) else "no file name can hold its characters"
+        reason = words_of(error) if isinstance(error, OSError) else "no file name can hold its characters"
         raise OutputError(f"--output {shortened(str(folder))}: it cannot be written ({reason})") from error
 
 
-def write_report(cases: Sequence[Case], folder: Path, store: Store, jobs: int | None = None, engines: Sequence[str] = MAIN) -> Written:
+def write_report(
+    cases: Sequence[Case],
+    folder: Path,
+    store: Store,
+    jobs: int | None = None,
+    engines: Sequence[str] = MAIN,
+    limits: Limits | None = None,
+) -> Written:
     """Compute what is missing, and write the page and its tables.
 
     Args:
@@ -92,30 +101,32 @@ def write_report(cases: Sequence[Case], folder: Path, store: Store, jobs: int | 
         store: results and pictures are taken from here and kept here.
         jobs: processes at a time; None: one per core.
         engines: names.
+        limits: of each engine on each case; None: `cases.workers.default_limits`.
 
     Raises:
         CaseError: a measured curve that breaks its documented form; nothing has been computed then.
-        OutputError, StoreError: something cannot be written.
+        OutputError: page or tables cannot be written.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder)
     curves = load_curves()
-    results = cross_validate(cases, store, engines, jobs=jobs)
-    studies = _studies(cases, store, jobs)
+    results = cross_validate(cases, store, engines, jobs=jobs, limits=limits)
+    studies = _studies(cases, store, jobs, limits)
     benchmarks = _benchmarks(store) if studies is not None else []
     example = of_run(results, EXAMPLE) if EXAMPLE else None
+    found, missing = _evidence(example, store, limits)
     content = Content(
         results=results,
         studies=studies,
         benchmarks=benchmarks,
-        evidence=evidence(example, store) if example is not None else None,
+        evidence=found,
         curves=curves,
         comparisons=measured_comparisons(results, curves),
         pictures=draw_pictures(results, studies, benchmarks, curves, store, jobs),
         verification=stored_verification(store.folder),
         facts=machine_facts(),
         code=code_fingerprint(PARTS),
-        notices=tuple(store.notices),
+        notices=(*missing, *store.notices),
     )
     return write(content, folder)
 
@@ -133,7 +144,8 @@ def write(content: Content, folder: Path) -> Written:
         write_file(folder / table.file, table.csv().encode())
     write_file(folder / PAGE, page(chapters, content.facts.get("date", "")).encode())
     for name in stale:
-        (folder / name).unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # what cannot be removed stays: it is not linked from the page
+            (folder / name).unlink()
     return Written(folder / PAGE, content, tables)
 
 
@@ -149,10 +161,18 @@ def chapters_of(content: Content) -> list[Chapter]:
     return [*chapters, files(content, catalogue(tables, about))]
 
 
-def _studies(cases: Sequence[Case], store: Store, jobs: int | None) -> Studies | None:
+def _evidence(example: CaseResult | None, store: Store, limits: Limits | None) -> tuple[Evidence | None, list[str]]:
+    """The evidence on the example run and why there is none, if it could not be computed."""
+    try:
+        return (None if example is None else evidence(example, store, limits)), []
+    except NoEvidence as reason:
+        return None, [str(reason)]
+
+
+def _studies(cases: Sequence[Case], store: Store, jobs: int | None, limits: Limits | None) -> Studies | None:
     """The studies, if the report is about all runs that they are about."""
     shown = {case.name for case in cases if case.source == "library"}
-    return run_studies(store, jobs) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
+    return run_studies(store, jobs, limits) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
 
 
 def _benchmarks(store: Store) -> list[Benchmark]:

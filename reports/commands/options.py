@@ -1,5 +1,6 @@
 """Arguments and options that several subcommands share, and how their texts are read."""
 
+import contextlib
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -12,9 +13,12 @@ from cases.units import plain_number
 
 if TYPE_CHECKING:
     from cases.case import Case
+    from cases.store import Store
+    from cases.workers import Limits
 
 LOWEST_ACCURACY: Final = 1e-4
 HIGHEST_ACCURACY: Final = 0.05
+HIGHEST_MEMORY: Final = 2**20  # GiB; no machine has it
 
 _ENGINE_PREFIX: Final = "engine."
 _LARGEST_ANGLE: Final = 1_000_000  # degrees; a double keeps 1e-10 of a degree there
@@ -71,6 +75,16 @@ accuracy_option: Final = click.option(
     help=f"Relative error of the tip deflection asked for, {HIGHEST_ACCURACY:g} to {LOWEST_ACCURACY:g}; default: the engine's.",
 )
 jobs_option: Final = click.option("--jobs", metavar="N", type=WholeNumber(1, 1000), help="Processes at a time; default: one per core.")
+time_limit_option: Final = click.option(
+    "--time-limit",
+    metavar="S",
+    help='Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.',
+)
+memory_limit_option: Final = click.option(
+    "--memory-limit",
+    metavar="GIB",
+    help="Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less.",
+)
 crank_angle_option: Final = click.option(
     "--crank-angle", "crank_angle", metavar="DEG", required=True, callback=_angle, help="Angle at which the crank is held, degrees."
 )
@@ -134,6 +148,40 @@ def load(case: str, overrides: dict[str, str], duration: str | None = None, outp
     except CaseError as wrong:  # told with the option as it was given
         text = times[wrong.key or ""][1]
         raise CaseError(wrong.source, wrong.key, wrong.value if text is None else as_written(text), wrong.problem, wrong.accepted) from None
+
+
+def opened_store() -> "Store":
+    """The store of results; what it has to tell it tells on standard error at once. StoreError if its folder cannot be used."""
+    from cases.store import Store
+
+    return Store(tell=tell)
+
+
+def tell(sentence: str) -> None:
+    """Say something on standard error, on one line."""
+    from reports.command_line import one_line
+
+    with contextlib.suppress(OSError):  # nobody listens
+        click.echo(f"quickreturn: {one_line(sentence)}", err=True)
+
+
+def limits(time_limit: str | None, memory_limit: str | None) -> "Limits":
+    """What an engine may take, from the texts of the two options; None stands for the default.
+
+    Raises:
+        CaseError: a time of another dimension.
+        click.UsageError: no positive number.
+    """
+    from cases.workers import Limits, default_limits
+
+    usual = default_limits()
+    seconds = usual.seconds if time_limit is None else _seconds("--time-limit", time_limit)
+    if seconds is None or not 0.0 < seconds < math.inf:
+        raise click.UsageError(f'--time-limit {as_written(time_limit)}: give a positive number of seconds or a time, e.g. 600 or "10 min"')
+    gibibytes = None if memory_limit is None else plain_number(memory_limit)
+    if memory_limit is not None and (gibibytes is None or not 0.0 < gibibytes < HIGHEST_MEMORY):
+        raise click.UsageError(f"--memory-limit {as_written(memory_limit)}: give a positive number of GiB, e.g. 4")
+    return Limits(seconds=seconds, memory=usual.memory if gibibytes is None else round(gibibytes * 2**30))
 
 
 def _seconds(option: str, text: str) -> float:

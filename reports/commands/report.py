@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from reports.commands.options import jobs_option, load, path_given
+from reports.commands.options import jobs_option, limits, load, memory_limit_option, opened_store, path_given, tell, time_limit_option
 
 if TYPE_CHECKING:
     from reports.report import Written
@@ -18,22 +18,31 @@ if TYPE_CHECKING:
     "--output", metavar="DIR", default="reports/output", show_default=True, callback=path_given, help="Folder of the page and its tables."
 )
 @jobs_option
-def command(cases: Sequence[str], output: str, jobs: int | None) -> int:
+@time_limit_option
+@memory_limit_option
+def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str | None, memory_limit: str | None) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
 
     Exit code 0 once the page is written and every engine completed: missed tolerances are shown in the page. Exit code 3: an engine
-    failed or did not settle; the page is written all the same and shows it.
+    failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
+    as they come: an interrupted report continues where it stopped.
     """
     from cases.library import catalogue
-    from cases.store import Store
-    from reports.command_line import ENGINE_TROUBLE, GOOD
+    from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.report import write_report
 
     loaded = [load(case, {}) for case in dict.fromkeys(cases or [entry.name for entry in catalogue("thesis")])]
     _check_names([case.name for case in loaded])
-    written = write_report(loaded, Path(output), Store(), jobs)
+    allowed = limits(time_limit, memory_limit)
+    store = opened_store()
+    written = write_report(loaded, Path(output), store, jobs, limits=allowed)
     _print(written)
-    return ENGINE_TROUBLE if written.failed else GOOD
+    for trouble in written.content.troubles:
+        if trouble.is_failure:
+            tell(f"{trouble.case}: engine {trouble.engine} {trouble.status}: {trouble.remark}")
+    if written.failed:
+        return ENGINE_TROUBLE
+    return BAD_INPUT if store.lost else GOOD
 
 
 def _check_names(names: Sequence[str]) -> None:

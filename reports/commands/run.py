@@ -5,7 +5,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.commands.options import accuracy_option, jobs_option, json_option, load, read_assignments, set_option
+from reports.commands.options import (
+    accuracy_option,
+    jobs_option,
+    json_option,
+    limits,
+    load,
+    memory_limit_option,
+    opened_store,
+    read_assignments,
+    set_option,
+    tell,
+    time_limit_option,
+)
 
 if TYPE_CHECKING:
     from cases.comparison import CaseResult
@@ -18,31 +30,46 @@ if TYPE_CHECKING:
 @accuracy_option
 @set_option
 @jobs_option
+@time_limit_option
+@memory_limit_option
 @json_option
 def command(
-    cases: Sequence[str], engines: Sequence[str], accuracy: float | None, assignments: Sequence[str], jobs: int | None, as_json: bool
+    cases: Sequence[str],
+    engines: Sequence[str],
+    accuracy: float | None,
+    assignments: Sequence[str],
+    jobs: int | None,
+    time_limit: str | None,
+    memory_limit: str | None,
+    as_json: bool,
 ) -> int:
     """Bring engines to their steady state on each CASE, measure, compare.
 
-    Exit code 1: a tolerance was missed. Exit code 3: an engine failed, did not settle or did not reach the accuracy asked.
+    Exit code 1: a tolerance was missed. Exit code 3: an engine failed, was stopped at a limit, is not installed, did not settle or did
+    not reach the accuracy asked; the others are not touched by that. Results are kept as they come: an interrupted run continues.
     """
     from cases.cross_validation import cross_validate
-    from cases.store import Store
     from engines.registry import MAIN
-    from reports.command_line import ENGINE_TROUBLE, GOOD, TOLERANCE_MISSED
+    from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD, TOLERANCE_MISSED
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
     loaded = [load(case, overrides) for case in dict.fromkeys(cases)]
     _check_engines(loaded, engines, settings)
-    store = Store()
-    results = cross_validate(loaded, store, list(dict.fromkeys(engines)) or MAIN, accuracy, settings, jobs)
+    allowed = limits(time_limit, memory_limit)
+    store = opened_store()
+    results = cross_validate(loaded, store, list(dict.fromkeys(engines)) or MAIN, accuracy, settings, jobs, allowed)
     if as_json:
         print_json(as_document(results, store.notices))
     else:
-        _print(results, store.notices)
+        _print(results)
+    for result in results:
+        for run in result.failures:
+            tell(f"{result.case.name}: engine {run.engine} {run.status}: {run.document['remark']}")
     if any(result.failures for result in results):
         return ENGINE_TROUBLE
+    if store.lost:
+        return BAD_INPUT
     return GOOD if all(result.passed for result in results) else TOLERANCE_MISSED
 
 
@@ -84,11 +111,9 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
     }
 
 
-def _print(results: Sequence["CaseResult"], notices: Sequence[str]) -> None:
+def _print(results: Sequence["CaseResult"]) -> None:
     from reports.output import print_table
 
-    for notice in notices:
-        click.echo(f"quickreturn: {notice}", err=True)
     for result in results:
         click.echo(f"{result.case.name}: {result.case.title}")
         header = ("engine", "status", "cycles", "solve s", "estimate", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2")

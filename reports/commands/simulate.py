@@ -11,10 +11,13 @@ from reports.commands.options import (
     case_argument,
     engine_option,
     json_option,
+    limits,
     load,
+    memory_limit_option,
     path_given,
     read_assignments,
     set_option,
+    time_limit_option,
 )
 
 
@@ -26,6 +29,8 @@ from reports.commands.options import (
 @accuracy_option
 @set_option
 @click.option("--output", metavar="FILE.csv", required=True, callback=path_given, help="Where the trajectory goes.")
+@time_limit_option
+@memory_limit_option
 @json_option
 def command(
     case: str,
@@ -35,6 +40,8 @@ def command(
     accuracy: float | None,
     assignments: Sequence[str],
     output: str,
+    time_limit: str | None,
+    memory_limit: str | None,
     as_json: bool,
 ) -> int:
     """Simulate CASE from the standard start and write the trajectory.
@@ -47,8 +54,9 @@ def command(
 
     overrides, settings = read_assignments(assignments)
     loaded = load(case, overrides, duration, output_step)
+    allowed = limits(time_limit, memory_limit)
     check_writable(Path(output), keep="" if loaded.source == "library" else case)
-    document = engine_jobs.simulate(engine, loaded, settings, accuracy, output)
+    document = engine_jobs.simulate(engine, loaded, settings, accuracy, output, allowed)
     if as_json:
         print_json(document)
     else:

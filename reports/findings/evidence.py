@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from cases.comparison import REFERENCE, CaseResult
 from cases.store import Store
+from cases.workers import Job, Limits, default_limits, run_jobs
 from reports.cache import content_of, kept
 from reports.findings.frozen_crank import (
     JointEffect,
@@ -45,9 +46,17 @@ class Evidence:
     joints: tuple[JointEffect, ...]
 
 
-def evidence(result: CaseResult, store: Store) -> Evidence:
-    """Evidence on a run of the thesis, from the store where it is there."""
-    document = kept(store, "frozen crank", content_of(result), lambda: _document(result))
+class NoEvidence(Exception):
+    """The evidence could not be computed; the text is one sentence."""
+
+
+def evidence(result: CaseResult, store: Store, limits: Limits | None = None) -> Evidence:
+    """Evidence on a run of the thesis, from the store where it is there, else computed in a process of its own.
+
+    Raises:
+        NoEvidence: that process failed or was stopped at the limits (None: `cases.workers.default_limits`).
+    """
+    document = kept(store, "frozen crank", content_of(result), lambda: _computed(result, limits or default_limits()))
     return Evidence(
         converged=tuple(Range(**found) for found in document["converged"]),
         cubic=tuple(Range(**found) for found in document["cubic"]),
@@ -64,6 +73,13 @@ def evidence(result: CaseResult, store: Store) -> Evidence:
             for found in document["joints"]
         ),
     )
+
+
+def _computed(result: CaseResult, limits: Limits) -> dict[str, Any]:
+    (outcome,) = run_jobs([Job("frozen crank", _document, (result,))], limits=limits)
+    if not outcome.completed:
+        raise NoEvidence(f"{result.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}")
+    return dict(outcome.value)
 
 
 def _document(result: CaseResult) -> dict[str, Any]:

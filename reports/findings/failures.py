@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from cases.comparison import CaseResult
-from cases.steady_run import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED
-from engines.registry import engine
+from cases.steady_run import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED, UNAVAILABLE
 
 #: Status -> what it means to a reader.
 MEANINGS: Final = {
@@ -14,7 +13,8 @@ MEANINGS: Final = {
     INACCURATE: "reached its steady state, but its own estimate misses the accuracy asked; its numbers are used and marked",
     NOT_SETTLED: "did not repeat from cycle to cycle within the number of cycles allowed; its numbers are not used",
     FAILED: "broke down; its numbers are not used",
-    REFUSED: "says that it cannot model this scene, or cannot be used on this machine",
+    REFUSED: "says that it cannot model this scene",
+    UNAVAILABLE: "cannot be used on this machine",
 }
 
 
@@ -29,8 +29,8 @@ class Trouble:
 
     @property
     def is_failure(self) -> bool:
-        """Whether the engine did not complete. An engine that says what it cannot model has done what it should, unless it is missing."""
-        return self.status in (FAILED, NOT_SETTLED) or (self.status == REFUSED and engine(self.engine).unavailable() is not None)
+        """Whether the engine did not complete. One that says what it cannot model has done what it should."""
+        return self.status in (FAILED, NOT_SETTLED, UNAVAILABLE)
 
 
 def troubles(results: Sequence[CaseResult]) -> list[Trouble]:

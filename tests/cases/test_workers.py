@@ -8,10 +8,12 @@ import codecs
 import ctypes
 import operator
 import os
+import resource
 import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -134,6 +136,60 @@ def sleeper(folder: Path) -> Job:
     write = f"open({file + '.part'!r}, 'w').write(str(os.getpid())); os.rename({file + '.part'!r}, {file!r})"
     code = f"import ctypes, os; {write}; ctypes.PyDLL(None).sleep(3600)"
     return Job("sleeper", exec, (code,))
+
+
+def test_killed_fork_server_costs_nothing(tmp_path: Path) -> None:
+    """The worker that it leaves behind delivers, and the next job gets a new server."""
+    wait = f"import os, time\nwhile not os.path.exists({str(tmp_path / 'go')!r}): time.sleep(0.02)\nprint('done')"
+    jobs = [Job("tells its parent", os.getppid), Job("waits", exec, (wait,)), Job("next", operator.add, (2, 3))]
+    outcomes: list[Outcome] = []
+
+    def kill_the_server() -> None:
+        os.kill(outcomes[0].value, signal.SIGKILL)
+        (tmp_path / "go").touch()
+
+    for outcome in run_jobs(jobs, at_once=1, preload=PRELOAD):
+        outcomes.append(outcome)
+        if outcome.job.name == "tells its parent":
+            threading.Timer(1.0, kill_the_server).start()  # the job that waits has started by then
+    assert [(outcome.job.name, outcome.failure) for outcome in outcomes[1:]] == [("waits", ""), ("next", "")]
+    assert outcomes[1].output == "done"
+    assert outcomes[2].value == 5
+    assert done(os.getppid).value != outcomes[0].value
+
+
+def test_worker_without_its_fork_server_is_limited_too() -> None:
+    code = "import os, signal, time; os.kill(os.getppid(), signal.SIGKILL); time.sleep(3600)"
+    assert done(exec, code, limits=Limits(seconds=1.0)).failure == "stopped at the time limit of 1 s"
+    code = "import os, signal, time; os.kill(os.getppid(), signal.SIGKILL); time.sleep(0.5); os.abort()"
+    assert done(exec, code).failure == "ended without a result"
+
+
+def test_worker_that_cuts_its_pipes_is_ended() -> None:
+    assert done(exec, "import os, time; os.closerange(0, 256); time.sleep(3600)").failure == "cut its connection to the runner"
+
+
+def test_job_that_cannot_be_started_is_named_and_the_next_one_runs() -> None:
+    """As many files are open as may be."""
+    done(len, ())  # the fork server is there
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (3, before[1]))
+    try:
+        outcome = done(len, ())
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
+    assert outcome.failure == "could not be started ([Errno 24] Too many open files)"
+    assert done(len, ()).completed
+
+
+def test_worker_is_the_first_to_go_where_memory_is_short() -> None:
+    assert done(exec, "print(open('/proc/self/oom_score_adj').read())").output == "500"
+
+
+def test_last_words_of_a_process_that_died() -> None:
+    dying = done(exec, "import os; os.write(2, b'terminate called\\n  what(): bad alloc\\n'); os.abort()")
+    assert dying.explanation == 'killed by SIGABRT (its last words: "what(): bad alloc")'
+    assert done(operator.truediv, 1, 0).explanation == "raised ZeroDivisionError: division by zero"
 
 
 def test_closing_the_iterator_kills_the_workers(tmp_path: Path) -> None:

@@ -7,8 +7,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +15,8 @@ import pytest
 from engines.trajectory import OPTIONAL, REQUIRED
 from reports.command_line import main
 from tests.reports.conftest import Answer, Call
+from tests.reports.program import PROGRAM, descendants, started, wait_until
 from tests.reports.scene_file import SCENE
-
-PROGRAM = Path(sys.executable).with_name("quickreturn")
 
 
 @pytest.fixture(autouse=True)
@@ -282,15 +279,9 @@ def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.Monk
 # --- real processes --------------------------------------------------------------------------------------------------------------
 
 
-def process(*arguments: str, folder: Path, **more: Any) -> "subprocess.Popen[str]":
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder / "packages"), os.environ.get("PYTHONPATH", "")])}
-    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen([PROGRAM, *arguments], cwd=folder, env=environment, **pipes, **more)
-
-
 @pytest.mark.usefixtures("call")
 def test_program_as_a_process(tmp_path: Path) -> None:
-    program = process(
+    program = started(
         "simulate", "small.toml", "--engine", "fake", "--output", "out.csv", "--set", "engine.step=0.1", "--json", folder=tmp_path
     )
     output, errors = program.communicate()
@@ -300,7 +291,7 @@ def test_program_as_a_process(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("arguments", [("simulate",), ("nonsense",), ("show", "no-such-case"), ("engines", "--jason")])
 def test_bad_usage_as_a_process(tmp_path: Path, arguments: tuple[str, ...]) -> None:
-    program = process(*arguments, folder=tmp_path)
+    program = started(*arguments, folder=tmp_path)
     output, errors = program.communicate()
     refused(Answer(program.returncode, output, errors))
 
@@ -317,20 +308,12 @@ def test_reader_that_has_enough_is_no_error(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("call")
 def test_interrupt_is_exit_130_and_leaves_nothing_behind(tmp_path: Path) -> None:
     arguments = ("simulate", "small.toml", "--engine", "fake", "--output", "out.csv", "--set", "engine.behaviour=hangs")
-    program = process(*arguments, folder=tmp_path, process_group=0)
-    while not _has_worker(program.pid):
-        assert program.poll() is None, program.communicate()
-        time.sleep(0.02)
+    program = started(*arguments, folder=tmp_path, process_group=0)
+    wait_until(lambda: any(descendants(process) for process in descendants(program.pid)), program)  # a worker below the fork server
     os.killpg(program.pid, signal.SIGINT)  # as a terminal does
     output, errors = program.communicate(timeout=20.0)
     assert (program.returncode, output, errors) == (130, "", "quickreturn: interrupted\n")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["packages", "small.toml"]
-
-
-def _has_worker(runner: int) -> bool:
-    """Whether the runner has its fork server and a worker: then it is waiting for an answer."""
-    pids = Path(f"/proc/{runner}/task/{runner}/children").read_text().split()
-    return any(Path(f"/proc/{pid}/task/{pid}/children").read_text().strip() for pid in pids)
 
 
 def test_main_returns_the_code_and_raises_nothing(capsys: pytest.CaptureFixture[str]) -> None:
