@@ -20,7 +20,7 @@ def started(*arguments: str, folder: Path, variables: dict[str, str] | None = No
     return subprocess.Popen([PROGRAM, *arguments], cwd=folder, env=environment, **(pipes | more))
 
 
-def wait_until(condition: Callable[[], object], program: "subprocess.Popen[str] | None" = None, seconds: float = 60.0) -> None:
+def wait_until(condition: Callable[[], object], program: "subprocess.Popen[str] | None" = None, seconds: float = 300.0) -> None:
     """Wait until something holds, as long as the program runs; AssertionError if it does not come to that."""
     deadline = time.monotonic() + seconds
     while not condition():

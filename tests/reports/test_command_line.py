@@ -311,7 +311,7 @@ def test_interrupt_is_exit_130_and_leaves_nothing_behind(tmp_path: Path) -> None
     program = started(*arguments, folder=tmp_path, process_group=0)
     wait_until(lambda: any(descendants(process) for process in descendants(program.pid)), program)  # a worker below the fork server
     os.killpg(program.pid, signal.SIGINT)  # as a terminal does
-    output, errors = program.communicate(timeout=20.0)
+    output, errors = program.communicate(timeout=300.0)
     assert (program.returncode, output, errors) == (130, "", "quickreturn: interrupted\n")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["packages", "small.toml"]
 

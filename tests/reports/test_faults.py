@@ -75,7 +75,7 @@ def engines(*names: str) -> list[str]:
 
 
 def answer_of(program: "subprocess.Popen[str]") -> Answer:
-    output, errors = program.communicate(timeout=120.0)
+    output, errors = program.communicate(timeout=300.0)
     return Answer(program.returncode, output, errors)
 
 
