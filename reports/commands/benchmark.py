@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.commands.options import json_option, load, read_assignments, refuse_engine_settings, set_option
+from reports.commands.options import WholeNumber, json_option, load, read_assignments, refuse_engine_settings, set_option
 
 if TYPE_CHECKING:
     from cases.benchmark import Benchmark
@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 @click.command(name="benchmark")
 @click.argument("cases", metavar="[CASE]...", nargs=-1)
 @click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all.")
-@click.option(
-    "--repetitions", metavar="N", type=click.IntRange(1, 100), default=5, show_default=True, help="Interleaved repetitions at most."
-)
+@click.option("--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Interleaved repetitions at most.")
 @set_option
 @json_option
 def command(cases: Sequence[str], engines: Sequence[str], repetitions: int, assignments: Sequence[str], as_json: bool) -> int:

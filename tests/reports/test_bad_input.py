@@ -113,6 +113,7 @@ NUMBERS = {
     "--accuracy": (SIMULATE, ("0", "1", "-1e-3", "0.06", "1e-5", "0.0501", "9.9e-5")),
     "--crank-angle": (MODES, ("1e7", "north", "90 deg", "pi")),
     "--count": (MODES, ("0", "-1", "2.5", "101", "1e1", "1000000000")),
+    "--repetitions": ("benchmark small.toml --engine fake", ("0", "-2", "1.5", "101")),
     "--jobs": ("run small.toml --engine fake", ("0", "-2", "1.5", "1000000000000")),
     "--set": (MODES, ("crank", "=", "=1 in", "engine", "crank.length", "crank.length=", "length=4 in", "crank.length==4 in", "x=1", "name=x",
                       "crank.lenght=4 in", "crank.length=4", "crank.length=4,5 in", "crank.length=4 in;5 in", "engine.stp=1", "engine.=1",
