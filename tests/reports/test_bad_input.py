@@ -16,7 +16,7 @@ from cases.case_file import parse_case
 from tests.reports import mistakes
 from tests.reports.conftest import Answer, Call
 from tests.reports.mistakes import scene, with_value, written
-from tests.reports.test_command_line import process
+from tests.reports.program import started
 
 LONGEST = 400  # characters: five lines of a terminal
 MODES = "modes small.toml --engine fake --crank-angle 90"
@@ -114,6 +114,8 @@ NUMBERS = {
     "--crank-angle": (MODES, ("1e7", "north", "90 deg", "pi")),
     "--count": (MODES, ("0", "-1", "2.5", "101", "1e1", "1000000000")),
     "--repetitions": ("benchmark small.toml --engine fake", ("0", "-2", "1.5", "101")),
+    "--time-limit": (SIMULATE, ("0", "-1 s", "1 m", "1 kg")),
+    "--memory-limit": (SIMULATE, ("0", "-1", "1e9", "4 GiB")),
     "--jobs": ("run small.toml --engine fake", ("0", "-2", "1.5", "1000000000000")),
     "--set": (MODES, ("crank", "=", "=1 in", "engine", "crank.length", "crank.length=", "length=4 in", "crank.length==4 in", "x=1", "name=x",
                       "crank.lenght=4 in", "crank.length=4", "crank.length=4,5 in", "crank.length=4 in;5 in", "engine.stp=1", "engine.=1",
@@ -239,7 +241,7 @@ def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, answer:
 
 
 def answer_of_a_process(folder: Path, command: str) -> Answer:
-    program = process(*shlex.split(command), folder=folder)
+    program = started(*shlex.split(command), folder=folder)
     output, errors = program.communicate(timeout=60.0)
     return Answer(program.returncode, output, errors)
 
