@@ -1,5 +1,6 @@
 """Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
 
+import math
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import ClassVar
@@ -45,6 +46,11 @@ class MujocoEngine(Engine):
         if slider.inertia > 0.0:
             raise Refusal(
                 f"slider.inertia: {slider.inertia:g} kg m^2 cannot be modelled by engine mujoco, its joint passes no moment; accepted: 0"
+            )
+        if slider.joint_damping > 0.0 and math.isinf(slider.joint_stiffness):
+            raise Refusal(
+                f"slider.joint_damping: {slider.joint_damping:g} N*s/m does nothing in a rigid joint; accepted: 0, or a finite"
+                " slider.joint_stiffness"
             )
         if follower.mass_per_length <= 0.0:
             raise Refusal(

@@ -398,7 +398,7 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, gauge_weights: A
     out[8:11] = ctx.half_thickness * curvature
     out[11], out[12] = ctx.slider_force, ctx.drive_torque
     out[13] = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
-    out[14], out[15], out[16] = strain_energy, ctx.dissipated, ctx.gap
+    out[14], out[15], out[16] = strain_energy, ctx.dissipated, abs(ctx.gap)
     out[17], out[18] = gravity, ctx.drive_work
 
 

@@ -170,3 +170,8 @@ def test_is_registered_and_available() -> None:
     assert isinstance(found, MujocoEngine)
     assert found.unavailable() is None
     assert found.version().startswith("mujoco 4.")
+
+
+def test_a_damper_beside_a_rigid_joint_is_refused() -> None:
+    with pytest.raises(Refusal, match=r"slider\.joint_damping: 1 N\*s/m does nothing in a rigid joint"):
+        MujocoEngine().check(run_24(slider={"joint_damping": 1.0}))
