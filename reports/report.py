@@ -33,6 +33,7 @@ from reports.pages.blocks import Chapter
 from reports.pages.comparison import disagreement, runs_by_engines
 from reports.pages.content import Content
 from reports.pages.experiment import experiment, published
+from reports.pages.hard_scenes import hard_scenes, stored_matrix
 from reports.pages.methods import methods
 from reports.pages.per_run import per_run
 from reports.pages.provenance import files, provenance, verification
@@ -123,6 +124,7 @@ def write_report(
         curves=curves,
         comparisons=measured_comparisons(results, curves),
         pictures=draw_pictures(results, studies, benchmarks, curves, store, jobs),
+        hard_scenes=stored_matrix(store),
         verification=stored_verification(store.folder),
         facts=machine_facts(),
         code=code_fingerprint(PARTS),
@@ -153,7 +155,7 @@ def chapters_of(content: Content) -> list[Chapter]:
     """All chapters in their order."""
     makers: tuple[Callable[[Content], Chapter], ...] = (
         answer, runs_by_engines, disagreement, thesis_view, methods, open_points,
-        accuracy_and_cost, experiment, published, per_run, provenance, verification,
+        accuracy_and_cost, hard_scenes, experiment, published, per_run, provenance, verification,
     )  # fmt: skip
     chapters = [make(content) for make in makers]
     tables = [table for chapter in chapters for table in chapter.tables]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from cases.benchmark import Benchmark
 from cases.comparison import CaseResult
 from cases.experiment import MeasuredCurve
+from cases.hard_scenes import Matrix
 from cases.studies import Studies
 from reports.findings.axes import AxisComparison, axis_comparisons
 from reports.findings.evidence import Evidence
@@ -28,6 +29,7 @@ class Content:
         curves: measured curves, of whatever runs.
         comparisons: of the curves of the runs shown.
         pictures: drawn.
+        hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         verification: of the long verification, if there are results.
         facts: about the machine.
         code: fingerprint of the code that computed the results.
@@ -41,6 +43,7 @@ class Content:
     curves: Sequence[MeasuredCurve] = ()
     comparisons: Sequence[Comparison] = ()
     pictures: Pictures = field(default_factory=Pictures)
+    hard_scenes: Matrix | None = None
     verification: Verification = field(default_factory=Verification)
     facts: Mapping[str, str] = field(default_factory=dict)
     code: str = ""

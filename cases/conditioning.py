@@ -1,0 +1,122 @@
+"""How much a scene's answer depends on what is given: the change of the tip deflection for 0.1 % of a parameter, by the reference.
+
+Parameters are never known to 0.1 %. Where so little moves the answer by several percent, a solution that is good to a percent over the
+whole duration says more than the scene does; two good solutions then run apart beyond a horizon, and what can still be compared there
+is energy, extremes and spectrum (`cases.spectrum`).
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from engines.accurate import run_once
+from engines.base import EngineFailure
+from engines.pseudo_coordinate.reference import ReferenceEngine
+from engines.start import standard_start
+from engines.trajectory import Trajectory
+from reference_model.mechanism import Mechanism, TorqueDrive
+
+Array = NDArray[np.float64]
+
+#: Part by which a parameter is changed.
+CHANGE: Final = 1e-3
+#: A scene whose answer moves by more than this is ill-conditioned: fifty times the change.
+ILL: Final = 0.05
+#: s; in the first rows next to nothing has moved, and a ratio of two such sums says nothing.
+_SETTLING_IN: Final = 0.02
+#: Accuracy at which the reference runs. Its error is the same with and without the change, so that it hardly shows in the difference.
+_ACCURACY: Final = 1e-3
+
+
+@dataclass(frozen=True)
+class Conditioning:
+    """Of one scene.
+
+    Attributes:
+        changes: parameter ("stiffness", "damping", "speed", "speed at the same crank angle") -> RMS change of the tip deflection over
+            its RMS, for `CHANGE` of the parameter, over the duration or until the scene ends.
+        horizon: s until when no change exceeds `ILL`: the duration in a well-conditioned scene. A change of speed counts at the same
+            crank angle: an answer that only comes sooner is not another answer.
+    """
+
+    changes: Mapping[str, float]
+    horizon: float
+
+
+def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> Conditioning:
+    """The conditioning of a scene from its standard start.
+
+    Args:
+        mechanism: the scene.
+        duration: s.
+        output_step: s.
+
+    Raises:
+        EngineFailure: the reference cannot run the scene at all.
+    """
+    nominal = _run(mechanism, duration, output_step)
+    differences: dict[str, Array] = {}
+    for name, scene in changed(mechanism).items():
+        run = _run(scene, duration, output_step)
+        rows = min(len(nominal), len(run))
+        differences[name] = run["tip_deflection"][:rows] - nominal["tip_deflection"][:rows]
+        if name == "speed":
+            differences["speed at the same crank angle"] = _at_same_angle(run, nominal)
+    deflection = nominal["tip_deflection"]
+    ratios = {name: _running_ratio(difference, deflection[: len(difference)]) for name, difference in differences.items()}
+    horizon = min(_horizon(ratio, duration, output_step) for name, ratio in ratios.items() if name != "speed")
+    return Conditioning({name: float(ratio[-1]) for name, ratio in ratios.items()}, horizon)
+
+
+def changed(mechanism: Mechanism) -> dict[str, Mechanism]:
+    """The scene with one kind of parameter larger by `CHANGE`: bending stiffness, dampings of beam and pivot, mean crank speed."""
+    factor, follower, base, drive = 1.0 + CHANGE, mechanism.follower, mechanism.base, mechanism.crank.drive
+    if isinstance(drive, TorqueDrive):
+        faster = replace(drive, torque=factor * drive.torque, initial_speed=factor * drive.initial_speed)
+        crank = replace(mechanism.crank, drive=faster)
+    else:
+        crank = replace(mechanism.crank, drive=replace(drive, speed=factor * drive.speed))
+    return {
+        "stiffness": replace(mechanism, follower=replace(follower, bending_stiffness=factor * follower.bending_stiffness)),
+        "damping": replace(
+            mechanism, follower=replace(follower, damping=factor * follower.damping), base=replace(base, damping=factor * base.damping)
+        ),
+        "speed": replace(mechanism, crank=crank),
+    }
+
+
+def _run(mechanism: Mechanism, duration: float, output_step: float) -> Trajectory:
+    """The motion, or what there is of it until the slider leaves the follower."""
+    engine = ReferenceEngine()
+    settings = engine.settings_for(_ACCURACY, mechanism)
+    try:
+        return run_once(engine, mechanism, standard_start(mechanism), duration, output_step, settings)[0]
+    except EngineFailure as failure:
+        if failure.partial is None or len(failure.partial) < 2:
+            raise
+        return failure.partial
+
+
+def _at_same_angle(run: Trajectory, nominal: Trajectory) -> Array:
+    """Difference of the deflections where the cranks stand at the same angle; rows of the nominal run, as far as the other one turns."""
+    turned, nominal_turned = (np.abs(each["crank_angle"] - each["crank_angle"][0]) for each in (run, nominal))
+    rows = int(np.searchsorted(nominal_turned, turned[-1], side="right"))
+    return CubicSpline(turned, run["tip_deflection"])(nominal_turned[:rows]) - nominal["tip_deflection"][:rows]
+
+
+def _running_ratio(difference: Array, deflection: Array) -> Array:
+    """RMS of the difference over the RMS of the deflection, each from the start up to a row."""
+    sums, changes = np.cumsum(deflection**2), np.cumsum(difference**2)
+    return np.sqrt(np.divide(changes, sums, out=np.zeros_like(sums), where=sums > 0.0))
+
+
+def _horizon(ratio: Array, duration: float, output_step: float) -> float:
+    """The first instant at which a ratio exceeds `ILL`, on the grid, s; the duration if it never does."""
+    first = math.ceil(_SETTLING_IN / output_step)
+    beyond = np.flatnonzero(ratio[first:] > ILL)
+    return output_step * float(first + beyond[0]) if len(beyond) else duration

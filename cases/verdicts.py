@@ -1,0 +1,230 @@
+"""What may be said of a run from what it shows itself: evidence to verdict, and verdicts against each other.
+
+Nothing here knows the right answer. The evidence is how far the run is from the same scene at coarser and finer settings, whether
+its energy balance closes, its slider stays on the follower's centre line and its crank angle is the integral of its crank speed.
+That finds what is too coarse, unstable or broken. An engine that converges to something else (a wrong parameter, a missing term)
+passes all of it; only the comparison with other engines finds that (`contradictions`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import combinations
+from typing import Final
+
+ACCURATE: Final = "accurate"
+NOT_CONVERGED: Final = "not converged"
+CONTRADICTED: Final = "contradicted"
+ENDED: Final = "ended"
+DIVERGED: Final = "diverged"
+REFUSED: Final = "refused"
+
+#: Kind -> what it says, for people.
+MEANINGS: Final = {
+    ACCURATE: "the run's own error estimate is within the error asked, and nothing contradicts it",
+    ENDED: "the slider leaves the follower; the time does not depend on the settings, and up to shortly before it the run is accurate",
+    NOT_CONVERGED: "a result, but its own estimate says that it is not as accurate as asked: not to be relied on",
+    CONTRADICTED: "its own estimate is satisfied, but other engines that agree with each other find something else",
+    DIVERGED: "the run broke down; time and cause are known",
+    REFUSED: "the engine says that it cannot model this scene, and why",
+}
+
+#: An amplitude that is off by a part moves the strain energy by twice that part.
+ENERGY_PER_ERROR: Final = 2.0
+#: What "accurate" means beyond the stretch: energy, extremes and spectrum of the tip deflection within this part.
+LATER: Final = 0.1
+#: m; ten times what the loosest of the engines leaves (1e-5), a thousandth of what bends. A gap moves the slider's load, no more.
+LARGEST_GAP: Final = 1e-4
+#: Share of a row's turn by which the crank angle may miss the trapezoidal rule over its speed. Measured at rows of 1 ms: 7e-4 at most.
+LARGEST_JUMP: Final = 0.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class Breakdown:
+    """A run that did not reach its end, and how it goes with finer settings.
+
+    Attributes:
+        time: s, last instant known to be good.
+        cause: a clause.
+        at_the_end: whether the slider stood within a row of the follower's end.
+        finer_time: the same run with finer settings; None where it reached its end, failed elsewhere or there are none.
+    """
+
+    time: float
+    cause: str
+    at_the_end: bool = False
+    finer_time: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """What a run shows about itself.
+
+    Attributes:
+        requested: error of the tip deflection asked for.
+        duration: s, of the scene.
+        stretch: s from the start on which the error is judged: the whole duration, the horizon of an ill-conditioned scene, or most
+            of the time until the run broke down. Zero where there is no such run.
+        row: s, between two rows of the trajectory.
+        refused: the engine's sentence, or "".
+        breakdown: if the run did not reach the duration.
+        error_estimate: of the tip deflection over `stretch`, from coarser settings; None where unknown.
+        finer_difference: RMS difference to finer settings over `stretch`, relative; None where there are none that ran.
+        remark: what the engine's run says about its estimate, or "".
+        energy_residual: largest violation of the energy balance over the largest strain energy, in `stretch`; None where the engine
+            has not all the columns.
+        constraint_gap: m, largest; None where the engine has no such column.
+        crank_jump: see `LARGEST_JUMP`.
+        later: what is compared beyond the stretch -> relative difference to finer settings; None where there is no such part or run.
+    """
+
+    requested: float
+    duration: float
+    stretch: float
+    row: float
+    refused: str = ""
+    breakdown: Breakdown | None = None
+    error_estimate: float | None = None
+    finer_difference: float | None = None
+    remark: str = ""
+    energy_residual: float | None = None
+    constraint_gap: float | None = None
+    crank_jump: float = 0.0
+    later: Mapping[str, float] | None = None
+
+    @property
+    def claimed_error(self) -> float | None:
+        """The larger of the two estimates; None without the first."""
+        if self.error_estimate is None:
+            return None
+        return max(self.error_estimate, self.finer_difference or 0.0)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A cell of the matrix.
+
+    Attributes:
+        kind: one of the constants of this module.
+        reason: one sentence.
+        claimed_error: of the tip deflection, relative, over `stretch`; None where nothing is claimed.
+        stretch: s; None where nothing is claimed.
+        time: s, when the run broke down or the scene ended; None where it reached its end.
+        time_uncertainty: s, of the end of a scene.
+    """
+
+    kind: str
+    reason: str
+    claimed_error: float | None = None
+    stretch: float | None = None
+    time: float | None = None
+    time_uncertainty: float | None = None
+
+
+def judge(evidence: Evidence) -> Verdict:
+    """The verdict on a run from its own evidence."""
+    if evidence.refused:
+        return Verdict(REFUSED, evidence.refused)
+    doubt = _doubt(evidence)
+    broken = evidence.breakdown
+    if broken is None:
+        return Verdict(NOT_CONVERGED, doubt) if doubt else _accurate(evidence)
+    if not broken.at_the_end:
+        return Verdict(DIVERGED, f"failed at t = {broken.time:.4g} s: {broken.cause}", time=broken.time)
+    if broken.finer_time is None or abs(broken.finer_time - broken.time) > evidence.requested * broken.time + evidence.row:
+        finer = "finer settings do not confirm it" if broken.finer_time is None else f"with finer settings at {broken.finer_time:.4g} s"
+        return Verdict(NOT_CONVERGED, f"the slider leaves the follower at t = {broken.time:.4g} s, {finer}", time=broken.time)
+    if doubt:
+        return Verdict(NOT_CONVERGED, f"the slider leaves the follower at t = {broken.time:.4g} s; before that {doubt}", time=broken.time)
+    uncertainty = abs(broken.finer_time - broken.time) + evidence.row
+    reason = f"the slider leaves the follower at t = {broken.time:.4g} s (± {uncertainty:.1g} s)"
+    return replace(_accurate(evidence), kind=ENDED, reason=reason, time=broken.time, time_uncertainty=uncertainty)
+
+
+def _accurate(evidence: Evidence) -> Verdict:
+    claimed, stretch = evidence.claimed_error, evidence.stretch
+    reason = f"estimated error {claimed:.2g}"
+    if evidence.breakdown is None and stretch < evidence.duration:
+        within = ", ".join(f"{name} to {difference:.2g}" for name, difference in (evidence.later or {}).items())
+        reason += f" up to {stretch:.4g} s; beyond, where the scene is ill-conditioned: {within}"
+    return Verdict(ACCURATE, reason, claimed, stretch)
+
+
+def _doubt(evidence: Evidence) -> str:
+    """The first reason not to believe the run, or ""."""
+    claimed, asked = evidence.claimed_error, evidence.requested
+    if claimed is None:
+        return evidence.remark or "the error cannot be estimated"
+    if not claimed <= asked:  # also where it is no number
+        return f"the estimated error {claimed:.2g} exceeds the {asked:g} asked"
+    if evidence.energy_residual is not None and not evidence.energy_residual <= ENERGY_PER_ERROR * asked:
+        return f"the energy balance is violated by {evidence.energy_residual:.2g} of the largest strain energy"
+    if evidence.constraint_gap is not None and not evidence.constraint_gap <= LARGEST_GAP:
+        return f"the slider is off the centre line by up to {evidence.constraint_gap:.2g} m"
+    if not evidence.crank_jump <= LARGEST_JUMP:
+        return f"the crank angle jumps: it is not the integral of the crank speed (by {evidence.crank_jump:.2g} of a row)"
+    if evidence.breakdown is None and evidence.stretch < evidence.duration:
+        return _later_doubt(evidence)
+    return ""
+
+
+def _later_doubt(evidence: Evidence) -> str:
+    """Whether the part beyond the stretch is known only in words."""
+    if evidence.later is None:
+        return f"nothing bears out what it shows beyond {evidence.stretch:.4g} s"
+    name, worst = max(evidence.later.items(), key=lambda item: item[1])
+    if not worst <= LATER:
+        return f"beyond {evidence.stretch:.4g} s its {name} changes by {worst:.2g} with finer settings"
+    return ""
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """Two runs whose claims cannot both hold: their difference exceeds the sum of the claims."""
+
+    first: str
+    second: str
+    difference: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Verdicts after the comparison, and what it found."""
+
+    verdicts: Mapping[str, Verdict]
+    contradictions: tuple[Contradiction, ...] = field(default=())
+
+
+def compared(verdicts: Mapping[str, Verdict], differences: Mapping[tuple[str, str], float]) -> Comparison:
+    """Hold the claims of engines on one scene against each other.
+
+    Each run claims to be within its claimed error of the same right answer, so two of them may differ by the sum of their claims.
+    Where they differ by more, one at least is wrong: it is the one that fewer others bear out. Where that does not decide, both are
+    called contradicted, because nothing is known about which of them it is.
+
+    Args:
+        verdicts: engine -> its own verdict; engines whose model differs on purpose are left out.
+        differences: pair of engines -> RMS difference of their tip deflections relative to the RMS, over the stretch that both claim.
+    """
+    claims = {name: v.claimed_error for name, v in verdicts.items() if v.kind in (ACCURATE, ENDED) and v.claimed_error is not None}
+    borne_out = dict.fromkeys(claims, 0)
+    found: list[Contradiction] = []
+    for first, second in combinations(claims, 2):
+        difference = differences.get((first, second), differences.get((second, first)))
+        if difference is None:
+            continue
+        if difference <= claims[first] + claims[second]:
+            borne_out[first] += 1
+            borne_out[second] += 1
+        else:
+            found.append(Contradiction(first, second, difference))
+    judged = dict(verdicts)
+    for contradiction in found:
+        pair = (contradiction.first, contradiction.second)
+        weaker = [name for name in pair if borne_out[name] == min(borne_out[other] for other in pair)]
+        for name in weaker:
+            other = pair[1 - pair.index(name)]
+            reason = (
+                f"differs from {other} by {contradiction.difference:.2g}, more than both claim ({claims[name]:.2g}, {claims[other]:.2g})"
+            )
+            judged[name] = replace(verdicts[name], kind=CONTRADICTED, reason=reason)
+    return Comparison(judged, tuple(found))

@@ -1,0 +1,120 @@
+"""Engines that are wrong on purpose must never be called accurate: by their own evidence, or by comparison with the others."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import engines
+import reference_model
+from cases.case_file import load_case
+from cases.evidence import Columns, Run, Scene, gather, relative_difference
+from cases.hard_scenes import REQUESTED
+from cases.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, compared, judge
+from engines.base import Engine
+from engines.registry import engine
+from tests.engines.wrong_engines import Disguised, Restarting, Stiffer, TooLargeStep
+
+MECHANISM = load_case("thesis-24").mechanism
+SHORT = Scene(mechanism=MECHANISM, duration=0.4, output_step=1e-3, horizon=0.4)
+#: Exudyn divides a row evenly, so that its steps are at most a row.
+COARSE_ROWS = Scene(mechanism=MECHANISM, duration=0.4, output_step=0.02, horizon=0.4)
+
+
+def run_of(chosen: Engine, scene: Scene = SHORT) -> Run:
+    return gather(chosen.name, scene, REQUESTED, lambda _: chosen, rungs=2)
+
+
+@pytest.fixture(scope="module")
+def sound() -> dict[str, Run]:
+    """Two engines that are right, each by a method of its own."""
+    return {name: run_of(engine(name)) for name in ("reference", "exudyn")}
+
+
+def verdicts_with(odd: Columns, evidence: Run, sound: dict[str, Run]) -> dict[str, str]:
+    """Kinds of the verdicts after the comparison."""
+    columns = {name: run.columns for name, run in sound.items()} | {"odd": odd}
+    own = {name: judge(run.evidence) for name, run in sound.items()} | {"odd": judge(evidence.evidence)}
+    differences = {
+        (first, second): relative_difference(columns[first]["tip_deflection"], columns[second]["tip_deflection"])
+        for first in columns
+        for second in columns
+        if first != second
+    }
+    return {name: verdict.kind for name, verdict in compared(own, differences).verdicts.items()}
+
+
+def test_sound_engines_are_accurate_disguised_or_not(sound: dict[str, Run]) -> None:
+    disguised = run_of(Disguised(engine("reference")))
+    assert verdicts_with(disguised.columns, disguised, sound) == {"reference": ACCURATE, "exudyn": ACCURATE, "odd": ACCURATE}
+
+
+def test_a_step_twenty_times_too_large_is_found_by_the_estimate() -> None:
+    assert judge(run_of(engine("exudyn"), COARSE_ROWS).evidence).kind == ACCURATE  # on this grid, too
+    assert judge(run_of(TooLargeStep(engine("exudyn")), COARSE_ROWS).evidence).kind in (NOT_CONVERGED, DIVERGED)
+
+
+def test_a_reset_to_the_start_is_found_by_the_run_itself() -> None:
+    verdict = judge(run_of(Restarting(engine("reference"))).evidence)
+    assert verdict.kind == NOT_CONVERGED
+
+
+def test_a_stiffness_3_percent_off_is_found_by_comparison(sound: dict[str, Run]) -> None:
+    odd = run_of(Stiffer(engine("reference")))
+    assert judge(odd.evidence).kind == ACCURATE  # it converges, to another scene
+    assert verdicts_with(odd.columns, odd, sound) == {"reference": ACCURATE, "exudyn": ACCURATE, "odd": CONTRADICTED}
+
+
+#: What is left out: 2 q2' times the velocity in the base frame, in the acceleration of every point of the beam.
+CORIOLIS = (
+    ("- 2.0 * q2_rate * w.W_rate[point]", ""),
+    ("- 2.0 * q2_rate * w.F_rate[point]", ""),
+)
+PROGRAM = """
+import sys
+import numpy as np
+import reference_model
+from cases.case_file import load_case
+from cases.evidence import Scene, gather
+from cases.verdicts import judge
+assert reference_model.__file__.startswith(sys.argv[1]), reference_model.__file__
+scene = Scene(mechanism=load_case("thesis-24").mechanism, duration=0.4, output_step=1e-3, horizon=0.4)
+run = gather("fixed-shapes", scene, float(sys.argv[2]))
+print(judge(run.evidence))
+np.savez(sys.argv[3], tip_deflection=run.columns["tip_deflection"])
+"""
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("dropped", [False, True])
+def test_a_dropped_coriolis_term_is_found_by_comparison(dropped: bool, sound: dict[str, Run], tmp_path: Path) -> None:
+    """A copy of the code with the term cut out of the source, and a whole copy to see that copying does no harm."""
+    for package in (reference_model, engines):
+        source = Path(package.__file__ or "").parent
+        shutil.copytree(source, tmp_path / source.name, ignore=shutil.ignore_patterns("__pycache__"))
+    file = tmp_path / "reference_model" / "dynamics.py"
+    text = file.read_text()
+    for term, nothing in CORIOLIS if dropped else ():
+        assert text.count(term) == 1
+        text = text.replace(term, nothing)
+    file.write_text(text)
+    there = os.pathsep.join([str(tmp_path), *sys.path])
+    result, out = tmp_path / "result.npz", [str(tmp_path), str(REQUESTED), str(tmp_path / "result.npz")]
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, *out], env={**os.environ, "PYTHONPATH": there}, capture_output=True, text=True, timeout=900
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"Verdict(kind='{ACCURATE}'")  # by its own evidence
+    with np.load(result) as arrays:
+        deflection = arrays["tip_deflection"]
+    claimed = float(done.stdout.partition("claimed_error=")[2].partition(",")[0])
+    own = {name: judge(run.evidence) for name, run in sound.items()}
+    own["odd"] = judge(sound["reference"].evidence).__class__(ACCURATE, "", claimed, 0.4)
+    columns = {name: run.columns["tip_deflection"] for name, run in sound.items()} | {"odd": deflection}
+    differences = {(a, b): relative_difference(columns[a], columns[b]) for a in columns for b in columns if a < b}
+    kinds = {name: verdict.kind for name, verdict in compared(own, differences).verdicts.items()}
+    assert kinds == {"reference": ACCURATE, "exudyn": ACCURATE, "odd": CONTRADICTED if dropped else ACCURATE}

@@ -1,0 +1,83 @@
+"""Engines that are wrong on purpose and do not say so: a sound engine with one thing done to it behind its back."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import Engine, ModelDescription, Simulation
+from engines.settings import Settings
+from engines.start import Start
+from engines.trajectory import Trajectory
+from reference_model.mechanism import Mechanism
+
+
+class Disguised(Engine):
+    """Passes everything on to a sound engine."""
+
+    name = "disguised"
+    method = "another engine's"
+    default_accuracy = 1e-2
+    settings_type = Settings
+
+    def __init__(self, sound: Engine) -> None:
+        self.sound = sound
+
+    def version(self) -> str:
+        return self.sound.version()
+
+    def check(self, mechanism: Mechanism) -> None:
+        self.sound.check(mechanism)
+
+    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+        return self.sound.describe(mechanism, settings)
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> Settings:
+        return self.sound.settings_for(accuracy, mechanism)
+
+    def coarser(self, settings: Settings) -> tuple[Settings, float]:
+        return self.sound.coarser(settings)
+
+    def finer(self, settings: Settings) -> Settings | None:
+        return self.sound.finer(settings)
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+        return self.sound.prepare(mechanism, start, settings)
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+        return self.sound.natural_frequencies(mechanism, crank_angle, count, settings)
+
+
+class TooLargeStep(Disguised):
+    """Takes a step twenty times as large as its settings say."""
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+        taken = settings.replaced()
+        object.__setattr__(taken, "step", 20.0 * taken.step)  # type: ignore[attr-defined]  # past the range that settings accept
+        return self.sound.prepare(mechanism, start, taken)
+
+
+class Stiffer(Disguised):
+    """Bends a follower that is 3 % stiffer than the scene's."""
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+        follower = replace(mechanism.follower, bending_stiffness=1.03 * mechanism.follower.bending_stiffness)
+        return self.sound.prepare(replace(mechanism, follower=follower), start, settings)
+
+
+class Restarting(Disguised):
+    """Begins again from the start after half the time and does not say so, as a library does that resets itself."""
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+        return _Restarted(self.sound.prepare(mechanism, start, settings))
+
+
+class _Restarted(Simulation):
+    def __init__(self, sound: Simulation) -> None:
+        self._sound, self.setup_seconds, self.time = sound, sound.setup_seconds, sound.time
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        whole = self._sound.advance(duration, output_step)
+        half, rest = len(whole) // 2, len(whole) - len(whole) // 2
+        columns = {name: np.concatenate([values[:half], values[:rest]]) for name, values in whole.columns.items()}
+        return Trajectory({**columns, "time": whole["time"]}, whole.solve_seconds, whole.statistics)
