@@ -5,8 +5,7 @@ whole duration says more than the scene does; two good solutions then run apart 
 is energy, extremes and spectrum (`cases.spectrum`).
 """
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -27,8 +26,6 @@ Array = NDArray[np.float64]
 CHANGE: Final = 1e-3
 #: A scene whose answer moves by more than this is ill-conditioned: fifty times the change.
 ILL: Final = 0.05
-#: s; in the first rows next to nothing has moved, and a ratio of two such sums says nothing.
-_SETTLING_IN: Final = 0.02
 #: Accuracy at which the reference runs. Its error is the same with and without the change, so that it hardly shows in the difference.
 _ACCURACY: Final = 1e-3
 
@@ -40,8 +37,8 @@ class Conditioning:
     Attributes:
         changes: parameter ("stiffness", "damping", "speed", "speed at the same crank angle") -> RMS change of the tip deflection over
             its RMS, for `CHANGE` of the parameter, over the duration or until the scene ends.
-        horizon: s until when no change exceeds `ILL`: the duration in a well-conditioned scene. A change of speed counts at the same
-            crank angle: an answer that only comes sooner is not another answer.
+        horizon: length (s) of the longest stretch from the start on which no change exceeds `ILL`: the duration in a well-conditioned
+            scene. A change of speed counts at the same crank angle: an answer that only comes sooner is not another answer.
     """
 
     changes: Mapping[str, float]
@@ -69,8 +66,8 @@ def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> C
             differences["speed at the same crank angle"] = _at_same_angle(run, nominal)
     deflection = nominal["tip_deflection"]
     ratios = {name: _running_ratio(difference, deflection[: len(difference)]) for name, difference in differences.items()}
-    horizon = min(_horizon(ratio, duration, output_step) for name, ratio in ratios.items() if name != "speed")
-    return Conditioning({name: float(ratio[-1]) for name, ratio in ratios.items()}, horizon)
+    counting = [ratio for name, ratio in ratios.items() if name != "speed"]
+    return Conditioning({name: float(ratio[-1]) for name, ratio in ratios.items()}, _horizon(counting, duration, output_step))
 
 
 def changed(mechanism: Mechanism) -> dict[str, Mechanism]:
@@ -115,8 +112,8 @@ def _running_ratio(difference: Array, deflection: Array) -> Array:
     return np.sqrt(np.divide(changes, sums, out=np.zeros_like(sums), where=sums > 0.0))
 
 
-def _horizon(ratio: Array, duration: float, output_step: float) -> float:
-    """The first instant at which a ratio exceeds `ILL`, on the grid, s; the duration if it never does."""
-    first = math.ceil(_SETTLING_IN / output_step)
-    beyond = np.flatnonzero(ratio[first:] > ILL)
-    return output_step * float(first + beyond[0]) if len(beyond) else duration
+def _horizon(ratios: Sequence[Array], duration: float, output_step: float) -> float:
+    """Length of the longest stretch from the start on which no ratio exceeds `ILL`, s; the duration if that is all there is."""
+    rows = min(map(len, ratios))
+    well = np.flatnonzero(np.max([ratio[:rows] for ratio in ratios], axis=0) <= ILL)
+    return duration if well[-1] == rows - 1 else output_step * float(max(well[-1], 1))

@@ -23,7 +23,7 @@ from engines.registry import engine
 from reference_model.mechanism import Mechanism
 
 #: What one result may take: what would never end must not hold up the others.
-LIMITS: Final = Limits(seconds=900.0, memory=8 * 2**30)
+LIMITS: Final = Limits(seconds=1200.0, memory=8 * 2**30)
 
 _MODULES: Final = ("cases.evidence", "cases.verdicts", "cases.conditioning", "cases.spectrum", "cases.hard_results")
 #: Columns that are kept.

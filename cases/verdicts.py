@@ -28,6 +28,8 @@ MEANINGS: Final = {
     REFUSED: "the engine says that it cannot model this scene, and why",
 }
 
+#: Finer settings halve the error at least (every ladder's rungs do, once it converges), so that it is at most twice the difference.
+ERROR_PER_DIFFERENCE: Final = 2.0
 #: An amplitude that is off by a part moves the strain energy by twice that part.
 ENERGY_PER_ERROR: Final = 2.0
 #: What "accurate" means beyond the stretch: energy, extremes and spectrum of the tip deflection within this part.
@@ -96,7 +98,7 @@ class Evidence:
         """The larger of the two estimates; None without the first."""
         if self.error_estimate is None:
             return None
-        return max(self.error_estimate, self.finer_difference or 0.0)
+        return max(self.error_estimate, ERROR_PER_DIFFERENCE * (self.finer_difference or 0.0))
 
 
 @dataclass(frozen=True)

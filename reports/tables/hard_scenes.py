@@ -85,9 +85,9 @@ def conditioning(matrix: Matrix) -> Table:
     changes = ("stiffness", "damping", "speed", "speed at the same crank angle")
     builder = TableBuilder(
         "hard_scenes_conditioning",
-        f"Change of the tip deflection (RMS over RMS, by the reference, over the scene's duration or until it ends) when a parameter grows"
-        f" by {part}. Horizon: until when no change reaches {percent(ILL, '.0f')}, where a change of speed counts at the same crank angle; beyond it two good"
-        " solutions run apart. Converged: estimated error of the solution that the verdicts are checked against.",
+        "Change of the tip deflection (RMS over RMS, by the reference, over the scene's duration or until it ends) when a parameter grows"
+        f" by {part}. Horizon: until when no change reaches {percent(ILL, '.0f')}, where a change of speed counts at the same crank angle;"
+        " beyond it two good solutions run apart. Converged: estimated error of the solution that the verdicts are checked against.",
         (
             Column("scene", "scene", in_page=False),
             Column("title", "run 24 with"),
@@ -135,7 +135,8 @@ def cells(matrix: Matrix) -> Table:
         ),
         in_page=False,
     )
-    for cell in matrix.cells.values():
+    known = (matrix.cells.get((case.name, name)) for case in matrix.cases for name in matrix.engines)
+    for cell in filter(None, known):
         verdict = cell.verdict
         builder.add(
             scene=cell.scene,

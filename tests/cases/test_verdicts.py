@@ -23,7 +23,7 @@ from cases.verdicts import (
     judge,
 )
 
-GOOD = Evidence(requested=0.01, duration=2.0, stretch=2.0, row=1e-3, error_estimate=0.004, finer_difference=0.003, energy_residual=1e-3)
+GOOD = Evidence(requested=0.01, duration=2.0, stretch=2.0, row=1e-3, error_estimate=0.004, finer_difference=0.0015, energy_residual=1e-3)
 #: The slider leaves the follower at 0.25 s, whatever the settings.
 LEAVING = replace(GOOD, stretch=0.24, breakdown=Breakdown(time=0.25, cause="the slider left", at_the_end=True, finer_time=0.2505))
 #: Two good solutions run apart after 0.4 s.
@@ -33,7 +33,7 @@ WILD = replace(GOOD, stretch=0.4, later={"extremes": 0.03, "spectrum": 0.05, "en
 def test_a_run_without_doubt_is_accurate_and_claims_its_larger_estimate() -> None:
     verdict = judge(GOOD)
     assert (verdict.kind, verdict.claimed_error, verdict.stretch) == (ACCURATE, 0.004, 2.0)
-    assert judge(replace(GOOD, finer_difference=0.006)).claimed_error == 0.006
+    assert judge(replace(GOOD, finer_difference=0.004)).claimed_error == 0.008  # twice the difference
     assert judge(replace(GOOD, finer_difference=None, energy_residual=None)).kind == ACCURATE  # not every engine has all of it
 
 
@@ -44,7 +44,7 @@ def test_a_run_without_doubt_is_accurate_and_claims_its_larger_estimate() -> Non
         ({"error_estimate": float("nan")}, "exceeds"),
         ({"error_estimate": None, "remark": "the coarser run failed"}, "the coarser run failed"),
         ({"error_estimate": None}, "cannot be estimated"),
-        ({"finer_difference": 0.83}, "0.83"),
+        ({"finer_difference": 0.4}, "estimated error 0.8 exceeds"),
         ({"energy_residual": 0.021}, "energy balance"),
         ({"energy_residual": float("nan")}, "energy balance"),
         ({"constraint_gap": 1.1 * LARGEST_GAP}, "centre line"),

@@ -73,6 +73,7 @@ class FakeSimulation(Simulation):
         wave = np.sin(times) + error_of(self._settings.step) * np.cos(times)
         columns["time"] = times
         columns["crank_angle"] = self._start.crank_angle + self._start.crank_speed * times
+        columns["slider_position"] = np.full_like(times, 0.4)
         columns["tip_x"] = 0.5 + error_of(self._settings.step) * np.cos(times)
         if self._settings.behaviour != "rigid":
             columns["tip_deflection"] = wave

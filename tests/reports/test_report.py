@@ -134,7 +134,19 @@ def test_a_failure_is_told_in_full_and_what_comes_from_outside_is_escaped(folder
 
 
 def test_the_chapters_stand_in_their_order(read: PageReader) -> None:
-    wanted = ["answer", "runs", "disagreement", "thesis", "open", "accuracy", "experiment", "inconsistencies", "each-run", "provenance"]
+    wanted = [
+        "answer",
+        "runs",
+        "disagreement",
+        "thesis",
+        "open",
+        "accuracy",
+        "hard",
+        "experiment",
+        "inconsistencies",
+        "each-run",
+        "provenance",
+    ]
     assert [anchor for anchor in read.anchors if anchor in wanted] == wanted
     assert len(set(read.anchors)) == len(read.anchors)
 

@@ -1,0 +1,122 @@
+"""What a run shows about itself, on an engine whose motion and error are known in closed form."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.case_file import load_case
+from cases.evidence import Run, Scene, crank_jump, energy_residual, gather, relative_difference
+from cases.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
+from engines.base import EngineFailure, Refusal
+from engines.settings import Settings
+from engines.trajectory import Trajectory
+from reference_model.mechanism import Mechanism, Slider
+from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation, error_of
+
+SCENE = Scene(mechanism=load_case("thesis-24").mechanism, duration=10.0, output_step=0.1, horizon=10.0)
+LENGTH = SCENE.mechanism.follower.length
+
+
+class Behaving(FakeEngine):
+    """The fake engine, behaving in one of its ways from the first rung on."""
+
+    def __init__(self, behaviour: str = "good", step: float = 0.2) -> None:
+        self.first = FakeSettings(step=step, behaviour=behaviour)
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> FakeSettings:
+        return self.first
+
+
+def run(engine: FakeEngine, requested: float = 0.01, scene: Scene = SCENE) -> Run:
+    return gather("fake", scene, requested, lambda _: engine)
+
+
+def test_the_first_rung_that_is_good_enough_is_taken_and_its_claim_holds() -> None:
+    found = run(Behaving(step=0.4))
+    verdict = judge(found.evidence)
+    # second order: steps of 0.4, 0.2 and 0.1 leave 0.08, 0.02 and 0.005 times a cosine
+    assert (verdict.kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.1))
+    truth = np.sin(found.columns["time"])
+    assert verdict.claimed_error is not None
+    assert relative_difference(found.columns["tip_deflection"], truth) <= 1.05 * verdict.claimed_error  # cosine and sine differ in RMS
+    assert found.evidence.finer_difference == pytest.approx(error_of(0.1) - error_of(0.05), rel=0.1)
+
+
+def test_a_ladder_too_short_ends_in_doubt() -> None:
+    assert judge(run(Behaving(step=0.4), requested=1e-5).evidence).kind == NOT_CONVERGED
+
+
+@pytest.mark.parametrize("behaviour", ["fails", "raises", "nan", "short"])
+def test_whatever_breaks_down_is_told(behaviour: str) -> None:
+    verdict = judge(run(Behaving(behaviour)).evidence)
+    assert verdict.kind == DIVERGED
+    assert "failed at t = " in verdict.reason
+
+
+def test_an_unstable_step_is_cured_by_a_finer_one() -> None:
+    found = run(Behaving("unstable", step=0.1))
+    assert (judge(found.evidence).kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.025))
+
+
+def test_a_refusal_is_kept() -> None:
+    scene = replace(SCENE, mechanism=replace(SCENE.mechanism, slider=Slider(mass=1.0)))
+    verdict = judge(run(FakeEngine(), scene=scene).evidence)
+    assert (verdict.kind, verdict.reason) == (REFUSED, "slider.mass: engine fake models a massless slider only")
+
+    def unusable(name: str) -> FakeEngine:
+        raise Refusal(f"engine {name} is not available: no library")
+
+    assert judge(gather("fake", SCENE, 0.01, unusable).evidence).kind == REFUSED
+
+
+class Leaving(Behaving):
+    """The slider leaves the follower at 5 s, or later by `drift` times the step."""
+
+    def __init__(self, drift: float) -> None:
+        super().__init__()
+        self.drift = drift
+
+    def prepare(self, mechanism: Mechanism, start: object, settings: Settings) -> FakeSimulation:
+        simulation = super().prepare(mechanism, start, settings)  # type: ignore[arg-type]
+        assert isinstance(settings, FakeSettings)
+        end, advance = 5.0 + self.drift * settings.step, simulation.advance
+
+        def until_the_end(duration: float, output_step: float) -> Trajectory:
+            whole = advance(duration, output_step)
+            whole.columns["slider_position"] = LENGTH * (0.5 + 0.5 * whole["time"] / end)
+            if duration < end:
+                return whole
+            rows = int(np.searchsorted(whole["time"], end))
+            partial = Trajectory({name: values[:rows] for name, values in whole.columns.items()}, 0.0)
+            raise EngineFailure(end, "the slider left the follower", "lengthen it", partial)
+
+        simulation.advance = until_the_end  # type: ignore[method-assign]
+        return simulation
+
+
+def test_the_end_of_a_scene_is_told_with_its_time_and_the_error_until_then() -> None:
+    verdict = judge(run(Leaving(0.0)).evidence)
+    assert (verdict.kind, verdict.time) == (ENDED, 5.0)
+    assert verdict.stretch == pytest.approx(4.7)  # 95 % of it, on the grid
+    assert verdict.claimed_error is not None
+
+
+def test_an_end_that_moves_with_the_settings_is_none() -> None:
+    assert judge(run(Leaving(10.0)).evidence).kind == NOT_CONVERGED
+
+
+def test_a_balance_that_does_not_close_and_a_jump_are_measured() -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    columns = {name: np.zeros_like(time) for name in ("gravity_energy", "dissipated_energy", "drive_work")}
+    columns |= {"time": time, "kinetic_energy": np.cos(time) ** 2, "strain_energy": np.sin(time) ** 2}
+    largest = float(np.sin(1.0) ** 2)
+    assert energy_residual(columns) == pytest.approx(0.0, abs=1e-12)
+    assert energy_residual(columns | {"dissipated_energy": 0.03 * time}) == pytest.approx(0.03 / largest)
+    assert energy_residual(columns | {"dissipated_energy": 0.03 * time, "drive_work": 0.03 * time}) == pytest.approx(0.0, abs=1e-12)
+    assert energy_residual({"time": time, "kinetic_energy": time}) is None
+
+    turning = {"time": time, "crank_angle": 10.0 * time, "crank_speed": np.full_like(time, 10.0)}
+    assert crank_jump(turning) == pytest.approx(0.0, abs=1e-12)
+    jumped = turning | {"crank_angle": np.where(time < 0.5, 10.0 * time, 10.0 * time - 0.05)}
+    assert crank_jump(jumped) == pytest.approx(0.5)  # half of the 0.1 rad that a row turns

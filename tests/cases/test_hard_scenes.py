@@ -1,0 +1,83 @@
+"""The matrix of verdicts: short on two scenes, in full (`make verify`) on all, with every claim checked against a converged solution."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import cases.hard_results
+from cases.case_file import load_case, with_times
+from cases.hard_scenes import Matrix, judge_scenes
+from cases.library import catalogue
+from cases.library.hard import TAG
+from cases.store import Store
+from cases.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
+from engines.registry import MAIN
+
+SHORT = ("hard-speed-x3", "hard-slider-inertia")
+ENGINES = ("reference", "exudyn")
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
+    return Store(tmp_path_factory.mktemp("matrix"))
+
+
+@pytest.fixture(scope="module")
+def short(store: Store) -> Matrix:
+    return judge_scenes([with_times(load_case(name), duration=0.3) for name in SHORT], store, ENGINES, jobs=2)
+
+
+def test_engines_agree_when_the_slider_leaves_the_follower(short: Matrix) -> None:
+    for name in ENGINES:
+        verdict = short.cells["hard-speed-x3", name].verdict
+        assert verdict.kind == ENDED, verdict
+        # 7 to 11 modes of the reference agree on 0.2524 to 0.2526 s
+        assert verdict.time == pytest.approx(0.2525, abs=2e-3)
+        assert short.cells["hard-speed-x3", name].holds
+
+
+def test_a_feature_that_an_engine_lacks_is_refused_and_the_other_is_judged(short: Matrix) -> None:
+    assert short.cells["hard-slider-inertia", "exudyn"].verdict.kind == REFUSED
+    assert "slider.inertia" in short.cells["hard-slider-inertia", "exudyn"].verdict.reason
+    cell = short.cells["hard-slider-inertia", "reference"]
+    assert cell.verdict.kind == ACCURATE
+    assert cell.holds
+    assert cell.true_error is not None
+    assert short.silently_wrong == ()
+
+
+def test_what_is_stored_is_not_computed_again(short: Matrix, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    def computed(jobs: list[object], *_: object, **__: object) -> list[object]:
+        assert jobs == []
+        return []
+
+    monkeypatch.setattr(cases.hard_results, "run_jobs", computed)
+    again = judge_scenes(short.cases, store, ENGINES)
+    assert again == replace(short, cases=again.cases)
+    elsewhere = judge_scenes([replace(case, duration=0.2) for case in short.cases], store, ENGINES, compute=False)
+    assert elsewhere.cells == {}
+    assert elsewhere.silently_wrong == ()
+
+
+def test_a_process_that_dies_is_a_verdict_and_not_a_gap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cases.hard_results, "LIMITS", replace(cases.hard_results.LIMITS, seconds=0.01))
+    matrix = judge_scenes([with_times(load_case("hard-no-tip"), duration=0.1)], Store(tmp_path), ("mujoco",), jobs=2)
+    verdict = matrix.cells["hard-no-tip", "mujoco"].verdict
+    assert verdict.kind == DIVERGED
+    assert "stopped at the time limit of 0.01 s" in verdict.reason
+    assert matrix.converged == {"hard-no-tip": None}
+
+
+@pytest.mark.verify
+def test_no_cell_of_the_whole_matrix_is_silently_wrong(record_property: Callable[[str, object], None]) -> None:
+    """Stored where the report finds it; what was computed before is taken from there."""
+    scenes = [load_case(entry.name) for entry in catalogue(TAG)]
+    matrix = judge_scenes(scenes, Store())
+    assert set(matrix.cells) == {(case.name, name) for case in scenes for name in MAIN}
+    checked = [cell for cell in matrix.cells.values() if cell.holds is not None]
+    record_property("claims checked", len(checked))
+    record_property("claims that do not hold", len(matrix.silently_wrong))
+    assert matrix.silently_wrong == ()
+    assert checked

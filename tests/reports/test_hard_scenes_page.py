@@ -1,0 +1,109 @@
+"""The page of the hard scenes, on a made-up matrix."""
+
+from pathlib import Path
+
+import pytest
+
+from cases.case_file import load_case
+from cases.conditioning import Conditioning
+from cases.hard_scenes import Cell, Matrix
+from cases.library.hard import IMPOSSIBLE
+from cases.store import Store
+from cases.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
+from reports.page import page
+from reports.pages.content import Content
+from reports.pages.hard_scenes import hard_scenes, stored_matrix
+from reports.tables import hard_scenes as tables
+from tests.reports.reported_results import PageReader, reported_result
+
+SCENES = ("hard-speed-x2", "hard-speed-x3")
+ENGINES = ("thesis", "reference", "exudyn", "mujoco")
+VERDICTS = {
+    ("hard-speed-x2", "thesis"): Verdict(DIVERGED, "failed at t = 0.09 s: the loop cannot close", time=0.09),
+    ("hard-speed-x2", "reference"): Verdict(ACCURATE, "estimated error 0.004", 0.004, 0.42),
+    ("hard-speed-x2", "exudyn"): Verdict(NOT_CONVERGED, "the estimated error 0.83 exceeds the 0.01 asked"),
+    ("hard-speed-x2", "mujoco"): Verdict(CONTRADICTED, "differs from reference by 0.1"),
+    ("hard-speed-x3", "thesis"): Verdict(ACCURATE, "estimated error 0.0001", 0.0001, 2.0),
+    ("hard-speed-x3", "reference"): Verdict(ENDED, "the slider leaves", 0.005, 0.24, 0.2526, 1e-3),
+    ("hard-speed-x3", "exudyn"): Verdict(REFUSED, "slider.inertia: no"),
+}
+
+
+def matrix(*, wrong: bool = False) -> Matrix:
+    cells = {
+        (scene, engine): Cell(scene=scene, engine=engine, verdict=verdict, settings={"modes": 5}, true_error=0.003, holds=True)
+        for (scene, engine), verdict in VERDICTS.items()
+        if verdict.claimed_error is not None
+    } | {
+        (scene, engine): Cell(scene=scene, engine=engine, verdict=verdict, settings={})
+        for (scene, engine), verdict in VERDICTS.items()
+        if verdict.claimed_error is None
+    }
+    model = cells["hard-speed-x3", "thesis"]
+    cells["hard-speed-x3", "thesis"] = Cell(
+        scene=model.scene, engine=model.engine, verdict=model.verdict, settings={}, true_error=1e-5, holds=True, model_error=0.81
+    )
+    if wrong:
+        cells["hard-speed-x2", "reference"] = Cell(
+            scene="hard-speed-x2",
+            engine="reference",
+            verdict=VERDICTS["hard-speed-x2", "reference"],
+            settings={},
+            true_error=0.83,
+            holds=False,
+        )
+    changes = {"stiffness": 0.108, "damping": 0.006, "speed": 0.14, "speed at the same crank angle": 0.07}
+    conditionings = {"hard-speed-x2": Conditioning(changes, 0.42)}
+    return Matrix(tuple(load_case(name) for name in SCENES), ENGINES, cells, conditionings, {"hard-speed-x2": 5e-4})
+
+
+def read(found: Matrix | None) -> PageReader:
+    content = Content(results=[reported_result("thesis-24")], hard_scenes=found)
+    return PageReader(page([hard_scenes(content)], "today"))
+
+
+def test_every_cell_says_its_verdict_in_words() -> None:
+    (first, second) = read(matrix()).tables["hard_scenes.csv"]
+    texts = [text.replace("\N{NO-BREAK SPACE}", " ") for text, _ in (*first, *second)]
+    assert texts == [
+        "crank speed x 2",
+        "✗ diverged at 0.09 s",
+        "accurate 0.4 % up to 0.42 s",
+        "✗ not converged",
+        "✗ contradicted",
+        "crank speed x 3: the slider leaves the follower",
+        "accurate 0.01 % (its model: 81 % off)",
+        "ends at 0.2526 s, until then accurate 0.5 %",
+        "refused",
+        "not computed",
+    ]
+
+
+def test_reasons_and_evidence_go_into_the_files() -> None:
+    found = tables.verdicts(matrix()).csv()
+    for verdict in VERDICTS.values():
+        assert verdict.reason in found
+    every = tables.cells(matrix()).csv().splitlines()
+    assert len(every) == 1 + len(VERDICTS)
+    assert every[2] == "hard-speed-x2,reference,accurate,estimated error 0.004,0.004,0.42,,0.003,True,,modes = 5"
+
+
+def test_the_page_explains_itself_and_tells_what_was_checked() -> None:
+    text = read(matrix()).text
+    assert all(meaning in text for meaning in MEANINGS.values())
+    assert all(sentence in text for sentence in IMPOSSIBLE.values())
+    assert "no cell is silently wrong" in text
+    assert "1\N{NO-BREAK SPACE}cell of the matrix has not been computed" in text
+
+
+def test_a_claim_that_does_not_hold_is_shouted() -> None:
+    found = read(matrix(wrong=True))
+    assert "1\N{NO-BREAK SPACE}claim did not hold: reference in hard-speed-x2" in found.text
+    assert "silently wrong: claims 0.4" in found.text
+    assert "no cell is silently wrong" not in found.text
+
+
+def test_without_results_the_page_says_how_to_get_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "make verify" in read(None).text
+    monkeypatch.setattr("reports.pages.hard_scenes.catalogue", lambda tag: ())
+    assert stored_matrix(Store(tmp_path)) is None
