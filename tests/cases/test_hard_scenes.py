@@ -16,7 +16,7 @@ from cases.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
 from engines.registry import MAIN
 
 SHORT = ("hard-speed-x3", "hard-slider-inertia")
-ENGINES = ("reference", "exudyn")
+ENGINES = ("reference", "mujoco")
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +39,8 @@ def test_engines_agree_when_the_slider_leaves_the_follower(short: Matrix) -> Non
 
 
 def test_a_feature_that_an_engine_lacks_is_refused_and_the_other_is_judged(short: Matrix) -> None:
-    assert short.cells["hard-slider-inertia", "exudyn"].verdict.kind == REFUSED
-    assert "slider.inertia" in short.cells["hard-slider-inertia", "exudyn"].verdict.reason
+    assert short.cells["hard-slider-inertia", "mujoco"].verdict.kind == REFUSED
+    assert "slider.inertia" in short.cells["hard-slider-inertia", "mujoco"].verdict.reason
     cell = short.cells["hard-slider-inertia", "reference"]
     assert cell.verdict.kind == ACCURATE
     assert cell.holds
