@@ -1,12 +1,13 @@
 """Gathers the evidence for a verdict: one engine on one scene at several settings, none of which knows the right answer.
 
-The engine climbs its ladder from the settings that it thinks enough until the run's own estimate (coarser settings), the difference
-to finer settings and the balances of `cases.verdicts` leave no doubt, or the ladder or the effort ends. A run that breaks down is
-climbed likewise: a numerical breakdown moves or goes with finer settings, the end of a scene stays.
+The engine is asked for an accuracy as a user would ask it (`engines.accurate.simulate`), which climbs its ladder until its own estimate
+is good enough. What it delivers is then held against finer settings and the balances of `cases.verdicts`; while these leave a doubt, it
+is asked for more. Where the slider reaches the follower's end the run is judged up to shortly before; a numerical breakdown moves or
+goes with finer settings, the end of a scene stays.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -25,12 +26,12 @@ from reference_model.mechanism import Mechanism
 
 Columns = dict[str, NDArray[np.float64]]
 
-#: Rungs of an engine's ladder that are tried: enough for two decades of accuracy; the finest take minutes.
-MOST_RUNGS: Final = 5
-#: Finer settings that are tried after a numerical breakdown: an unstable step is cured by that, a scene that cannot go on is not.
-FINER_TRIES: Final = 1
-#: A run that breaks down is judged on this part of the time until then: coarser runs may break down a little earlier.
+#: What the engine is asked for, in parts of what is requested, while a doubt remains.
+ASKED: Final = (1.0, 0.3, 0.1)
+#: A run that breaks down is judged on this part of the time until then: runs with other settings may break down a little earlier.
 BEFORE_BREAKDOWN: Final = 0.95
+#: How often that stretch is cut shorter because finer settings find an earlier end.
+_CUTS: Final = 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +59,9 @@ class Run:
     columns: Columns
 
 
-def gather(engine: str, scene: Scene, requested: float, usable: Callable[[str], Engine] = usable_engine, rungs: int = MOST_RUNGS) -> Run:
+def gather(
+    engine: str, scene: Scene, requested: float, usable: Callable[[str], Engine] = usable_engine, asked: Sequence[float] = ASKED
+) -> Run:
     """The evidence on an engine in a scene.
 
     Args:
@@ -66,95 +69,88 @@ def gather(engine: str, scene: Scene, requested: float, usable: Callable[[str], 
         scene: what to simulate, from the standard start.
         requested: error of the tip deflection asked for.
         usable: finds an engine by its name.
-        rungs: of the engine's ladder, at most.
+        asked: see `ASKED`.
     """
     nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
+    found = Run(nothing, {}, {})
     try:
         chosen = usable(engine)
-        chosen.check(scene.mechanism)
-        rung: Settings | None = chosen.settings_for(requested, scene.mechanism)
+        for share in asked:
+            run = _Request(chosen, scene, requested, share * requested).run()
+            broken = run.evidence.breakdown
+            if found.columns and broken is not None and not broken.at_the_end:
+                break  # what breaks down when asked for more does not replace what ran
+            found, estimate = run, run.evidence.error_estimate
+            if judge(run.evidence).claimed_error is not None or estimate is None or estimate > share * requested:
+                break  # no doubt left, or the ladder ends here
     except (Refusal, SettingError) as refusal:
         return Run(replace(nothing, refused=str(refusal)), {}, {})
-    found, breakdowns = Run(nothing, {}, {}), 0
-    for _ in range(rungs):
-        if rung is None:
-            break
-        try:
-            run = _Rung(chosen, scene, requested, rung).run()
-        except (Refusal, SettingError) as refusal:
-            if not found.settings:
-                return Run(replace(nothing, refused=str(refusal)), {}, {})
-            break
-        broken = run.evidence.breakdown
-        numerical = broken is not None and not broken.at_the_end
-        breakdowns += numerical
-        if not numerical or not found.columns:
-            found = run
-        if judge(found.evidence).claimed_error is not None or breakdowns > FINER_TRIES:
-            break
-        rung = chosen.finer(rung)
     return found
 
 
-class _Rung:
-    """An engine with one choice of settings on a scene."""
+class _Request:
+    """An engine asked for an accuracy in a scene; the evidence is held against `requested`, which is at least that."""
 
-    def __init__(self, engine: Engine, scene: Scene, requested: float, settings: Settings) -> None:
-        self._engine, self._scene, self._requested, self._settings = engine, scene, requested, settings
+    def __init__(self, engine: Engine, scene: Scene, requested: float, accuracy: float) -> None:
+        self._engine, self._scene, self._accuracy = engine, scene, accuracy
         self._start = standard_start(scene.mechanism)
+        self._nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
 
     def run(self) -> Run:
-        """All runs that the evidence needs; finer ones only if the run's own estimate is good enough.
+        """All runs that the evidence needs.
 
         Raises:
-            Refusal, SettingError: the engine does not take these settings for this scene.
+            Refusal, SettingError: the engine does not take this scene.
         """
         scene = self._scene
-        nothing = Evidence(requested=self._requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
-        estimated, failure = self._estimated(scene.horizon)
-        if failure is None and scene.horizon < scene.duration:
-            whole, failure = self._once(self._settings)
-        else:
-            whole = estimated.trajectory if estimated else failure.partial if failure else None
-        stretch, breakdown, finer = scene.horizon, None, None
+        stretch, result, failure = self._delivered()
+        if failure is not None and (result is None or not self._at_the_end(failure.partial)):
+            broken = Breakdown(time=failure.time, cause=failure.cause)
+            return Run(replace(self._nothing, breakdown=broken), {}, dict(failure.partial.columns) if failure.partial else {})
+        assert result is not None
+        whole, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.settings)
+        evidence = replace(self._nothing, stretch=stretch, error_estimate=result.error_estimate, remark=result.remark)
         if failure is not None:
-            breakdown = Breakdown(time=failure.time, cause=failure.cause, at_the_end=self._at_the_end(whole))
-            if not breakdown.at_the_end:
-                return self._made(replace(nothing, breakdown=breakdown), whole)
-            finer, finer_failure = self._finer()
-            if finer_failure is not None and self._at_the_end(finer):
-                breakdown = replace(breakdown, finer_time=finer_failure.time)
-            if failure.time < scene.horizon:
+            evidence = replace(evidence, breakdown=Breakdown(time=failure.time, cause=failure.cause, at_the_end=self._at_the_end(whole)))
+        columns = dict(whole.columns) if whole is not None else {}
+        estimate = result.error_estimate
+        if estimate is not None and estimate <= evidence.requested and whole is not None:
+            evidence = self._balanced(evidence, columns, *self._finer(result.settings))
+        return Run(evidence, result.settings.as_dict(), columns)
+
+    def _delivered(self) -> tuple[float, Result | None, EngineFailure | None]:
+        """What a user is given of the longest stretch that there is, and why it is not the whole, where it is not."""
+        scene, stretch = self._scene, self._scene.horizon
+        first: EngineFailure | None = None
+        for _ in range(1 + _CUTS):
+            try:
+                result = simulate(self._engine, scene.mechanism, self._start, stretch, scene.output_step, accuracy=self._accuracy)
+            except EngineFailure as failure:
+                first = failure
                 stretch = scene.output_step * math.floor(BEFORE_BREAKDOWN * failure.time / scene.output_step)
-                estimated, failure = self._estimated(stretch) if stretch > 0.0 else (None, failure)
-                if estimated is None:
-                    remark = f"up to {stretch:.4g} s it {failure}"
-                    return self._made(replace(nothing, breakdown=breakdown, remark=remark), whole)
-        assert estimated is not None
-        evidence = replace(nothing, breakdown=breakdown, stretch=stretch, error_estimate=estimated.error_estimate, remark=estimated.remark)
-        if estimated.error_estimate is None or not estimated.error_estimate <= self._requested or whole is None:
-            return self._made(evidence, whole)
-        if breakdown is None:
-            finer, _ = self._finer()
-        return self._made(self._balanced(evidence, dict(whole.columns), finer), whole)
+                if stretch <= 0.0 or not self._at_the_end(failure.partial):
+                    return stretch, None, failure
+            else:
+                return stretch, result, first
+        return stretch, None, first
 
-    def _made(self, evidence: Evidence, whole: Trajectory | None) -> Run:
-        return Run(evidence, self._settings.as_dict(), dict(whole.columns) if whole is not None else {})
-
-    def _balanced(self, evidence: Evidence, whole: Columns, finer: Trajectory | None) -> Evidence:
+    def _balanced(self, evidence: Evidence, whole: Columns, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
         """The evidence with what finer settings and the balances say."""
         rows = round(evidence.stretch / evidence.row) + 1
         shown = {name: values[:rows] for name, values in whole.items()}
-        difference, later = None, None
+        difference, later, breakdown = None, None, evidence.breakdown
         if finer is not None and len(finer) >= rows:
             difference = relative_difference(finer["tip_deflection"][:rows], shown["tip_deflection"])
-        if evidence.breakdown is None and finer is not None and rows < len(whole["time"]) == len(finer):
+        if breakdown is not None and finer_failure is not None and self._at_the_end(finer):
+            breakdown = replace(breakdown, finer_time=finer_failure.time)
+        if breakdown is None and finer is not None and rows < len(whole["time"]) == len(finer):
             later = later_differences(whole, dict(finer.columns), evidence.stretch)
         return replace(
             evidence,
+            breakdown=breakdown,
             finer_difference=difference,
             later=later,
-            energy_residual=energy_residual(whole if evidence.breakdown is None else shown),
+            energy_residual=energy_residual(whole if breakdown is None else shown),
             constraint_gap=float(np.max(np.abs(shown["constraint_gap"]))) if "constraint_gap" in shown else None,
             crank_jump=crank_jump(whole),
         )
@@ -167,18 +163,9 @@ class _Rung:
         except EngineFailure as failure:
             return failure.partial, failure
 
-    def _finer(self) -> tuple[Trajectory | None, EngineFailure | None]:
-        finer = self._engine.finer(self._settings)
+    def _finer(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:
+        finer = self._engine.finer(settings, (), self._scene.output_step)
         return (None, None) if finer is None else self._once(finer)
-
-    def _estimated(self, stretch: float) -> tuple[Result | None, EngineFailure | None]:
-        """What a user of these settings is shown of a stretch, with the estimate of its error."""
-        scene = self._scene
-        texts = {name: _text(value) for name, value in self._settings.as_dict().items()}
-        try:
-            return simulate(self._engine, scene.mechanism, self._start, stretch, scene.output_step, texts, self._requested), None
-        except EngineFailure as failure:
-            return None, failure
 
     def _at_the_end(self, trajectory: Trajectory | None) -> bool:
         """Whether the slider reaches an end of the follower within two more rows, if it goes on as in the last one."""
@@ -210,7 +197,3 @@ def crank_jump(columns: Columns) -> float:
     turned = float(np.max(np.abs(speed))) * float(np.max(rows, initial=0.0))
     missed = np.abs(np.diff(columns["crank_angle"]) - 0.5 * rows * (speed[1:] + speed[:-1]))
     return float(np.max(missed)) / turned if turned > 0.0 and len(missed) else 0.0
-
-
-def _text(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -76,7 +76,9 @@ def _time(time: float | None) -> str:
 
 
 def _until(stretch: float | None, duration: float) -> str:
-    return "" if stretch is None or stretch >= duration * (1.0 - 1e-9) else f" up to {_time(stretch)}"
+    if stretch is None or stretch >= duration * (1.0 - 1e-9):
+        return ""
+    return f" up to {_time(stretch)}, then in energy, extremes and spectrum"
 
 
 def conditioning(matrix: Matrix) -> Table:

@@ -8,7 +8,7 @@ import pytest
 from cases.case_file import load_case
 from cases.evidence import Run, Scene, crank_jump, energy_residual, gather, relative_difference
 from cases.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
-from engines.base import EngineFailure, Refusal
+from engines.base import Comparison, EngineFailure, Refusal
 from engines.settings import Settings
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism, Slider
@@ -24,8 +24,13 @@ class Behaving(FakeEngine):
     def __init__(self, behaviour: str = "good", step: float = 0.2) -> None:
         self.first = FakeSettings(step=step, behaviour=behaviour)
 
+        self.optimism = 1.0  # what the estimate shows of the error
+
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> FakeSettings:
         return self.first
+
+    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        return tuple(replace(pair, factor=1.0 + 3.0 / self.optimism) for pair in super().comparisons(settings, mechanism, output_step))
 
 
 def run(engine: FakeEngine, requested: float = 0.01, scene: Scene = SCENE) -> Run:
@@ -57,6 +62,15 @@ def test_whatever_breaks_down_is_told(behaviour: str) -> None:
 def test_an_unstable_step_is_cured_by_a_finer_one() -> None:
     found = run(Behaving("unstable", step=0.1))
     assert (judge(found.evidence).kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.025))
+
+
+def test_what_finer_settings_doubt_is_asked_for_more_accurately() -> None:
+    engine = Behaving(step=0.2)
+    engine.optimism = 0.05
+    found = run(engine)
+    # its own estimate of the first rung, 0.02, is said to be 0.001, but the next finer one is 0.015 away
+    assert (judge(found.evidence).kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.1))
+    assert found.evidence.finer_difference == pytest.approx(error_of(0.1) - error_of(0.05), rel=0.1)
 
 
 def test_a_refusal_is_kept() -> None:

@@ -26,7 +26,7 @@ COARSE_ROWS = Scene(mechanism=MECHANISM, duration=0.4, output_step=0.02, horizon
 
 
 def run_of(chosen: Engine, scene: Scene = SHORT) -> Run:
-    return gather(chosen.name, scene, REQUESTED, lambda _: chosen, rungs=2)
+    return gather(chosen.name, scene, REQUESTED, lambda _: chosen, asked=(1.0,))
 
 
 @pytest.fixture(scope="module")

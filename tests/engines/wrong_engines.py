@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Engine, ModelDescription, Simulation
+from engines.base import Comparison, Engine, ModelDescription, Simulation
 from engines.settings import Settings
 from engines.start import Start
 from engines.trajectory import Trajectory
@@ -35,11 +35,11 @@ class Disguised(Engine):
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> Settings:
         return self.sound.settings_for(accuracy, mechanism)
 
-    def coarser(self, settings: Settings) -> tuple[Settings, float]:
-        return self.sound.coarser(settings)
+    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        return self.sound.comparisons(settings, mechanism, output_step)
 
-    def finer(self, settings: Settings) -> Settings | None:
-        return self.sound.finer(settings)
+    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> Settings | None:
+        return self.sound.finer(settings, excess, output_step)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
         return self.sound.prepare(mechanism, start, settings)
@@ -49,7 +49,10 @@ class Disguised(Engine):
 
 
 class TooLargeStep(Disguised):
-    """Takes a step twenty times as large as its settings say."""
+    """Takes a step twenty times as large as its settings say, and has no finer ones."""
+
+    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> None:
+        return None
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
         taken = settings.replaced()

@@ -68,7 +68,7 @@ def test_every_cell_says_its_verdict_in_words() -> None:
     assert texts == [
         "crank speed x 2",
         "✗ diverged at 0.09 s",
-        "accurate 0.4 % up to 0.42 s",
+        "accurate 0.4 % up to 0.42 s, then in energy, extremes and spectrum",
         "✗ not converged",
         "✗ contradicted",
         "crank speed x 3: the slider leaves the follower",
