@@ -125,13 +125,18 @@ class _Request:
         for _ in range(1 + _CUTS):
             try:
                 result = simulate(self._engine, scene.mechanism, self._start, stretch, scene.output_step, accuracy=self._accuracy)
-            except EngineFailure as failure:
-                first = failure
-                stretch = scene.output_step * math.floor(BEFORE_BREAKDOWN * failure.time / scene.output_step)
-                if stretch <= 0.0 or not self._at_the_end(failure.partial):
-                    return stretch, None, failure
+            except EngineFailure as error:
+                failure = error
             else:
-                return stretch, result, first
+                # without an estimate the runs for it broke down: finer settings may find an end that these do not
+                ended = self._finer(result.settings)[1] if result.error_estimate is None else None
+                if ended is None or not self._at_the_end(ended.partial):
+                    return stretch, result, first
+                failure = ended
+            first = failure
+            stretch = scene.output_step * math.floor(BEFORE_BREAKDOWN * min(failure.time, stretch) / scene.output_step)
+            if stretch <= 0.0 or not self._at_the_end(failure.partial):
+                break
         return stretch, None, first
 
     def _balanced(self, evidence: Evidence, whole: Columns, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
