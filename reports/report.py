@@ -113,7 +113,7 @@ def write_report(
     curves = load_curves()
     results = cross_validate(cases, store, engines, jobs=jobs, limits=limits)
     studies = _studies(cases, store, jobs, limits)
-    benchmarks = _benchmarks(store) if studies is not None else []
+    benchmarks = _benchmarks(store, limits) if studies is not None else []
     example = of_run(results, EXAMPLE) if EXAMPLE else None
     found, missing = _evidence(example, store, limits)
     content = Content(
@@ -177,7 +177,7 @@ def _studies(cases: Sequence[Case], store: Store, jobs: int | None, limits: Limi
     return run_studies(store, jobs, limits) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
 
 
-def _benchmarks(store: Store) -> list[Benchmark]:
+def _benchmarks(store: Store, limits: Limits | None) -> list[Benchmark]:
     """What was measured last of each scene; the first scene is measured now, once, if it never was."""
     found = []
     for name in SCENES:
@@ -185,7 +185,7 @@ def _benchmarks(store: Store) -> list[Benchmark]:
         table = stored(case, store)
         if table is None and name == SCENES[0]:
             with contextlib.suppress(EngineFailure, Refusal):  # the chapter says what is missing
-                table = measure(case, store, repetitions=1, longest=QUICK)
+                table = measure(case, store, repetitions=1, longest=QUICK, limits=limits)
         if table is not None:
             found.append(table)
     return found

@@ -2,6 +2,7 @@
 
 One process, pinned to one processor; the repetitions of all points are interleaved, so that a drift of the machine's speed meets all
 of them alike. Times are solve times as measured: nothing is scaled. Points that fail, and those that were not tried, stay in the table.
+What an engine does to its process it would do to this one: see `cases.benchmark.scenes.measure`, which finds that out before.
 """
 
 import contextlib
@@ -9,7 +10,7 @@ import os
 import platform
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -55,6 +56,7 @@ class Benchmark:
         repetitions: of a point at most.
         longest: solve time (s) beyond which the finer settings of a method were not tried.
         machine: processor, system and versions.
+        failures: engine -> why it was left out: it died, was stopped at a limit or cannot be used here.
     """
 
     case: str
@@ -66,6 +68,7 @@ class Benchmark:
     repetitions: int
     longest: float
     machine: dict[str, str]
+    failures: dict[str, str] = field(default_factory=dict)
 
     @property
     def confirmed(self) -> bool:

@@ -2,15 +2,20 @@
 
 import dataclasses
 from collections.abc import Sequence
+from contextlib import closing
 from typing import Final
 
 from cases.benchmark.measurement import LONG, REPETITIONS, Benchmark, pinned
+from cases.benchmark.methods import methods
 from cases.case import Case
 from cases.fingerprint import SIMULATION, code_fingerprint
 from cases.store import Store, key_of
-from cases.workers import Job, run_jobs
-from engines.base import EngineFailure
+from cases.workers import Job, Limits, default_limits, run_jobs
+from engines.accurate import run_once
+from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN, RIVALS, engine
+from engines.settings import SettingError
+from engines.start import standard_start
 
 #: Run 24, the run with the least strain, and two hard scenes: a soft follower, and a slider that gets to 96 % of the follower.
 SCENES: Final = ("thesis-24", "thesis-17", "hard-ei-x0.1", "hard-crank-6in")
@@ -25,22 +30,60 @@ def stored(case: Case, store: Store, names: Sequence[str] = ENGINES) -> Benchmar
     return None if entry is None else Benchmark(**entry.document)
 
 
-def measure(case: Case, store: Store, names: Sequence[str] = ENGINES, repetitions: int = REPETITIONS, longest: float = LONG) -> Benchmark:
+def measure(
+    case: Case,
+    store: Store,
+    names: Sequence[str] = ENGINES,
+    repetitions: int = REPETITIONS,
+    longest: float = LONG,
+    limits: Limits | None = None,
+) -> Benchmark:
     """Measure anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
+
+    An engine that dies when it is tried, or is stopped at the limits (None: `cases.workers.default_limits`), is left out; such a result
+    is not stored.
 
     Raises:
         EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.
-        StoreError: the result cannot be written.
         KeyboardInterrupt: Ctrl-C.
     """
-    (outcome,) = run_jobs([Job(case.name, pinned, (case, tuple(names), repetitions, longest))], preload=())
-    if outcome.error is not None:
+    limits = limits or default_limits()
+    failures = tried(case, names, limits)
+    sound = tuple(name for name in names if name not in failures)
+    allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
+    (outcome,) = run_jobs([Job(case.name, pinned, (case, sound, repetitions, longest))], limits=allowed)
+    if isinstance(outcome.error, (EngineFailure, Refusal)):
         raise outcome.error
     if not outcome.completed:
-        raise EngineFailure(0.0, f"the process of the benchmark was {outcome.failure}", "try fewer engines at once")
-    result: Benchmark = outcome.value
-    store.put(_key(case, names), dataclasses.asdict(result))
+        raise EngineFailure(0.0, f"the process of the benchmark {outcome.explanation}", "try fewer engines at once")
+    result: Benchmark = dataclasses.replace(outcome.value, failures=failures)
+    if not failures:
+        store.put(_key(case, names), dataclasses.asdict(result))
     return result
+
+
+def tried(case: Case, names: Sequence[str], limits: Limits) -> dict[str, str]:
+    """Engines that must not be let into the process in which all are measured, with the reason.
+
+    Each is tried with its coarsest settings in a process of its own. One that fails with words of its own is not among them: that is a
+    result, and stays in the table.
+    """
+    failures = {}
+    with closing(run_jobs([Job(name, _try, (case, name)) for name in names], limits=limits)) as outcomes:
+        for outcome in outcomes:
+            if outcome.value:
+                failures[outcome.job.name] = str(outcome.value)
+            elif not (outcome.completed or isinstance(outcome.error, (EngineFailure, Refusal, SettingError))):
+                failures[outcome.job.name] = outcome.explanation
+    return {name: failures[name] for name in names if name in failures}
+
+
+def _try(case: Case, name: str) -> str | None:
+    """Run the coarsest settings; why the engine cannot be used here, if it cannot."""
+    for method in methods([name], case)[:1]:
+        if method.ladder:
+            run_once(method.engine, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, method.ladder[0])
+    return engine(name).unavailable()
 
 
 def _key(case: Case, names: Sequence[str]) -> str:

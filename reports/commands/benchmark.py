@@ -5,7 +5,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.commands.options import WholeNumber, json_option, load, read_assignments, refuse_engine_settings, set_option
+from reports.commands.options import (
+    WholeNumber,
+    json_option,
+    limits,
+    load,
+    memory_limit_option,
+    opened_store,
+    read_assignments,
+    refuse_engine_settings,
+    set_option,
+    tell,
+    time_limit_option,
+)
 
 if TYPE_CHECKING:
     from cases.benchmark import Benchmark
@@ -16,37 +28,53 @@ if TYPE_CHECKING:
 @click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all.")
 @click.option("--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Interleaved repetitions at most.")
 @set_option
+@time_limit_option
+@memory_limit_option
 @json_option
-def command(cases: Sequence[str], engines: Sequence[str], repetitions: int, assignments: Sequence[str], as_json: bool) -> int:
+def command(
+    cases: Sequence[str],
+    engines: Sequence[str],
+    repetitions: int,
+    assignments: Sequence[str],
+    time_limit: str | None,
+    memory_limit: str | None,
+    as_json: bool,
+) -> int:
     """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
 
     Without a CASE: the scenes that the report compares methods on. What all engines gave is kept for the report.
 
-    Exit code 3: the solution to measure against could not be computed. Points that fail are listed and no error.
+    Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;
+    the others are measured all the same. Settings with which an engine says that it cannot go on are listed and no error.
     """
     import dataclasses
 
     from cases.benchmark import SCENES, measure
     from cases.benchmark.scenes import ENGINES
-    from cases.store import Store
-    from engines.registry import engine
-    from reports.command_line import GOOD
+    from engines.registry import engine, usable_engine
+    from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
     loaded = [load(case, overrides) for case in dict.fromkeys(cases or SCENES)]
     names = list(dict.fromkeys(engines)) or list(ENGINES)
-    for name in names:
-        engine(name)  # an unknown name is answered before anything runs
-    store, tables = Store(), []
+    for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
+        usable_engine(name) if engines else engine(name)
+    allowed = limits(time_limit, memory_limit)
+    store, tables = opened_store(), []
     for case in loaded:
-        tables.append(measure(case, store, names, repetitions))
+        tables.append(measure(case, store, names, repetitions, limits=allowed))
         if not as_json:
             _print(tables[-1])
     if as_json:
         print_json({"benchmarks": [dataclasses.asdict(table) for table in tables]})
-    return GOOD
+    for table in tables:
+        for name, reason in table.failures.items():
+            tell(f"{table.case}: engine {name} was left out: {reason}")
+    if any(table.failures for table in tables):
+        return ENGINE_TROUBLE
+    return BAD_INPUT if store.lost else GOOD
 
 
 def _print(table: "Benchmark") -> None:

@@ -7,6 +7,7 @@
 | an engine allocates without end | engine X failed: ran out of memory (limit M MiB), or a native library's last words | 3 | likewise |
 | an engine dies of SIGSEGV, is killed, quits, cuts its pipe | engine X failed: killed by SIGSEGV, ... | 3 | likewise |
 | an engine's library is not installed | engine X unavailable: why; asked for by name: --engine X: why | 3; 2 | likewise |
+| ... in a benchmark | engine X was left out: why | 3 | the others are measured |
 | the runner is killed | nothing; workers end with it, the next run continues | - | every result stored before |
 | the fork server is killed | nothing; the run goes on | 0 | everything |
 | two runs on one store | nothing | 0 | one whole entry per result |
@@ -19,11 +20,13 @@
 """
 
 import contextlib
+import dataclasses
 import json
 import os
 import resource
 import signal
 import subprocess
+import threading
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -32,10 +35,14 @@ from typing import Any
 
 import pytest
 
+from cases.benchmark.scenes import tried
+from cases.case_file import load_case
+from cases.workers import Limits
 from reports.pictures import Pictures
 from reports.report import write_report
 from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
 from tests.reports.conftest import Answer, Call
+from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.program import descendants, running, started, wait_until
 from tests.reports.scene_file import SCENE
 
@@ -189,6 +196,21 @@ def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, 
         assert not (place / "out.csv").exists()
 
 
+def test_a_benchmark_leaves_out_what_would_take_the_others_with_it(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("sound", "raises", "segfaults", "not-installed")  # what raises says so itself, and stays in the table
+    found = tried(load_case(str(place / "small.toml")), names, Limits(seconds=300.0))
+    assert found == {
+        "segfaults": "killed by SIGSEGV",
+        "not-installed": "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')",
+    }
+    monkeypatch.setattr("cases.benchmark.measure", lambda *_, **__: dataclasses.replace(made_up_benchmark("small"), failures=found))
+    code, output, errors = call("benchmark", "small.toml", "--json")
+    assert code == 3
+    assert json.loads(output)["benchmarks"][0]["failures"] == found
+    assert errors.splitlines() == [f"quickreturn: small: engine {name} was left out: {reason}" for name, reason in found.items()]
+    assert call("benchmark", "small.toml", "--engine", "not-installed").code == 2
+
+
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
@@ -273,16 +295,23 @@ def test_a_damaged_result_is_computed_anew_and_said_in_one_sentence(place: Path,
 
 
 def test_two_runs_on_one_store_do_not_disturb_each_other(place: Path, call: Call) -> None:
-    both = [run(place, "sound", "also-sound", "waits") for _ in range(2)]
-    for program in both:
-        wait_until(lambda: simulations(place).count("waits") >= 2, program)
-    (place / SIGNAL).touch()
-    answers = [answer_of(program) for program in both]
-    assert [(answer.code, answer.errors) for answer in answers] == [(0, "")] * 2
+    names = ("sound", "also-sound", "waits")
+    one = run(place, *names)
+    wait_until(lambda: "waits" in simulations(place), one)
+
+    def let_both_go_on() -> None:
+        wait_until(lambda: simulations(place).count("waits") == 2)
+        (place / SIGNAL).touch()
+
+    watch = threading.Thread(target=let_both_go_on)
+    watch.start()
+    other = call("run", "small.toml", *engines(*names), "--json")
+    watch.join()
+    assert [(answer.code, answer.errors) for answer in (answer_of(one), other)] == [(0, "")] * 2
     assert len(stored(place)) == 3
     assert nothing_half_done(place)
     simulated = simulations(place)
-    assert call("run", "small.toml", *engines("sound", "also-sound", "waits")).errors == ""
+    assert call("run", "small.toml", *engines(*names)).errors == ""
     assert simulations(place) == simulated, "what either of them stored is good"
 
 
