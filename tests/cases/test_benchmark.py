@@ -140,6 +140,7 @@ def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypa
 def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     store, case, affinity = Store(tmp_path), short(), os.sched_getaffinity(0)
     monkeypatch.setattr("cases.benchmark.scenes.pinned", _quick)
+    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
     assert stored(case, store, ("thesis",)) is None
     made = measure(case, store, ("thesis",), 1)
     assert stored(case, store, ("thesis",)) == made
@@ -150,6 +151,7 @@ def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, mo
 
 def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cases.benchmark.scenes.pinned", _broken)
+    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
     with pytest.raises(EngineFailure, match="the loop cannot close"):
         measure(short(), Store(), ("thesis",), 1)
     with pytest.raises(UnknownEngine):
