@@ -42,7 +42,7 @@ def test_random_scenes_are_sensible_and_the_same_each_time() -> None:
 
 
 def test_accuracy_asked_is_delivered_on_five_random_scenes() -> None:
-    requests = (*REFERENCE, ("exudyn", 1e-2))
+    requests = (("reference", 1e-2), ("reference", 1e-3), ("exudyn", 1e-2))
     rows = [row for scene in itertools.islice(random_scenes(SEED), 5) for row in scene_rows(scene, requests, confirm=False)]
     table = pd.DataFrame([dataclasses.asdict(row) for row in rows])
     check(table)
