@@ -1,0 +1,145 @@
+"""The mechanism's symmetries: mirror image, whole turns, and the independence of physics from the units of measure."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import strategies as st
+
+from cases.keys import SECTIONS
+from reference_model.mechanism import PrescribedSpeed
+from tests.properties.law import for_all
+from tests.properties.runs import (
+    COMPLIANT,
+    ENERGIES,
+    EXPLICIT,
+    EXUDYN,
+    MUJOCO,
+    STEPS_ADD_UP,
+    TOLERANCE,
+    Array,
+    Method,
+    assert_close,
+)
+from tests.strategies import Scene, numbers, scenes
+
+#: How closely an engine does the same thing again in other numbers. The integrators of the explicit models may take other steps for the
+#: sake of a rounding; Exudyn leaves Newton's iteration at a residual of 1e-6; MuJoCo's steps are fixed, roundings alone are left.
+REPEATED = {
+    **dict.fromkeys(("reference", "thesis", "fixed-shapes"), STEPS_ADD_UP * TOLERANCE),
+    "exudyn": 1e-6,
+    "mujoco": 1e-9,
+}
+#: What the image in the line through O and P does to each column: keeps it or turns its sign. The follower's angle is counted from
+#: the direction of P to O.
+MIRRORED = {
+    "crank_angle": -1.0,
+    "crank_speed": -1.0,
+    "follower_angle": -1.0,
+    "slider_position": 1.0,
+    "tip_x": 1.0,
+    "tip_y": -1.0,
+    "tip_deflection": -1.0,
+    "tip_acceleration": -1.0,
+    "strain_1": -1.0,
+    "strain_2": -1.0,
+    "strain_3": -1.0,
+    "slider_force": -1.0,
+    "crank_torque": -1.0,
+    "kinetic_energy": 1.0,
+    "strain_energy": 1.0,
+    "gravity_energy": 1.0,
+    "dissipated_energy": 1.0,
+    "drive_work": 1.0,
+}
+
+
+#: Exponents of length, mass and time in each column.
+DIMENSIONS = {
+    **dict.fromkeys(("crank_angle", "follower_angle", "strain_1", "strain_2", "strain_3"), (0, 0, 0)),
+    "crank_speed": (0, 0, -1),
+    **dict.fromkeys(("slider_position", "tip_x", "tip_y", "tip_deflection"), (1, 0, 0)),
+    "tip_acceleration": (1, 0, -2),
+    "slider_force": (1, 1, -2),
+    **dict.fromkeys(("crank_torque", *ENERGIES), (2, 1, -2)),
+}
+
+
+def mirrored(scene: Scene) -> Scene:
+    """The scene's image in the line through O and P."""
+    crank, drive, (g1, g2) = scene.mechanism.crank, scene.mechanism.crank.drive, scene.mechanism.gravity
+    if isinstance(drive, PrescribedSpeed):
+        drive = PrescribedSpeed(speed=-drive.speed)
+    else:
+        drive = replace(drive, torque=-drive.torque, initial_speed=-drive.initial_speed)
+    other = scene.with_part(crank=replace(crank, drive=drive, initial_angle=-crank.initial_angle), gravity=(g1, -g2))
+    return replace(other, bend=-scene.bend, bend_rate=-scene.bend_rate)
+
+
+def image(columns: dict[str, Array]) -> dict[str, Array]:
+    """The columns of the mirrored motion."""
+    seen = {name: sign * columns[name] for name, sign in MIRRORED.items() if name in columns}
+    # mirrored about the direction of P to O, which lies at half a turn
+    return seen | {"follower_angle": 2.0 * math.pi - columns["follower_angle"]}
+
+
+def factor(exponents: tuple[int, ...], units: tuple[float, float, float]) -> float:
+    """By what a number grows that has these exponents of length, mass and time."""
+    return math.prod(unit**exponent for unit, exponent in zip(units, exponents[:3], strict=True))
+
+
+def scaled(scene: Scene, units: tuple[float, float, float]) -> Scene:
+    """The scene with all lengths, masses and times multiplied; the dimension of each quantity is the one that case files demand."""
+
+    def grown(section: str, part: Any) -> Any:
+        changes = {}
+        for name, key in SECTIONS[section].items():
+            if hasattr(part, name):
+                value, by = getattr(part, name), factor(key.dimension.exponents, units)
+                changes[name] = tuple(by * each for each in value) if key.count else by * value
+        return replace(part, **changes)
+
+    m = scene.mechanism
+    parts = {name: grown(name, getattr(m, name)) for name in ("base", "follower", "slider")}
+    drive, speed = m.crank.drive, 1.0 / units[2]
+    drive = PrescribedSpeed(speed=speed * drive.speed) if isinstance(drive, PrescribedSpeed) else grown("crank", drive)
+    crank = replace(grown("crank", m.crank), drive=drive)
+    other = replace(grown("mechanism", m), crank=crank, tip=grown("tip", m.tip) if m.tip else None, **parts)
+    return replace(
+        scene,
+        mechanism=other,
+        bend=units[0] * scene.bend,
+        bend_rate=units[0] * speed * scene.bend_rate,
+        duration=units[2] * scene.duration,
+    )
+
+
+@pytest.mark.parametrize("method", [*EXPLICIT, EXUDYN, MUJOCO], ids=str)
+@for_all(few=4, many=100, scene=scenes())
+def test_the_mirror_image_moves_like_the_mirror_image(method: Method, scene: Scene) -> None:
+    assert_close(image(method.run(mirrored(scene)).columns), method.run(scene), scene, method, REPEATED[method.engine.name])
+
+
+@for_all(few=4, many=100, scene=scenes(compliant=True))
+def test_the_mirror_image_with_a_soft_joint(scene: Scene) -> None:
+    assert_close(image(COMPLIANT.run(mirrored(scene)).columns), COMPLIANT.run(scene), scene, COMPLIANT, REPEATED["reference"])
+
+
+@pytest.mark.parametrize("method", [*EXPLICIT, EXUDYN, MUJOCO], ids=str)
+@for_all(few=4, many=100, scene=scenes(), turns=st.sampled_from([1, -1, 3]))
+def test_whole_turns_of_the_crank_change_nothing(method: Method, scene: Scene, turns: int) -> None:
+    crank = scene.mechanism.crank
+    turned = method.run(scene.with_part(crank=replace(crank, initial_angle=crank.initial_angle + turns * 2.0 * math.pi)))
+    columns = turned.columns | {"crank_angle": turned["crank_angle"] - turns * 2.0 * math.pi}
+    assert_close(columns, method.run(scene), scene, method, REPEATED[method.engine.name])
+
+
+@pytest.mark.parametrize("method", [*EXPLICIT], ids=str)
+@for_all(few=4, many=100, scene=scenes(), powers=st.tuples(*[numbers(-1.0, 1.0)] * 3))
+def test_motion_scales_with_the_units_of_length_mass_and_time(method: Method, scene: Scene, powers: tuple[float, float, float]) -> None:
+    """Dimensional analysis: lengths, masses and times in other proportions are the same scene in other units."""
+    units = (10.0 ** powers[0], 10.0 ** powers[1], 10.0 ** powers[2])
+    columns = method.run(scaled(scene, units)).columns
+    back = {name: columns[name] / factor(exponents, units) for name, exponents in DIMENSIONS.items()}
+    assert_close(back, method.run(scene), scene, method, STEPS_ADD_UP * TOLERANCE)

@@ -1,0 +1,169 @@
+"""Random scenes and starts of moderate motion, for properties that hold whatever the numbers are.
+
+Every scene is drawn relative to a beam of its own: lengths relative to the pivot's distance, masses and inertias relative to the beam's,
+speeds relative to the beam's slowest bending, dampings relative to what damps within a few turns. The ranges hold the thesis' run 24
+and keep the slider on the follower and the tip's deflection below some tenth of the length; each part that a scene may lack is
+lacking in some.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal, Self
+
+import numpy as np
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from engines.start import Start
+from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
+
+Array = NDArray[np.float64]
+Drive = Literal["torque", "prescribed", "any"]
+
+
+@dataclass(frozen=True)
+class Bend:
+    """Deflection of a cantilever loaded at its end: W = `tip` x² (3 L - x) / (2 L³)."""
+
+    tip: float  # m, or m/s of a rate
+    length: float  # m
+
+    def __call__(self, x: Array, nu: int = 0, /) -> Array:
+        xi = x / self.length
+        shape = (xi**2 * (1.5 - 0.5 * xi), xi * (3.0 - 1.5 * xi), 3.0 - 3.0 * xi)[nu]
+        return self.tip / self.length**nu * shape
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A mechanism, how its follower is bent at the start, and for how long it runs."""
+
+    mechanism: Mechanism
+    bend: float  # m, the tip's deflection at the start
+    bend_rate: float  # m/s
+    duration: float  # s
+    rows: int  # output steps
+
+    @property
+    def start(self) -> Start:
+        """Standard start, bent where the scene says so."""
+        length, crank = self.mechanism.follower.length, self.mechanism.crank
+        bends = [Bend(size, length) if size else None for size in (self.bend, self.bend_rate)]
+        return Start(crank.initial_angle, crank.drive.initial_speed, *bends)
+
+    @property
+    def output_step(self) -> float:
+        """Output step, s."""
+        return self.duration / self.rows
+
+    def with_part(self, **parts: object) -> Self:
+        """The scene with parts of its mechanism replaced."""
+        return replace(self, mechanism=replace(self.mechanism, **parts))  # type: ignore[arg-type]
+
+
+def numbers(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers of six digits in a range: an example that fails can be read."""
+    return st.floats(low, high).map(lambda value: float(f"{value:.6g}"))
+
+
+def perhaps(low: float, high: float) -> st.SearchStrategy[float]:
+    """Zero or a number in a range."""
+    return st.just(0.0) | numbers(low, high)
+
+
+@st.composite
+def scenes(
+    draw: st.DrawFn,
+    *,
+    drive: Drive = "any",
+    damped: bool = True,
+    turning_slider: bool = False,
+    compliant: bool = False,
+    bent: bool = True,
+) -> Scene:
+    """Scenes with a flexible follower.
+
+    Args:
+        draw: given by hypothesis.
+        drive: how the crank is driven.
+        damped: with dampings, some of them zero; else without any.
+        turning_slider: some with a slider that has rotary inertia; else without any.
+        compliant: with a soft slider joint; else with a rigid one.
+        bent: some begin with a bent, vibrating follower; else all with a straight one.
+    """
+    d = draw(numbers(0.2, 1.0))
+    LA = d * draw(numbers(0.1, 0.35))
+    L = (d + LA) * draw(numbers(1.1, 1.5))
+    rhoA, EI = draw(numbers(0.1, 1.0)), draw(numbers(1.0, 20.0))
+    beam, beam_inertia = rhoA * L, rhoA * L**3 / 3.0
+    tip = draw(st.none() | tips(beam, L))
+    heavy = 1.0 + 4.0 * (tip.mass if tip else 0.0) / beam
+    slow = math.sqrt(EI / (rhoA * heavy)) / L**2  # rad/s, about a quarter of the cantilever's lowest angular frequency
+    speed = slow * draw(numbers(0.5, 1.8)) * draw(st.sampled_from([1.0, -1.0]))
+    slider = Slider(
+        mass=beam * draw(perhaps(0.05, 0.5)),
+        inertia=beam_inertia * draw(perhaps(1e-4, 1e-2)) if turning_slider else 0.0,
+        joint_stiffness=EI / L**3 * draw(numbers(1e3, 1e4)) if compliant else math.inf,
+        joint_damping=beam * slow * draw(_damping(damped)) if compliant else 0.0,
+    )
+    arm = LA * draw(numbers(0.0, 1.0))
+    mass = beam * draw(numbers(1.0, 20.0))
+    gravity = LA * speed**2 * draw(perhaps(0.02, 0.2))
+    direction = draw(numbers(-math.pi, math.pi))
+    return Scene(
+        mechanism=Mechanism(
+            pivot_distance=d,
+            crank=Crank(
+                length=LA,
+                drive=draw(drives(speed, beam_inertia * heavy, drive, damped)),
+                mass=mass,
+                center_of_mass=arm,
+                inertia=beam_inertia * heavy * draw(numbers(0.5, 5.0)),
+                initial_angle=draw(numbers(-math.pi, math.pi)),
+            ),
+            base=Base(inertia=beam_inertia * draw(perhaps(1e-3, 0.1)), damping=beam_inertia * abs(speed) * draw(_damping(damped))),
+            follower=Follower(
+                length=L,
+                mass_per_length=rhoA,
+                bending_stiffness=EI,
+                thickness=L * draw(numbers(0.004, 0.006)),
+                width=L * draw(numbers(0.05, 0.07)),
+                damping=rhoA * slow * draw(_damping(damped)),
+                strain_gauges=(0.25 * L, 0.5 * L, 0.75 * L),
+            ),
+            tip=tip,
+            slider=slider,
+            gravity=(gravity * math.cos(direction), gravity * math.sin(direction)),
+        ),
+        bend=L * draw(_either_sign(0.002, 0.02)) if bent else 0.0,
+        bend_rate=L * slow * draw(_either_sign(0.005, 0.05)) if bent else 0.0,
+        duration=2.0 * math.pi / abs(speed) * draw(numbers(0.1, 0.4)),
+        rows=draw(st.integers(8, 40)),
+    )
+
+
+def tips(beam: float, length: float) -> st.SearchStrategy[Tip]:
+    """Bodies at the end of a follower of mass `beam` (kg) and a length (m), some of them a mere point."""
+
+    def tip(share: float, gyration: float, offset: float) -> Tip:
+        return Tip(mass=beam * share, inertia=beam * share * (gyration * length) ** 2, center_of_mass=offset * length)
+
+    return st.builds(tip, numbers(0.05, 0.5), perhaps(0.01, 0.05), perhaps(0.01, 0.04))
+
+
+@st.composite
+def drives(draw: st.DrawFn, speed: float, inertia: float, kind: Drive, damped: bool) -> TorqueDrive | PrescribedSpeed:
+    """Drives of a crank that begins at `speed` (rad/s) and moves some `inertia` (kg m²)."""
+    if kind == "prescribed" or (kind == "any" and draw(st.booleans())):
+        return PrescribedSpeed(speed=speed)
+    # a torque that would change the speed by up to a fifth within a turn
+    torque = inertia * speed**2 * draw(_either_sign(0.005, 0.03))
+    return TorqueDrive(torque=torque, damping=inertia * abs(speed) * draw(_damping(damped)), initial_speed=speed)
+
+
+def _damping(damped: bool) -> st.SearchStrategy[float]:
+    return perhaps(0.01, 0.3) if damped else st.just(0.0)
+
+
+def _either_sign(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.builds(lambda size, sign: size * sign, perhaps(low, high), st.sampled_from([1.0, -1.0]))
