@@ -63,7 +63,7 @@ def test_accuracy_asked_is_delivered(record_property: Callable[[str, object], No
     record_property("chapter", chapter(table.drop(columns="confirmation"), "Asked and achieved, request by request", ""))
     check(table)
     # an engine that never says to have reached anything would pass the above
-    coarse = judged(table).query("asked >= 1e-3 and condition < @LARGEST_CONDITION")
+    coarse = judged(table).query("asked >= 1e-3")
     assert coarse["reached"].mean() > 0.95
     # a second formulation meets the truth within its own error, some 1e-4 in run 24 and up to tenfold in scenes as stiff or as wild
     confirmed = table.drop_duplicates("scene")["confirmation"].dropna()
