@@ -2,11 +2,11 @@
 
     python -m cases.accuracy_campaign --random 50 --engine reference --engine exudyn --accuracy 1e-3 --output table.csv
 
-The truth of a scene is `reference` with 13 modes at a tolerance of 1e-9. Its own error is not known but bounded by how far 11 modes are
-away, which have several times its error where modes converge, and it is confirmed by a formulation that shares nothing with it: MuJoCo's chain of 40 links,
-whose own error is some 1e-4. An accuracy is judged on a scene only if the truth is known three times as well, and not at all on a violent one: where a change of
-the bending stiffness by one part in a thousand moves the tip by five percent (`LARGEST_CONDITION`), models that differ by as little as
-an axial stretch differ visibly.
+The truth of a scene is `reference` with 13 modes at a tolerance of 1e-9. Its own error is not known but bounded by how far 11 modes
+are away, which have several times its error where modes converge, and it is confirmed by a formulation that shares nothing with it:
+MuJoCo's chain of 40 links, whose own error is some 1e-4. An accuracy is judged on a scene only if the truth is known three times as
+well, and not at all on a violent one: where a change of the bending stiffness by one part in a thousand moves the tip by five percent
+(`LARGEST_CONDITION`), models that differ by as little as an axial stretch differ visibly.
 """
 
 import argparse
