@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
 from engines.exudyn.cable import Cable
+from engines.exudyn.damping import Dampers
 from engines.exudyn.record import Record, accumulated, drive_columns, index
 from engines.exudyn.slider import Gap, add_slider, gap
 from engines.start import Start
@@ -113,9 +114,10 @@ class FlexibleModel:
         assembly.listed_body(f"follower: {elements} ANCF cable elements")
         base = add_ends(assembly, cable, state, nodes)
         self._damper_weights = np.zeros(elements + 1)
+        self._dampers: Dampers | None = None
         if base is not None and follower.damping > 0.0:
             self._damper_weights = follower.damping * _quadrature(cable)
-            self._add_dampers(base[1], nodes)
+            self._dampers = Dampers(assembly, base, nodes, cable.nodes, self._damper_weights)
         self._add_weight(nodes)
         slider = add_slider(assembly, cable, state, start, crank, cables, axial)
         self._joint = slider.joint
@@ -124,15 +126,8 @@ class FlexibleModel:
         self._crank_index = index(assembly, crank_node) + 2
         self._node_indices = np.array([index(assembly, node) for node in nodes])
         self._axial_index = index(assembly, axial)
-
-    def _add_dampers(self, base: Any, nodes: list[Any]) -> None:
-        """Distributed damping relative to the base frame, gathered at the nodes, from points fixed in the base body."""
-        for x, node, damping in zip(self._cable.nodes[1:], nodes[1:], self._damper_weights[1:], strict=True):
-            markers = [
-                self.assembly.point_marker(base, x),
-                self.assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node)),
-            ]
-            self.assembly.mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, damping=[damping, damping, 0.0]))
+        if self._dampers is not None:
+            self._dampers.locate(assembly)
 
     def _add_weight(self, nodes: list[Any]) -> None:
         """Consistent nodal forces of the follower's weight.
@@ -151,6 +146,11 @@ class FlexibleModel:
                     if load != 0.0:
                         marker = self.assembly.coordinate_marker(node, coordinate)
                         self.assembly.mbs.AddLoad(items.LoadCoordinate(markerNumber=marker, load=load))
+
+    def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
+        """See `engines.exudyn.record.Model`."""
+        if self._dampers is not None:
+            self._dampers.follow(coordinates, rates, duration)
 
     def slider_position(self, coordinates: Array) -> float:
         """Arc length of the slider for one row of coordinates, m."""
@@ -226,17 +226,16 @@ class FlexibleModel:
         return -moment @ np.array(self._mechanism.gravity)
 
     def _dissipated(self, record: Record, q: Array, rates: Array, accelerations: Array, joint: Gap) -> Array:
-        """Work taken by the dampers of crank, base, follower and slider, exactly as they are built."""
+        """Work taken by the dampers of crank, base, follower and slider."""
         crank_damping = getattr(self._mechanism.crank.drive, "damping", 0.0)
         speed, acceleration = record.rates[:, self._crank_index], record.accelerations[:, self._crank_index]
-        b1, frame_rate, frame_acceleration = _direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
+        _, frame_rate, frame_acceleration = _direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
         power = crank_damping * speed**2 + self._mechanism.base.damping * frame_rate**2
         power_rate = 2.0 * (crank_damping * speed * acceleration + self._mechanism.base.damping * frame_rate * frame_acceleration)
-        b2, x = _turned(b1), self._cable.nodes[:, None]
-        relative = rates[:, :, :2] - frame_rate[:, None, None] * x * b2[:, None]
-        relative_rate = (
-            accelerations[:, :, :2] - frame_acceleration[:, None, None] * x * b2[:, None] + (frame_rate**2)[:, None, None] * x * b1[:, None]
-        )
+        radius = q[:, :, :2] - np.array([self._mechanism.pivot_distance, 0.0])
+        turned, turned_rate = _turned(radius), _turned(rates[:, :, :2])
+        relative = rates[:, :, :2] - frame_rate[:, None, None] * turned
+        relative_rate = accelerations[:, :, :2] - frame_acceleration[:, None, None] * turned - frame_rate[:, None, None] * turned_rate
         power = power + np.sum(relative**2, axis=2) @ self._damper_weights
         power_rate = power_rate + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights
         power = power + self._mechanism.slider.joint_damping * joint.rate**2

@@ -33,6 +33,9 @@ class Model(Protocol):
 
     assembly: Assembly
 
+    def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
+        """Set what stands still over the next stretch of the simulation, `duration` (s) long and at most `damping.LONGEST`."""
+
     def slider_position(self, coordinates: Array) -> float:
         """Arc length of the slider for one row of coordinates, m."""
 

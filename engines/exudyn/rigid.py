@@ -80,6 +80,9 @@ class RigidModel:
         )
         return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations)
 
+    def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
+        """See `engines.exudyn.record.Model`; nothing has to be set."""
+
     def slider_position(self, coordinates: Array) -> float:
         """Arc length of the slider for one row of coordinates, m."""
         return float(self._slider_in_frame(coordinates[None])[0, 0])

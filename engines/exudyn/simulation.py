@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import EngineFailure, Simulation
+from engines.exudyn.damping import LONGEST
 from engines.exudyn.record import Model, Record
 from engines.exudyn.settings import ExudynSettings
 from engines.trajectory import Trajectory
@@ -23,7 +24,8 @@ class ExudynSimulation(Simulation):
     """A prepared system and its solver, kept alive between calls of `advance` so that its internal accelerations carry over.
 
     Exudyn's `SolveSteps` restarts its clock at `it.startTime` but continues from the present state. It is therefore called once
-    per output step, always from 0 to the output step: the steps are the same whether a time is covered in one call or in many.
+    per output step, or more often where that is long, always from 0: the steps are the same whether a time is covered in one call
+    or in many.
     """
 
     def __init__(self, model: Model, settings: ExudynSettings) -> None:
@@ -51,8 +53,9 @@ class ExudynSimulation(Simulation):
         if count < 1 or not math.isclose(count * output_step, duration, rel_tol=1e-6):
             raise ValueError(f"duration {duration!r} s is not a multiple of output_step {output_step!r} s")
         begun = time.perf_counter()
-        steps_each = max(1, math.ceil(output_step / self._step - 1e-9))
-        self._set_step(output_step, steps_each)
+        steps = max(1, math.ceil(output_step / self._step - 1e-9))
+        self._stretches = _stretches(output_step, steps)
+        self._set_step(output_step / self._stretches, steps // self._stretches)
         newton_before = self._solver.it.newtonStepsCount
         rows, failure = [self._last], None
         for _ in range(count):
@@ -66,22 +69,34 @@ class ExudynSimulation(Simulation):
         for name in _ACCUMULATED:
             columns[name] = columns[name] + self._totals[name]
             self._totals[name] = float(columns[name][-1])
-        statistics = {"steps": float(done * steps_each), "newton_iterations": float(self._solver.it.newtonStepsCount - newton_before)}
+        statistics = {
+            "steps": float(done * steps),
+            "newton_iterations": float(self._solver.it.newtonStepsCount - newton_before),
+        }
         self.time, self._last = float(at[-1]), rows[-1]
         trajectory = Trajectory(columns, time.perf_counter() - begun, statistics)
         if failure is not None:
             raise EngineFailure(self.time, *failure, trajectory)
         return trajectory
 
-    def _set_step(self, output_step: float, steps: int) -> None:
+    def _set_step(self, stretch: float, steps: int) -> None:
         integration, iteration = self._solver_settings.timeIntegration, self._solver.it
-        integration.endTime = iteration.endTime = output_step
+        integration.endTime = iteration.endTime = stretch
         integration.numberOfSteps = iteration.numberOfSteps = steps
-        iteration.maxStepSize = iteration.initialStepSize = iteration.currentStepSize = output_step / steps
+        iteration.maxStepSize = iteration.initialStepSize = iteration.currentStepSize = stretch / steps
 
     def _output_step(self) -> tuple[str, str] | None:
         """Solve up to the next output instant; cause and advice if that fails."""
+        for _ in range(self._stretches):
+            failure = self._stretch()
+            if failure is not None:
+                return failure
+        return None
+
+    def _stretch(self) -> tuple[str, str] | None:
         smaller = "try a smaller engine.step"
+        rates = self._mbs.systemData.GetODE2Coordinates_t()
+        self._model.prepare_stretch(self._coordinates(), rates, self._solver.it.endTime)
         try:
             solved = self._solver.SolveSteps(self._mbs, self._solver_settings)
         except exu.ExudynError as error:
@@ -89,7 +104,7 @@ class ExudynSimulation(Simulation):
         if not solved:
             return f"Newton's iteration did not converge ({_one_line(self._solver.GetErrorString())})", smaller
         if not math.isclose(self._solver.it.currentTime, self._solver.it.endTime, rel_tol=1e-9):
-            return "Exudyn stopped before the end of the output step", smaller
+            return "Exudyn stopped before the end of a stretch of steps", smaller
         coordinates = self._coordinates()
         if not np.all(np.isfinite(coordinates)):
             return "the solution is not finite", smaller
@@ -104,6 +119,12 @@ class ExudynSimulation(Simulation):
 
     def _coordinates(self) -> Array:
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
+
+
+def _stretches(output_step: float, steps: int) -> int:
+    """Number of equal parts with whole steps in an output step: the least whose parts are no longer than `LONGEST`, or the steps."""
+    fitting = (parts for parts in range(1, steps + 1) if steps % parts == 0 and output_step / parts <= LONGEST * (1.0 + 1e-9))
+    return next(fitting, steps)
 
 
 def _solver_settings(settings: ExudynSettings, mechanism: Mechanism) -> exu.SimulationSettings:

@@ -1,0 +1,64 @@
+"""Distributed damping of the follower relative to its base frame.
+
+The force on the unit of length is -c (v - omega i r), with r the place from P, v its velocity, omega the rate of the base frame. None of
+Exudyn's connectors knows this velocity: a damper between a node and a point fixed in the base body sees v - omega i r', r' the place of
+that point. Tied to the point at the same arc length of the straight follower it would see omega times the deflection too much, which is
+nothing in run 24 (2e-5 of the tip deflection) and 8e-4 in 0.3 s with a tenth of its bending stiffness, and no finer mesh or step would
+tell. So the dampers' points in the base body follow the nodes: before every stretch of the simulation each is put where its node will
+be in the base frame in the middle of the stretch. What is left is of second order in its length, and 1e-3 of the correction at 1 ms.
+"""
+
+from typing import Any, Final
+
+import numpy as np
+from exudyn import itemInterface as items  # noqa: N813
+from numpy.typing import NDArray
+
+from engines.exudyn.assembly import Assembly
+from engines.exudyn.record import index
+
+Array = NDArray[np.float64]
+
+#: Longest stretch of the simulation over which the dampers' points may stand still, s.
+LONGEST: Final = 1e-3
+
+
+class Dampers:
+    """Dampers between the nodes of the cable, but for the first, and the base body pinned at P.
+
+    Args:
+        assembly: under construction.
+        base: node and object number of the base body.
+        nodes: of the cable.
+        x: their arc lengths, m, shape (nodes,).
+        weights: damping gathered at each, N s/m, shape (nodes,).
+    """
+
+    def __init__(self, assembly: Assembly, base: tuple[Any, Any], nodes: list[Any], x: Array, weights: Array) -> None:
+        self._mbs = assembly.mbs
+        self._pivot = np.array([assembly.mechanism.pivot_distance, 0.0])
+        self._base, self._nodes = base[0], nodes[1:]
+        self._points = [assembly.point_marker(base[1], place) for place in x[1:]]
+        for point, node, weight in zip(self._points, self._nodes, weights[1:], strict=True):
+            markers = [point, assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))]
+            assembly.mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, damping=[weight, weight, 0.0]))
+
+    def locate(self, assembly: Assembly) -> None:
+        """Find the coordinates; once, after the system is assembled."""
+        self._angle = index(assembly, self._base) + 2
+        self._places = np.array([index(assembly, node) for node in self._nodes])[:, None] + np.arange(2)
+
+    def follow(self, coordinates: Array, rates: Array, duration: float) -> None:
+        """Put the points where the nodes will be halfway through the next `duration` (s).
+
+        Args:
+            coordinates: total second-order coordinates of the present instant, shape (coordinates,); `rates` alike.
+            rates: their rates.
+            duration: s.
+        """
+        angle = coordinates[self._angle] + 0.5 * duration * rates[self._angle]
+        away = coordinates[self._places] + 0.5 * duration * rates[self._places] - self._pivot
+        cosine, sine = np.cos(angle), np.sin(angle)
+        x, y = cosine * away[:, 0] + sine * away[:, 1], cosine * away[:, 1] - sine * away[:, 0]
+        for point, along, across in zip(self._points, x.tolist(), y.tolist(), strict=True):
+            self._mbs.SetMarkerParameter(point, "localPosition", [along, across, 0.0])
