@@ -156,9 +156,14 @@ class _Request:
             finer_difference=difference,
             later=later,
             energy_residual=energy_residual(whole if breakdown is None else shown),
-            constraint_gap=float(np.max(np.abs(shown["constraint_gap"]))) if "constraint_gap" in shown else None,
+            constraint_gap=self._gap(shown),
             crank_jump=crank_jump(whole),
         )
+
+    def _gap(self, columns: Columns) -> float | None:
+        """Largest distance of the slider from the centre line; a soft joint has one by its nature."""
+        rigid = math.isinf(self._scene.mechanism.slider.joint_stiffness)
+        return float(np.max(np.abs(columns["constraint_gap"]))) if rigid and "constraint_gap" in columns else None
 
     def _once(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:
         """A run over the whole duration, or what there is of it and why there is no more."""

@@ -45,7 +45,7 @@ class Breakdown:
     """A run that did not reach its end, and how it goes with finer settings.
 
     Attributes:
-        time: s, last instant known to be good.
+        time: s, last instant known to be good; zero where there is none.
         cause: a clause.
         at_the_end: whether the slider stood within a row of the follower's end.
         finer_time: the same run with finer settings; None where it reached its end, failed elsewhere or there are none.
@@ -74,7 +74,7 @@ class Evidence:
         remark: what the engine's run says about its estimate, or "".
         energy_residual: largest violation of the energy balance over the largest strain energy, in `stretch`; None where the engine
             has not all the columns.
-        constraint_gap: m, largest; None where the engine has no such column.
+        constraint_gap: m, largest; None where the engine has no such column or the joint is soft.
         crank_jump: see `LARGEST_JUMP`.
         later: what is compared beyond the stretch -> relative difference to finer settings; None where there is no such part or run.
     """
@@ -130,6 +130,8 @@ def judge(evidence: Evidence) -> Verdict:
     broken = evidence.breakdown
     if broken is None:
         return Verdict(NOT_CONVERGED, doubt) if doubt else _accurate(evidence)
+    if broken.time == 0.0:
+        return Verdict(DIVERGED, broken.cause)
     if not broken.at_the_end:
         return Verdict(DIVERGED, f"failed at t = {broken.time:.4g} s: {broken.cause}", time=broken.time)
     if broken.finer_time is None or abs(broken.finer_time - broken.time) > evidence.requested * broken.time + evidence.row:

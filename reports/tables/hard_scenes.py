@@ -58,7 +58,7 @@ def _cell(judged: Judged | None, duration: float) -> Cell:
         ENDED: f"ends at {_time(verdict.time)}, until then accurate {_size(verdict.claimed_error)}",
         NOT_CONVERGED: NOT_CONVERGED,
         CONTRADICTED: CONTRADICTED,
-        DIVERGED: f"diverged at {_time(verdict.time)}",
+        DIVERGED: "no result" if verdict.time is None else f"diverged at {_time(verdict.time)}",
         REFUSED: REFUSED,
     }
     text = texts[verdict.kind]

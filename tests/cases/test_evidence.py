@@ -10,6 +10,7 @@ from cases.evidence import Run, Scene, crank_jump, energy_residual, gather, rela
 from cases.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
 from engines.base import Comparison, EngineFailure, Refusal
 from engines.settings import Settings
+from engines.start import Start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism, Slider
 from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation, error_of
@@ -56,7 +57,8 @@ def test_a_ladder_too_short_ends_in_doubt() -> None:
 def test_whatever_breaks_down_is_told(behaviour: str) -> None:
     verdict = judge(run(Behaving(behaviour)).evidence)
     assert verdict.kind == DIVERGED
-    assert "failed at t = " in verdict.reason
+    told = {"fails": "the beam snapped", "raises": "ZeroDivisionError", "nan": "strain_2 is no longer", "short": "rows"}
+    assert told[behaviour] in verdict.reason
 
 
 def test_an_unstable_step_is_cured_by_a_finer_one() -> None:
@@ -71,6 +73,30 @@ def test_what_finer_settings_doubt_is_asked_for_more_accurately() -> None:
     # its own estimate of the first rung, 0.02, is said to be 0.001, but the next finer one is 0.015 away
     assert (judge(found.evidence).kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.1))
     assert found.evidence.finer_difference == pytest.approx(error_of(0.1) - error_of(0.05), rel=0.1)
+
+
+class Gaping(Behaving):
+    """Leaves a gap of a millimetre."""
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> FakeSimulation:
+        simulation = super().prepare(mechanism, start, settings)
+        advance = simulation.advance
+
+        def with_gap(duration: float, output_step: float) -> Trajectory:
+            whole = advance(duration, output_step)
+            whole.columns["constraint_gap"] = np.full_like(whole["time"], 1e-3)
+            return whole
+
+        simulation.advance = with_gap  # type: ignore[method-assign]
+        return simulation
+
+
+def test_a_gap_is_a_doubt_unless_the_joint_is_soft() -> None:
+    verdict = judge(run(Gaping()).evidence)
+    assert verdict.kind == NOT_CONVERGED
+    assert "off the centre line by up to 0.001 m" in verdict.reason
+    soft = replace(SCENE, mechanism=replace(SCENE.mechanism, slider=Slider(joint_stiffness=1e4)))
+    assert judge(run(Gaping(), scene=soft).evidence).kind == ACCURATE
 
 
 def test_a_refusal_is_kept() -> None:
@@ -91,8 +117,8 @@ class Leaving(Behaving):
         super().__init__()
         self.drift = drift
 
-    def prepare(self, mechanism: Mechanism, start: object, settings: Settings) -> FakeSimulation:
-        simulation = super().prepare(mechanism, start, settings)  # type: ignore[arg-type]
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> FakeSimulation:
+        simulation = super().prepare(mechanism, start, settings)
         assert isinstance(settings, FakeSettings)
         end, advance = 5.0 + self.drift * settings.step, simulation.advance
 

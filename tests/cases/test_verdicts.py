@@ -67,6 +67,8 @@ def test_a_breakdown_is_told_with_time_and_cause() -> None:
     assert (verdict.kind, verdict.time) == (DIVERGED, 0.3)
     assert "0.3 s: the beam snapped" in verdict.reason
     assert verdict.claimed_error is None
+    never_began = judge(replace(GOOD, breakdown=Breakdown(time=0.0, cause="stopped at the time limit of 9 s")))
+    assert never_began == Verdict(DIVERGED, "stopped at the time limit of 9 s")
 
 
 def test_the_end_of_a_scene_is_one_only_if_finer_settings_find_it_too() -> None:
