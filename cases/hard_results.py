@@ -1,7 +1,8 @@
 """What the matrix of verdicts is made of, computed in processes of their own and stored as it comes.
 
 Three kinds of results: the conditioning of a scene, the evidence of an engine in it, and its converged solution, which is the evidence
-of the reference at a tighter accuracy. A result that ended badly is kept as well: it would only end badly again.
+of the reference at a tighter accuracy. A process that died is kept as such: it would only die again. One that was stopped from outside is
+not: on a less busy machine it may go better.
 """
 
 import math
@@ -22,14 +23,14 @@ from cases.workers import PRELOAD, Job, Limits, run_jobs
 from engines.registry import engine
 from reference_model.mechanism import Mechanism
 
-#: What one result may take: what would never end must not hold up the others.
-LIMITS: Final = Limits(seconds=1200.0, memory=8 * 2**30)
+#: What one result may take: what would never end must not hold up the others for ever.
+LIMITS: Final = Limits(seconds=3600.0, memory=8 * 2**30)
 
 _MODULES: Final = ("cases.evidence", "cases.verdicts", "cases.conditioning", "cases.spectrum", "cases.hard_results")
 #: Columns that are kept.
 _KEPT: Final = ("time", "tip_deflection", "strain_energy")
-#: How a worker ends that the user or the system ended; it may go better next time.
-_FROM_OUTSIDE: Final = "killed by SIGKILL"
+#: How the failure of a worker begins that was stopped from outside.
+_FROM_OUTSIDE: Final = ("killed by SIGKILL", "stopped at the time limit")
 
 _Stored = tuple[dict[str, Any], Mapping[str, NDArray[np.float64]]]
 
