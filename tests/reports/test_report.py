@@ -239,7 +239,9 @@ def test_exit_codes_tell_whether_every_engine_completed(call: Call, monkeypatch:
     monkeypatch.setattr(report_module, "cross_validate", lambda *_, **__: [reported_result("thesis-17", {"mujoco": status})])
     monkeypatch.setattr(report_module, "draw_pictures", lambda *_: draw_pictures([], None, [], [], Store()))
     code, output, errors = call("report", "thesis-17")
-    assert (code, errors) == (expected, "")
+    assert code == expected
+    told = f"quickreturn: thesis-17: engine mujoco {status}: failed at t = 0.25 s: the beam <snapped>; try another beam\n"
+    assert errors == ("" if expected == 0 else told)
     lines = output.splitlines()
     assert lines[0] == str(Path("reports/output/index.html"))
     assert len(lines) == 4
@@ -255,7 +257,7 @@ def test_a_second_report_computes_and_draws_nothing(tmp_path: Path, monkeypatch:
 
     def refuse(*jobs: object, **_: object) -> None:
         assert not list(jobs[0]), "a job was started"  # type: ignore[call-overload]
-        return iter(())  # type: ignore[return-value]
+        return (outcome for outcome in ())  # type: ignore[return-value]
 
     monkeypatch.setattr("cases.runner.run_jobs", refuse)
     monkeypatch.setattr("reports.pictures.run_jobs", refuse)
