@@ -62,8 +62,8 @@ class Scene:
 
 
 def numbers(low: float, high: float) -> st.SearchStrategy[float]:
-    """Numbers of six digits in a range: an example that fails can be read."""
-    return st.floats(low, high).map(lambda value: float(f"{value:.6g}"))
+    """Numbers of six decimals in a range: an example that fails can be read."""
+    return st.floats(low, high).map(lambda value: round(value, 6))
 
 
 def perhaps(low: float, high: float) -> st.SearchStrategy[float]:

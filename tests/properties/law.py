@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Callable
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.strategies import SearchStrategy
 
 
@@ -24,6 +24,7 @@ def for_all(few: int, many: int, **inputs: SearchStrategy) -> Callable[[Callable
                 derandomize=True,
                 database=None,
                 deadline=None,  # the first example compiles
+                phases=[Phase.generate],  # a smaller example of a failure would take minutes, and these can be read as they are
                 suppress_health_check=[HealthCheck.too_slow],
             )
             profile(given(**inputs)(_bound(law, arguments)))()

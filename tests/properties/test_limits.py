@@ -1,0 +1,170 @@
+"""What a scene lacks is the limit of having little of it: every parameter that may be zero, and both that may be infinite.
+
+The change that little of a part makes is proportional to it: half as much of the part, half the change, at every instant and in every
+column. A straight line through both runs then meets the run without the part.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from engines.trajectory import Trajectory
+from reference_model.mechanism import Base, Mechanism, Tip, TorqueDrive
+from tests.properties.law import for_all
+from tests.properties.runs import (
+    COMPLIANT,
+    EXUDYN,
+    FIXED_SHAPES,
+    MUJOCO,
+    REFERENCE,
+    STEPS_ADD_UP,
+    TOLERANCE,
+    Array,
+    Method,
+    sizes,
+)
+from tests.strategies import Scene, scenes
+
+Part = Callable[[Mechanism, float], Mechanism]
+
+#: How much of a part: of the beam's mass or inertia, of what damps or accelerates within a turn.
+LITTLE = 1e-4
+#: How far half of a part may be from half the change of all of it. The next order is the square of the phase by which little of a part
+#: shifts the finest mode, of some hundred radians in a run: less than a tenth of a radian.
+NEXT_ORDER = 0.1
+
+
+def beam_mass(m: Mechanism) -> float:
+    return m.follower.mass_per_length * m.follower.length
+
+
+def beam_inertia(m: Mechanism) -> float:
+    return beam_mass(m) * m.follower.length**2 / 3.0
+
+
+def speed(m: Mechanism) -> float:
+    return abs(m.crank.drive.initial_speed)
+
+
+def tip(m: Mechanism, mass: float, inertia: float = 0.0, offset: float = 0.0) -> Mechanism:
+    """A body at the tip by its shares of the beam's mass and inertia and of the length; none without mass."""
+    body = Tip(mass=mass * beam_mass(m), inertia=inertia * beam_inertia(m), center_of_mass=offset * m.follower.length)
+    return replace(m, tip=body if mass > 0.0 else None)
+
+
+def slider(m: Mechanism, mass: float = 0.0, inertia: float = 0.0) -> Mechanism:
+    return replace(m, slider=replace(m.slider, mass=mass * beam_mass(m), inertia=inertia * beam_inertia(m)))
+
+
+def crank_damping(m: Mechanism, share: float) -> Mechanism:
+    drive = m.crank.drive
+    assert isinstance(drive, TorqueDrive)
+    return replace(m, crank=replace(m.crank, drive=replace(drive, damping=share * beam_inertia(m) * speed(m))))
+
+
+def weight(m: Mechanism, share: float) -> Mechanism:
+    size = share * m.crank.length * speed(m) ** 2
+    return replace(m, gravity=(0.6 * size, -0.8 * size))
+
+
+def base(m: Mechanism, inertia: float = 0.0, damping: float = 0.0) -> Mechanism:
+    return replace(m, base=Base(inertia=inertia * beam_inertia(m), damping=damping * beam_inertia(m) * speed(m)))
+
+
+def beam_damping(m: Mechanism, share: float) -> Mechanism:
+    return replace(m, follower=replace(m.follower, damping=share * m.follower.mass_per_length * speed(m)))
+
+
+PARTS: dict[str, Part] = {
+    "slider mass": lambda m, share: slider(m, mass=share),
+    "slider inertia": lambda m, share: slider(m, inertia=0.1 * share),
+    "tip mass": lambda m, share: tip(m, share),
+    "tip": lambda m, share: tip(m, share, 0.01 * share, 0.02),
+    "tip inertia": lambda m, share: tip(m, 0.2, 0.1 * share),
+    "tip offset": lambda m, share: tip(m, 0.2, 0.001, share),
+    "base inertia": lambda m, share: base(m, inertia=share),
+    "base damping": lambda m, share: base(m, damping=share),
+    "beam damping": beam_damping,
+    "crank damping": crank_damping,
+    "gravity": weight,
+}
+#: What the joints of Exudyn and MuJoCo cannot carry.
+FORCE_JOINT = tuple(name for name in PARTS if name != "slider inertia")
+
+
+def with_part(scene: Scene, part: str, share: float) -> Scene:
+    return replace(scene, mechanism=PARTS[part](scene.mechanism, share))
+
+
+def change(found: Trajectory, limit: Trajectory, unit: dict[str, float]) -> dict[str, Array]:
+    """Difference of each column in its size (`tests.properties.runs.sizes`)."""
+    return {name: (found[name] - limit[name]) / size for name, size in unit.items()}
+
+
+@pytest.mark.parametrize("part", PARTS)
+@for_all(few=2, many=30, scene=scenes(drive="torque"))
+def test_little_of_a_part_changes_little(part: str, scene: Scene) -> None:
+    without = REFERENCE.run(with_part(scene, part, 0.0))
+    unit = sizes(scene, without, REFERENCE.half_waves)
+    little, half = (change(REFERENCE.run(with_part(scene, part, share)), without, unit) for share in (LITTLE, 0.5 * LITTLE))
+    for name in unit:
+        bound = NEXT_ORDER * np.max(np.abs(little[name])) + STEPS_ADD_UP * TOLERANCE
+        assert np.max(np.abs(little[name] - 2.0 * half[name])) <= bound, name
+
+
+@pytest.mark.parametrize("part", FORCE_JOINT)
+@pytest.mark.parametrize("method", [EXUDYN, MUJOCO], ids=str)
+@for_all(few=1, many=5, scene=scenes(drive="torque"))
+def test_other_engines_feel_a_part_as_the_reference_does(method: Method, part: str, scene: Scene) -> None:
+    share = 100.0 * LITTLE
+    changes = {}
+    for each in (REFERENCE, method):
+        without = each.run(with_part(scene, part, 0.0))
+        changes[each] = change(each.run(with_part(scene, part, share)), without, sizes(scene, without, REFERENCE.half_waves))
+    for name in ("crank_angle", "follower_angle", "slider_position", "tip_x", "tip_y"):
+        expected, found = changes[REFERENCE][name], changes[method][name]
+        assert np.max(np.abs(found - expected)) <= 0.1 * np.max(np.abs(expected)) + 1e-6, name
+
+
+#: Where the limits are looked for. Strain, force and acceleration have no rigid limit: what is stiffened vibrates the faster about
+#: its equilibrium, by as much less, with the same forces.
+PLACES = ("tip_x", "tip_y")
+ONE_MODE = replace(REFERENCE, settings=REFERENCE.settings.replaced(modes=1))
+FOUR_SHAPES = replace(FIXED_SHAPES, settings=FIXED_SHAPES.settings.replaced(shapes=COMPLIANT.half_waves))
+
+
+def with_stiffness(scene: Scene, factor: float) -> Scene:
+    follower = scene.mechanism.follower
+    return scene.with_part(follower=replace(follower, bending_stiffness=factor * follower.bending_stiffness))
+
+
+def with_joint(scene: Scene, factor: float) -> Scene:
+    follower = scene.mechanism.follower
+    stiffness = factor * follower.bending_stiffness / follower.length**3
+    return scene.with_part(slider=replace(scene.mechanism.slider, joint_stiffness=stiffness))
+
+
+def check_first_order(rigid: Trajectory, stiff: Trajectory, stiffer: Trajectory, length: float) -> None:
+    """Four times the stiffness, a quarter of the distance, on average over a vibration that is not in phase."""
+    for name in PLACES:
+        far, near = (float(np.sqrt(np.mean((found[name] - rigid[name]) ** 2))) for found in (stiff, stiffer))
+        floor = STEPS_ADD_UP * TOLERANCE * 0.1 * length
+        assert near <= 0.5 * far + floor, name
+        assert near >= 0.125 * far - floor, name
+
+
+@for_all(few=2, many=30, scene=scenes(bent=False))
+def test_a_stiff_follower_is_nearly_the_rigid_one(scene: Scene) -> None:
+    rigid = ONE_MODE.run(with_stiffness(scene, math.inf))
+    stiff, stiffer = (ONE_MODE.run(with_stiffness(scene, factor)) for factor in (1e3, 4e3))
+    check_first_order(rigid, stiff, stiffer, scene.mechanism.follower.length)
+
+
+@for_all(few=2, many=30, scene=scenes(bent=False))
+def test_a_stiff_joint_is_nearly_the_rigid_one(scene: Scene) -> None:
+    rigid = FOUR_SHAPES.run(scene)
+    stiff, stiffer = (COMPLIANT.run(with_joint(scene, factor)) for factor in (1e5, 4e5))
+    check_first_order(rigid, stiff, stiffer, scene.mechanism.follower.length)
