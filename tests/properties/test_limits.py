@@ -91,6 +91,17 @@ PARTS: dict[str, Part] = {
     "crank damping": crank_damping,
     "gravity": weight,
 }
+COLUMNS = (
+    "crank_angle",
+    "follower_angle",
+    "slider_position",
+    "tip_x",
+    "tip_y",
+    "tip_deflection",
+    "strain_2",
+    "slider_force",
+    "strain_energy",
+)
 #: What the joints of Exudyn and MuJoCo cannot carry.
 FORCE_JOINT = tuple(name for name in PARTS if name != "slider inertia")
 
@@ -104,34 +115,33 @@ def change(found: Trajectory, limit: Trajectory, unit: dict[str, float]) -> dict
     return {name: (found[name] - limit[name]) / size for name, size in unit.items()}
 
 
+def check_first_order_in_the_part(method: Method, part: str, scene: Scene, share: float, columns: tuple[str, ...], noise: float) -> None:
+    """Half of the part, half the change; `noise` is what two runs of the same motion may differ by, in sizes."""
+    without = method.run(with_part(scene, part, 0.0))
+    unit = {name: size for name, size in sizes(scene, without, method.half_waves).items() if name in columns}
+    little, half = (change(method.run(with_part(scene, part, each)), without, unit) for each in (share, 0.5 * share))
+    for name in unit:
+        bound = NEXT_ORDER * np.max(np.abs(little[name])) + noise
+        assert np.max(np.abs(little[name] - 2.0 * half[name])) <= bound, name
+
+
 @pytest.mark.parametrize("part", PARTS)
 @for_all(few=2, many=30, scene=scenes(drive="torque"))
 def test_little_of_a_part_changes_little(part: str, scene: Scene) -> None:
-    without = REFERENCE.run(with_part(scene, part, 0.0))
-    unit = sizes(scene, without, REFERENCE.half_waves)
-    little, half = (change(REFERENCE.run(with_part(scene, part, share)), without, unit) for share in (LITTLE, 0.5 * LITTLE))
-    for name in unit:
-        bound = NEXT_ORDER * np.max(np.abs(little[name])) + STEPS_ADD_UP * TOLERANCE
-        assert np.max(np.abs(little[name] - 2.0 * half[name])) <= bound, name
+    check_first_order_in_the_part(REFERENCE, part, scene, LITTLE, COLUMNS, STEPS_ADD_UP * TOLERANCE)
 
 
 @pytest.mark.parametrize("part", FORCE_JOINT)
 @pytest.mark.parametrize("method", [EXUDYN, MUJOCO], ids=str)
 @for_all(few=1, many=5, scene=scenes(drive="torque"))
-def test_other_engines_feel_a_part_as_the_reference_does(method: Method, part: str, scene: Scene) -> None:
-    share = 100.0 * LITTLE
-    changes = {}
-    for each in (REFERENCE, method):
-        without = each.run(with_part(scene, part, 0.0))
-        changes[each] = change(each.run(with_part(scene, part, share)), without, sizes(scene, without, REFERENCE.half_waves))
-    for name in ("crank_angle", "follower_angle", "slider_position", "tip_x", "tip_y"):
-        expected, found = changes[REFERENCE][name], changes[method][name]
-        assert np.max(np.abs(found - expected)) <= 0.1 * np.max(np.abs(expected)) + 1e-6, name
+def test_little_of_a_part_changes_little_in_other_engines(method: Method, part: str, scene: Scene) -> None:
+    """Ten times as much, for Newton's iteration ends at a residual of 1e-6; MuJoCo's steps follow the chain's highest frequency."""
+    check_first_order_in_the_part(method, part, scene, 10.0 * LITTLE, PLACES, 1e-6)
 
 
-#: Where the limits are looked for. Strain, force and acceleration have no rigid limit: what is stiffened vibrates the faster about
+#: Where the rigid limits are looked for. Strain, force and acceleration have none: what is stiffened vibrates the faster about
 #: its equilibrium, by as much less, with the same forces.
-PLACES = ("tip_x", "tip_y")
+TIP = ("tip_x", "tip_y")
 ONE_MODE = replace(REFERENCE, settings=REFERENCE.settings.replaced(modes=1))
 FOUR_SHAPES = replace(FIXED_SHAPES, settings=FIXED_SHAPES.settings.replaced(shapes=COMPLIANT.half_waves))
 
@@ -149,7 +159,7 @@ def with_joint(scene: Scene, factor: float) -> Scene:
 
 def check_first_order(rigid: Trajectory, stiff: Trajectory, stiffer: Trajectory, length: float) -> None:
     """Four times the stiffness, a quarter of the distance, on average over a vibration that is not in phase."""
-    for name in PLACES:
+    for name in TIP:
         far, near = (float(np.sqrt(np.mean((found[name] - rigid[name]) ** 2))) for found in (stiff, stiffer))
         floor = STEPS_ADD_UP * TOLERANCE * 0.1 * length
         assert near <= 0.5 * far + floor, name
