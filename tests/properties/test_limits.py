@@ -91,17 +91,8 @@ PARTS: dict[str, Part] = {
     "crank damping": crank_damping,
     "gravity": weight,
 }
-COLUMNS = (
-    "crank_angle",
-    "follower_angle",
-    "slider_position",
-    "tip_x",
-    "tip_y",
-    "tip_deflection",
-    "strain_2",
-    "slider_force",
-    "strain_energy",
-)
+PLACES = ("crank_angle", "slider_position", "tip_x", "tip_y")
+COLUMNS = (*PLACES, "follower_angle", "tip_deflection", "strain_2", "slider_force", "strain_energy")
 #: What the joints of Exudyn and MuJoCo cannot carry.
 FORCE_JOINT = tuple(name for name in PARTS if name != "slider inertia")
 
