@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from reference_model.mechanism import Mechanism
+from cases.errors import CaseError
+from reference_model.mechanism import Mechanism, Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,7 +14,7 @@ class Case:
         name: as used on the command line.
         title: one line for people.
         tags: groups that the case belongs to, e.g. "thesis".
-        mechanism: the scene.
+        scene: the mechanism, or a follower alone.
         duration: s, a whole multiple of `output_step`.
         output_step: s.
         notes: what a reader of results must know, e.g. which published value was replaced and why. Empty for case files.
@@ -23,8 +24,21 @@ class Case:
     name: str
     title: str
     tags: tuple[str, ...]
-    mechanism: Mechanism
+    scene: Scene
     duration: float
     output_step: float
     notes: tuple[str, ...] = ()
     source: str = ""
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The scene, where crank and slider are needed.
+
+        Raises:
+            CaseError: it has none.
+        """
+        if isinstance(self.scene, Mechanism):
+            return self.scene
+        raise CaseError(
+            self.name, "[crank]", None, "this case has no crank and no slider, and what is asked needs them", "use show or simulate"
+        )

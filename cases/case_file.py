@@ -9,7 +9,7 @@ from typing import Any, Final
 from cases.case import Case
 from cases.document import Document, check_complete, header_of, missing, overridden, read_document
 from cases.errors import CaseError, as_written, nearest, path_shown
-from cases.keys import PRESCRIBED, SECTIONS, TORQUE_DRIVEN, Key, key_of
+from cases.keys import PRESCRIBED, SECTIONS, SPIN_UP, TORQUE_DRIVEN, Key, key_of
 from cases.library import case_names, case_notes, case_text, impossible_names
 from cases.text_file import read_text
 from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
@@ -17,10 +17,13 @@ from reference_model.mechanism import (
     Base,
     Crank,
     Follower,
+    FollowerAlone,
     ImpossibleMechanism,
     Mechanism,
     PrescribedSpeed,
+    Scene,
     Slider,
+    SpinUp,
     Tip,
     TorqueDrive,
 )
@@ -67,12 +70,12 @@ def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = Non
     document = overridden(read_document(text, source), overrides or {})
     name, title, tags = header_of(document)
     check_complete(document)
-    mechanism = _mechanism(document)
+    scene = _scene(document)
     duration, output_step = _quantity(document, "simulation.duration"), _quantity(document, "simulation.output_step")
     if problem := _misfit(duration, output_step):
         path = document.blame("simulation.duration", "simulation.output_step")
         raise document.error(path, *problem)
-    return Case(name=name, title=title, tags=tags, mechanism=mechanism, duration=duration, output_step=output_step, source=source)
+    return Case(name=name, title=title, tags=tags, scene=scene, duration=duration, output_step=output_step, source=source)
 
 
 def with_times(case: Case, duration: float | None = None, output_step: float | None = None) -> Case:
@@ -91,8 +94,10 @@ def with_times(case: Case, duration: float | None = None, output_step: float | N
     return new
 
 
-def _mechanism(document: Document) -> Mechanism:
+def _scene(document: Document) -> Scene:
     sections = {name: _section(document, name) for name in SECTIONS if name in document.sections and name != "simulation"}
+    if "crank" not in sections:
+        return _follower_alone(document, sections)
     crank = sections["crank"]
     for path in (PRESCRIBED, *TORQUE_DRIVEN):
         crank.pop(path.removeprefix("crank."), None)
@@ -114,6 +119,21 @@ def _mechanism(document: Document) -> Mechanism:
     except ImpossibleMechanism as impossible:
         path = document.blame(impossible.key, "mechanism.pivot_distance", "crank.length", "follower.length")
         raise document.error(path, f"cannot be: {impossible.message}") from None
+
+
+def _follower_alone(document: Document, sections: dict[str, dict[str, Any]]) -> FollowerAlone:
+    base = sections["base"]
+    _check_gauges(document, sections["follower"])
+    try:
+        return FollowerAlone(
+            spin_up=SpinUp(speed=base.pop("spin_up_speed"), time=base.pop("spin_up_time")),
+            base=Base(**base),
+            follower=Follower(**sections["follower"]),
+            tip=Tip(**sections["tip"]) if "tip" in sections else None,
+            **sections.get("mechanism", {}),
+        )
+    except ImpossibleMechanism as impossible:
+        raise document.error(document.blame(impossible.key, *SPIN_UP), f"cannot be: {impossible.message}") from None
 
 
 def _section(document: Document, section: str) -> dict[str, Any]:

@@ -32,6 +32,7 @@ def cross_validate(
         limits: of each engine on each case; None: `cases.workers.default_limits`.
 
     Raises:
+        CaseError: a case without crank and slider: there is no cycle to measure.
         UnknownEngine: see there.
     """
     tasks = [

@@ -8,7 +8,17 @@ from typing import Any, Final
 
 from cases.broken_toml import broken_toml
 from cases.errors import CaseError, as_written, nearest, nearest_or_all, shortened
-from cases.keys import HEADER, OPTIONAL_SECTIONS, PRESCRIBED, SECTIONS, TORQUE_DRIVEN, all_paths, key_of
+from cases.keys import (
+    HEADER,
+    OPTIONAL_SECTIONS,
+    PRESCRIBED,
+    SECTIONS,
+    SECTIONS_OF_MECHANISM,
+    SPIN_UP,
+    TORQUE_DRIVEN,
+    all_paths,
+    key_of,
+)
 from cases.text_file import LARGEST_TEXT
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
@@ -198,16 +208,48 @@ def _value_of(text: str) -> Any:
 
 
 def check_complete(document: Document) -> None:
-    """Raise CaseError, naming it, if a section or key is missing that cannot be left out; the crank's drive is checked apart."""
+    """Raise CaseError, naming it, if a section or key is missing that cannot be left out, or where crank and spin-up do not go together.
+
+    The crank's drive is checked apart.
+    """
+    alone = _is_alone(document)
     for section, keys in SECTIONS.items():
         if section not in document.sections:
-            if section in OPTIONAL_SECTIONS:
+            if section in OPTIONAL_SECTIONS or (alone and section in SECTIONS_OF_MECHANISM):
                 continue
             raise CaseError(document.source, f"[{section}]", None, "this section is missing", f"its keys are {', '.join(keys)}")
         for name, key in keys.items():
             path = f"{section}.{name}"
-            if path not in document.values and key.default is None and path not in (PRESCRIBED, *TORQUE_DRIVEN):
+            optional = (
+                path in (PRESCRIBED, *TORQUE_DRIVEN) or (path in SPIN_UP and not alone) or (alone and path == "mechanism.pivot_distance")
+            )
+            if path not in document.values and key.default is None and not optional:
                 raise missing(document, path)
+
+
+def _is_alone(document: Document) -> bool:
+    """Whether the scene is a follower alone: no crank, and a base that is spun up.
+
+    Raises:
+        CaseError: a crank and a base that is spun up, neither, or without a crank what only a crank gives a meaning.
+    """
+    given = [path for path in SPIN_UP if path in document.values]
+    choice = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
+    if "crank" in document.sections:
+        if given:
+            raise document.error(given[0], "conflicts with [crank], which turns the follower", choice)
+        return False
+    if not given:
+        raise CaseError(document.source, "[crank]", None, "this section is missing", choice)
+    if "slider" in document.sections:
+        raise CaseError(document.source, "[slider]", None, "conflicts with the missing [crank], on whose tip it would sit", choice)
+    if "mechanism.pivot_distance" in document.values:
+        raise document.error(
+            "mechanism.pivot_distance",
+            "conflicts with the missing [crank], from whose axis it is measured",
+            "leave it out, or give [crank]",
+        )
+    return True
 
 
 def missing(document: Document, path: str) -> CaseError:

@@ -29,7 +29,7 @@ class Key:
     infinity_accepted: bool = False
 
 
-#: Keys of the file by section. Of the sections only tip and slider may be left out.
+#: Keys of the file by section. Tip and slider may be left out; so may crank, with slider and mechanism, where the base is spun up.
 SECTIONS: Final = MappingProxyType(
     {
         "mechanism": {
@@ -50,6 +50,8 @@ SECTIONS: Final = MappingProxyType(
         "base": {
             "inertia": Key(units.MOMENT_OF_INERTIA, "not negative"),
             "damping": Key(units.ROTARY_DAMPING, "not negative"),
+            "spin_up_speed": Key(units.ANGULAR_SPEED),
+            "spin_up_time": Key(units.TIME, "positive"),
         },
         "follower": {
             "length": Key(units.LENGTH, "positive"),
@@ -78,6 +80,10 @@ SECTIONS: Final = MappingProxyType(
     }
 )
 OPTIONAL_SECTIONS: Final = frozenset({"tip", "slider"})
+#: Sections that a follower alone need not have, or must not have.
+SECTIONS_OF_MECHANISM: Final = frozenset({"mechanism", "crank", "slider"})
+#: Keys that turn the base of a follower alone; a file with a crank must not have them.
+SPIN_UP: Final = ("base.spin_up_speed", "base.spin_up_time")
 #: Keys outside all sections, with the TOML type in words.
 HEADER: Final = MappingProxyType({"name": "a string", "title": "a string", "tags": "a list of strings"})
 #: The two ways of driving the crank exclude each other.

@@ -13,16 +13,16 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Engine, EngineFailure, ModelDescription, Refusal
+from engines.base import EngineFailure, ModelDescription, Refusal
 from engines.settings import SettingError, Settings
+from engines.solver import S, Solver
 from engines.start import Start
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
 
 #: Columns with an error estimate of their own.
 ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
@@ -66,9 +66,9 @@ class Result:
 
 
 def simulate(
-    engine: Engine,
-    mechanism: Mechanism,
-    start: Start,
+    engine: Solver[S],
+    scene: S,
+    start: Start | None,
     duration: float,
     output_step: float,
     settings: Mapping[str, str] | None = None,
@@ -81,8 +81,8 @@ def simulate(
 
     Args:
         engine: a usable engine.
-        mechanism: the scene.
-        start: state at time zero.
+        scene: of the kind that the engine simulates.
+        start: state at time zero; None for a follower alone, which begins straight and at rest.
         duration: s, a multiple of `output_step`.
         output_step: s.
         settings: values by name as text; they override the engine's choice and switch the ladder off, the estimate stays.
@@ -93,11 +93,11 @@ def simulate(
         SettingError: a setting is not acceptable.
         EngineFailure: the run broke down; carries what was computed up to then.
     """
-    engine.check(mechanism)
-    first = engine.settings_for(accuracy or engine.default_accuracy, mechanism)
+    engine.check(scene)
+    first = engine.settings_for(accuracy or engine.default_accuracy, scene)
     if settings:
         first = first.with_texts(dict(settings))
-    runs = _Runs(engine, mechanism, start, duration, output_step)
+    runs = _Runs(engine, scene, start, duration, output_step)
     if settings:
         return runs.result(runs.judged(first), accuracy, asked=accuracy is not None)
     target = accuracy or engine.default_accuracy
@@ -105,7 +105,7 @@ def simulate(
 
 
 def run_once(
-    engine: Engine, mechanism: Mechanism, start: Start, duration: float, output_step: float, settings: Settings
+    engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float, settings: Settings
 ) -> tuple[Trajectory, float]:
     """One run as it comes, checked for completeness and for values that are no numbers.
 
@@ -118,7 +118,7 @@ def run_once(
         MemoryError, OSError: memory, disk or the like are lacking.
     """
     try:
-        simulation = engine.prepare(mechanism, start, settings)
+        simulation = engine.prepare(scene, start, settings)
         trajectory = simulation.advance(duration, output_step)
     except (Refusal, SettingError, EngineFailure, MemoryError, OSError):
         raise
@@ -172,7 +172,9 @@ def estimated_part(
         The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
     """
     scale = 1.0 / abs(factor - 1.0)
-    each = {name: _relative(scale * _rms(run[name] - other[name]), _rms(delivered[name])) for name in ESTIMATED}
+    each: dict[str, float | None] = {
+        name: _relative(scale * _rms(run[name] - other[name]), _rms(delivered[name])) for name in ESTIMATED if name in delivered.columns
+    }
     deflection = each["tip_deflection"]
     if deflection is None or _rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
         distance = np.hypot(run["tip_x"] - other["tip_x"], run["tip_y"] - other["tip_y"])
@@ -196,12 +198,12 @@ class _Judged:
         return sum(self.parts) if self.parts else None
 
 
-class _Runs:
+class _Runs(Generic[S]):
     """Runs of one scene by settings: what was computed for the estimate of one rung serves the next."""
 
-    def __init__(self, engine: Engine, mechanism: Mechanism, start: Start, duration: float, output_step: float) -> None:
-        self.engine, self.mechanism = engine, mechanism
-        self._scene = (mechanism, start, duration, output_step)
+    def __init__(self, engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float) -> None:
+        self.engine, self.scene = engine, scene
+        self._run = (start, duration, output_step)
         self._done: dict[Settings, tuple[Trajectory, float]] = {}
         self.compile_seconds = 0.0
         self._begin = time.perf_counter()
@@ -210,22 +212,22 @@ class _Runs:
         if self.engine.compiles and not self._done and not self.compile_seconds:
             self._compile(settings)
         if settings not in self._done:
-            self._done[settings] = run_once(self.engine, *self._scene, settings)
+            self._done[settings] = run_once(self.engine, self.scene, *self._run, settings)
         return self._done[settings]
 
     def _compile(self, settings: Settings) -> None:
         """One output step, so that all code is there before times are taken; what fails here fails again where it counts."""
-        mechanism, start, _, output_step = self._scene
+        start, _, output_step = self._run
         began = time.perf_counter()
         with contextlib.suppress(EngineFailure):
-            run_once(self.engine, mechanism, start, output_step, output_step, settings)
+            run_once(self.engine, self.scene, start, output_step, output_step, settings)
         self.compile_seconds = time.perf_counter() - began
         self._begin = time.perf_counter()
 
     def judged(self, settings: Settings) -> _Judged:
         trajectory, setup_seconds = self.run(settings)
-        length, parts = self.mechanism.follower.length, []
-        pairs = self.engine.comparisons(settings, self.mechanism, self._scene[-1])
+        length, parts = self.scene.follower.length, []
+        pairs = self.engine.comparisons(settings, self.scene, self._run[-1])
         if any(pair.run == pair.other for pair in pairs):
             remark = "the error is unknown: these settings leave no others to compare with"
             return _Judged(settings, trajectory, setup_seconds, remark=remark)
@@ -236,12 +238,12 @@ class _Runs:
         except EngineFailure as failure:
             remark = f"the error is unknown: the run for its estimate {failure}"
             return _Judged(settings, trajectory, setup_seconds, remark=remark)
-        columns = {name: _sum([each[name] for _, each in parts]) for name in ESTIMATED}
+        columns = {name: _sum([each.get(name) for _, each in parts]) for name in ESTIMATED}
         return _Judged(settings, trajectory, setup_seconds, tuple(tip for tip, _ in parts), columns)
 
     def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
         excess = tuple(part / target for part in judged.parts) if judged is not None and judged.settings == rung else ()
-        return self.engine.finer(rung, excess, self._scene[-1])
+        return self.engine.finer(rung, excess, self._run[-1])
 
     def result(self, judged: _Judged, target: float | None, *, asked: bool) -> Result:
         remark, reached = judged.remark, True
@@ -265,11 +267,11 @@ class _Runs:
             solve_seconds=judged.trajectory.solve_seconds,
             compile_seconds=self.compile_seconds,
             estimate_seconds=max(0.0, total - delivered),
-            description=self.engine.describe(self.mechanism, judged.settings),
+            description=self.engine.describe(self.scene, judged.settings),
         )
 
 
-def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
+def _climbed(runs: _Runs[S], first: Settings, target: float) -> _Judged:
     """The first rung from `first` on whose estimate is within `target`, else the finest one that ran."""
     best: _Judged | None = None
     failure: EngineFailure | None = None
@@ -297,7 +299,7 @@ def _with_remark(judged: _Judged, remark: str) -> _Judged:
 
 def _head(trajectory: Trajectory, rows: int) -> Trajectory:
     columns = {name: values[:rows] for name, values in trajectory.columns.items()}
-    return Trajectory(columns, trajectory.solve_seconds, trajectory.statistics)
+    return replace(trajectory, columns=columns)
 
 
 def _rms(values: NDArray[np.float64]) -> float:

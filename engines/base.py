@@ -8,7 +8,7 @@ time, the cause and what to try, and carries what was computed up to then.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from reference_model.mechanism import Mechanism
 
 #: Accuracies whose settings make up an engine's ladder, each once: ten in a decade, so that no rung is passed over.
 LADDER_ACCURACIES: Final = tuple(float(accuracy) for accuracy in np.geomspace(0.5, 2e-5, 45))
+if TYPE_CHECKING:
+    from engines.follower import FollowerEngine
 
 
 class Refusal(Exception):
@@ -199,3 +201,14 @@ class Engine(ABC):
 
         Follower straight, at rest, no gravity, undamped. Fewer than `count` if the model has fewer; shape (<= count,).
         """
+
+    def follower_alone(self) -> "FollowerEngine":
+        """The engine's model of the follower alone, without crank and slider, on a base that turns as prescribed.
+
+        Raises:
+            Refusal: it has none (the default).
+        """
+        raise Refusal(
+            f"[crank]: this scene has none, and engine {self.name} models the closed mechanism alone; accepted: a scene with [crank]"
+            " and without base.spin_up_speed"
+        )

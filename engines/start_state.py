@@ -24,20 +24,16 @@ _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @dataclass(frozen=True)
-class StartState:
+class FollowerState:
     """The follower's place and motion at the start. Angles in rad, lengths in m, rates per second; frame of O.
 
     Attributes:
-        follower_angle: q2, tangent at the base, within 90 deg of 180 deg for the chord from P to the slider.
+        follower_angle: q2, tangent at the base, within 90 deg of 180 deg for the chord from P to a slider.
         follower_rate: its rate.
-        slider_position: s, arc length from P.
-        slider_speed: its rate.
     """
 
     follower_angle: float
     follower_rate: float
-    slider_position: float
-    slider_speed: float
     _pivot_distance: float
     _shape: "_Shape"
 
@@ -57,6 +53,24 @@ class StartState:
     def tangent_rate(self, x: Array) -> Array:
         """Rate of the tangent's angle at fixed arc length `x` (m, shape (n,)), rad/s, shape (n,)."""
         return self.follower_rate + self._shape.slope_rate(x) / np.sqrt(1.0 - self._shape.slope(x) ** 2)
+
+
+@dataclass(frozen=True)
+class StartState(FollowerState):
+    """The same with the slider's.
+
+    Attributes:
+        slider_position: s, arc length from P.
+        slider_speed: its rate.
+    """
+
+    slider_position: float
+    slider_speed: float
+
+
+def at_rest(length: float) -> FollowerState:
+    """A follower of this length (m) that lies still and straight along n1, its pivot at O."""
+    return FollowerState(0.0, 0.0, 0.0, _Shape(None, None, length))
 
 
 def reconstruct(mechanism: Mechanism, start: Start) -> StartState:
@@ -90,7 +104,7 @@ def reconstruct(mechanism: Mechanism, start: Start) -> StartState:
     tangent = np.array([math.sqrt(1.0 - slope**2), slope])
     crank_tip_speed = _rotation(q2).T @ (start.crank_speed * _quarter_turn(crank_arm))
     q2_rate, s_rate = np.linalg.solve(np.column_stack([_quarter_turn(place), tangent]), crank_tip_speed - rate)
-    return StartState(q2, float(q2_rate), s, float(s_rate), d, shape)
+    return StartState(q2, float(q2_rate), d, shape, s, float(s_rate))
 
 
 class _Shape:

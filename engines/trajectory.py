@@ -3,9 +3,9 @@
 Meanings and signs are those of the column table below; they are the same in every engine.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 import pandas as pd
@@ -39,8 +39,12 @@ OPTIONAL: Final = MappingProxyType(
         "constraint_gap": "m, distance of the slider from the centre line",
         "gravity_energy": "J, potential energy of gravity, all bodies, zero at the height of O",
         "drive_work": "J, work of the drive torque since the start",
+        "base_torque": "N m, torque that turns the base as prescribed",
+        "axial_stretch": "m, length of the centre line less that of the undeformed follower",
     }
 )
+#: Of the required columns those that mean nothing without crank and slider.
+OF_CRANK_AND_SLIDER: Final = ("crank_angle", "crank_speed", "slider_position", "slider_force")
 
 
 @dataclass(frozen=True)
@@ -56,9 +60,10 @@ class Trajectory:
     columns: dict[str, NDArray[np.float64]]
     solve_seconds: float
     statistics: dict[str, float] = field(default_factory=dict)
+    required: ClassVar[tuple[str, ...]] = tuple(REQUIRED)
 
     def __post_init__(self) -> None:
-        missing = [name for name in REQUIRED if name not in self.columns]
+        missing = [name for name in self.required if name not in self.columns]
         if missing:
             raise ValueError(f"trajectory lacks the columns {', '.join(missing)}")
 
@@ -74,8 +79,14 @@ class Trajectory:
         return pd.DataFrame({name: self.columns[name] for name in names})
 
 
+class FollowerTrajectory(Trajectory):
+    """Observables of a follower alone: the columns of crank and slider are absent, the follower's angle is the prescribed one."""
+
+    required: ClassVar[tuple[str, ...]] = tuple(name for name in REQUIRED if name not in OF_CRANK_AND_SLIDER)
+
+
 def join(pieces: list[Trajectory]) -> Trajectory:
     """Consecutive pieces of one simulation as one trajectory; each piece repeats the last row of the one before."""
     columns = {name: np.concatenate([piece[name][(0 if i == 0 else 1) :] for i, piece in enumerate(pieces)]) for name in pieces[0].columns}
     statistics = {key: sum(p.statistics.get(key, 0.0) for p in pieces) for key in pieces[0].statistics}
-    return Trajectory(columns, sum(p.solve_seconds for p in pieces), statistics)
+    return replace(pieces[0], columns=columns, solve_seconds=sum(p.solve_seconds for p in pieces), statistics=statistics)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853, ODEintWarning, odeint
 
+from reference_model.clamped_parameters import ClampedParameters
 from reference_model.compilation import borrowing
 from reference_model.equations import AnyParameters, AnyWorkspace, right_hand_side
 from reference_model.moving_parameters import MovingParameters
@@ -56,6 +57,8 @@ def error_scales(p: AnyParameters, speed: float) -> NDArray[np.float64]:
     n, frequency = p.n, 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n else 1.0
     size = 0.01 * p.L
     crank = [0.1, 0.1 * max(abs(speed), 1.0)]
+    if isinstance(p, ClampedParameters):
+        size *= math.sqrt(p.rhoA * p.L)
     if isinstance(p, MovingParameters):
         shape = size * math.sqrt(p.rhoA * p.L)
         return np.array([crank[0], *[shape] * n, size, crank[1], *[shape * frequency] * n])

@@ -1,4 +1,4 @@
-"""The flexible-follower quick-return mechanism as plain, frozen data in SI units.
+"""The flexible-follower quick-return mechanism as plain, frozen data in SI units; and the follower alone, on a base turned as prescribed.
 
 Geometry (thesis, figure 4.1): the crank turns about O, the follower about P = O + d n1. The slider sits on the crank tip, a crank
 length from O, and rides along the follower's centre line. Every part that a scene does not need is absent (`None`) or zero, and
@@ -64,6 +64,14 @@ class Base:
 
     inertia: float = 0.0  # kg m^2, about P
     damping: float = 0.0  # N m s/rad, on the follower angle's rate
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpinUp:
+    """A base whose angle is prescribed: from rest to a steady speed without a jump in acceleration (DERIVATION.md, equation 14.1)."""
+
+    speed: float  # rad/s, from `time` on; 0 holds the base
+    time: float  # s, above 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,3 +154,36 @@ class Mechanism:
     def crank_is_free(self) -> bool:
         """Whether the crank angle is a degree of freedom."""
         return isinstance(self.crank.drive, TorqueDrive)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowerAlone:
+    """A scene without crank and slider: the follower on a base block that turns about O as prescribed.
+
+    At the start the follower lies straight along n1, at rest.
+
+    Raises:
+        ImpossibleMechanism: a rigid follower, whose motion is prescribed as a whole.
+    """
+
+    spin_up: SpinUp
+    base: Base
+    follower: Follower
+    tip: Tip | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)  # m/s^2, along n1 and n2, on every body
+
+    def __post_init__(self) -> None:
+        if self.follower.is_rigid:
+            raise ImpossibleMechanism(
+                "follower.bending_stiffness",
+                "a rigid follower on a base that turns as base.spin_up_speed says leaves nothing to simulate; give a finite stiffness",
+            )
+
+    @property
+    def has_gravity(self) -> bool:
+        """Whether any gravity term exists."""
+        return self.gravity != (0.0, 0.0)
+
+
+#: What an engine may be asked to simulate.
+Scene = Mechanism | FollowerAlone

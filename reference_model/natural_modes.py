@@ -16,7 +16,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import FollowerAlone, Mechanism, Tip
 
 Array = NDArray[np.float64]
 
@@ -24,19 +24,17 @@ SPARE_SHAPES = 8  # shapes per span beyond the number of modes asked: 1e-10 in t
 
 
 @dataclass(frozen=True)
-class FrozenModes:
-    """Mass-normalised modes at one place of the slider, in ascending order, tip displacement positive.
+class BeamModes:
+    """Mass-normalised modes of the follower, in ascending order, tip displacement positive.
 
     Attributes:
         frequencies: Hz, shape (count,).
-        slider_position: m, s.
         length: m, L.
-        spans: arc lengths of the ends of the elements, m, ((0, s), (s, L)), or ((0, L),) where the slider is at the tip.
+        spans: arc lengths of the ends of the elements, m, ((0, s), (s, L)), or ((0, L),) where no slider supports it in between.
         coefficients: per span, the weights of its shapes in each mode, shape (shapes, count).
     """
 
     frequencies: Array
-    slider_position: float
     length: float
     spans: tuple[tuple[float, float], ...]
     coefficients: tuple[Array, ...]
@@ -79,6 +77,30 @@ class FrozenModes:
         return self.deflection(np.array([self.length]))[:, 0]
 
 
+@dataclass(frozen=True)
+class FrozenModes(BeamModes):
+    """Modes at one place of the slider.
+
+    Attributes:
+        slider_position: m, s.
+    """
+
+    slider_position: float
+
+
+def clamped_modes(scene: FollowerAlone, count: int) -> BeamModes:
+    """The `count` lowest natural modes of the follower clamped at its base (equation 14.2), which does not turn, with its tip body."""
+    follower = scene.follower
+    spans = ((0.0, follower.length),)
+    (numbers,) = numbering = _numbering(1, count + SPARE_SHAPES)
+    mass, bending = _element(spans[0], count + SPARE_SHAPES)
+    M, K = follower.mass_per_length * mass, follower.bending_stiffness * bending
+    _add_tip(M, scene.tip, numbering)
+    frequencies, full = _lowest(M, K, [0, 1], count)
+    modes = BeamModes(frequencies, follower.length, spans, (full[numbers],))
+    return BeamModes(frequencies, follower.length, spans, (full[numbers] * np.where(modes.tip_displacement < 0.0, -1.0, 1.0),))
+
+
 def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> FrozenModes:
     """Natural modes with the crank held at `crank_angle` (rad); the slider is at the rigid mechanism's s = |PC|.
 
@@ -112,7 +134,7 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
     spans = _spans(slider_position, length)
     if mechanism.follower.is_rigid:
         shapes = 4
-        return FrozenModes(np.empty(0), slider_position, length, spans, tuple(np.empty((shapes, 0)) for _ in spans))
+        return FrozenModes(np.empty(0), length, spans, tuple(np.empty((shapes, 0)) for _ in spans), slider_position)
 
     numbering = _numbering(len(spans), count + SPARE_SHAPES)
     size = 1 + max(int(numbers.max()) for numbers in numbering)
@@ -125,17 +147,22 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
     _add_bodies(M, K, mechanism, numbering)
 
     held = [0] if math.isfinite(stiffness) else [0, 2]  # deflection at the base, and at a rigid slider
-    free = np.setdiff1d(np.arange(size), held)
+    frequencies, full = _lowest(M, K, held, count)
+    modes = FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
+    signs = np.where(modes.tip_displacement < 0.0, -1.0, 1.0)
+    return FrozenModes(frequencies, length, spans, tuple(full[numbers] * signs for numbers in numbering), slider_position)
+
+
+def _lowest(M: Array, K: Array, held: list[int], count: int) -> tuple[Array, Array]:
+    """Frequencies (Hz, (count,)) and mass-normalised vectors (size, count) of the `count` lowest modes, some coordinates `held` at zero."""
+    free = np.setdiff1d(np.arange(len(M)), held)
     # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue, so the lowest modes stay
     # exact however short and stiff a span is
     inverse_squares, vectors = eigh(M[np.ix_(free, free)], K[np.ix_(free, free)])
     inverse_squares, vectors = inverse_squares[::-1][:count], vectors[:, ::-1][:, :count] / np.sqrt(inverse_squares[::-1][:count])
-    full = np.zeros((size, count))
+    full = np.zeros((len(M), count))
     full[free] = vectors
-    frequencies = 1.0 / np.sqrt(inverse_squares) / (2.0 * np.pi)
-    modes = FrozenModes(frequencies, slider_position, length, spans, tuple(full[numbers] for numbers in numbering))
-    signs = np.where(modes.tip_displacement < 0.0, -1.0, 1.0)
-    return FrozenModes(frequencies, slider_position, length, spans, tuple(full[numbers] * signs for numbers in numbering))
+    return 1.0 / np.sqrt(inverse_squares) / (2.0 * np.pi), full
 
 
 def _spans(position: float, length: float) -> tuple[tuple[float, float], ...]:
@@ -159,8 +186,13 @@ def _add_bodies(M: Array, K: Array, mechanism: Mechanism, numbering: tuple[NDArr
     M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
     if math.isfinite(mechanism.slider.joint_stiffness):
         K[deflection_at_slider, deflection_at_slider] += mechanism.slider.joint_stiffness
-    if mechanism.tip is not None:
-        m, J, offset = mechanism.tip.mass, mechanism.tip.inertia, mechanism.tip.center_of_mass
+    _add_tip(M, mechanism.tip, numbering)
+
+
+def _add_tip(M: Array, tip: Tip | None, numbering: tuple[NDArray[np.intp], ...]) -> None:
+    """Add the tip body to the mass matrix in place."""
+    if tip is not None:
+        m, J, offset = tip.mass, tip.inertia, tip.center_of_mass
         end = numbering[-1][2:4]
         # kinetic energy m/2 (w' + offset theta')^2 + J/2 theta'^2
         M[np.ix_(end, end)] += np.array([[m, m * offset], [m * offset, J + m * offset**2]])

@@ -112,21 +112,21 @@ def observe_row(
     tip_1, tip_2 = p.L - w.F_edges[end], w.end[1]
     cosine, sine = math.cos(c.q2), math.sin(c.q2)
     o[4], o[5], o[6] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
-    o[7] = _tip_acceleration(p, k, w, eta_rate)
+    o[7] = tip_acceleration(p, k, w, eta_rate)
     o[11], o[12] = force, drive
-    _energies(p, c, k, w, y, o)
+    energies(p, c, k, w, y, o)
     if recover and n > 0:
         _recover(p, c, k, w, mesh, v, y, force, gap, o)
     else:
         for gauge in range(3):
             curvature = 0.0
             for i in range(n):
-                curvature += _curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
+                curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
             o[8 + gauge] = 0.5 * p.thickness * curvature
 
 
 @inlined
-def _curvature_of_shape(p: Parameters, i: int, x: float) -> float:
+def curvature_of_shape(p: Parameters, i: int, x: float) -> float:
     """phi_i'' at x."""
     cell = find_cell(p.shape_edges, x)
     length = p.shape_edges[cell + 1] - p.shape_edges[cell]
@@ -137,8 +137,8 @@ def _curvature_of_shape(p: Parameters, i: int, x: float) -> float:
     return value / length**2
 
 
-@inlined
-def _tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> float:
+@compiled
+def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> float:
     """Absolute acceleration of x = L along the beam's normal there (equation 6.3)."""
     t, end = p.tables, len(p.tables.edges) - 1
     x, W = p.L - w.F_edges[end], w.end[1]
@@ -156,8 +156,8 @@ def _tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray
     return -math.sin(angle) * a1 + math.cos(angle) * a2
 
 
-@inlined
-def _energies(p: Parameters, c: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], o: NDArray[np.float64]) -> None:
+@compiled
+def energies(p: Parameters, c: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], o: NDArray[np.float64]) -> None:
     """Kinetic, strain and gravity energy, dissipated energy and drive work (equations 6.4 to 6.6)."""
     n = p.n
     kinetic = strain = 0.0
@@ -221,8 +221,8 @@ def _lay_mesh(p: Parameters, s: float, mesh: Tables) -> None:
             mesh.ddphi[point, i] /= size**2
 
 
-@inlined
-def _recover(
+@compiled
+def recover_shape(
     p: Parameters,
     c: Slider,
     k: Contact,
@@ -231,10 +231,12 @@ def _recover(
     v: Workspace,
     y: NDArray[np.float64],
     force: float,
-    gap: float,
     o: NDArray[np.float64],
 ) -> None:
-    """Curvature from equilibrium, then shape, base angle, slider and tip place (equations 7.1 to 7.7)."""
+    """Strains, and the shape relative to the base tangent, from equilibrium (equations 7.1 to 7.6).
+
+    The place of the edges of `mesh` is left in `v.F1_edges` and `v.F2_edges`, the tangent's angle there in `v.M_edges`.
+    """
     n, N = p.n, len(mesh.x)
     cells = len(mesh.edges) - 1
     half = cells // 2
@@ -277,12 +279,31 @@ def _recover(
         o[8 + gauge] = 0.5 * p.thickness * _at(mesh, v.integrand, p.gauges[gauge], v)
     # shape: psi, then the place relative to the base tangent
     cumulate(mesh.edges, v.integrand, v.W, v.M_edges)
-    psi_s = v.M_edges[half]
     for point in range(N):
         v.g[point] = math.cos(v.W[point])
         v.slope[point] = math.sin(v.W[point])
     cumulate(mesh.edges, v.g, v.F, v.F1_edges)
     cumulate(mesh.edges, v.slope, v.g1, v.F2_edges)
+
+
+@inlined
+def _recover(
+    p: Parameters,
+    c: Slider,
+    k: Contact,
+    w: Workspace,
+    mesh: Tables,
+    v: Workspace,
+    y: NDArray[np.float64],
+    force: float,
+    gap: float,
+    o: NDArray[np.float64],
+) -> None:
+    """Curvature from equilibrium, then shape, base angle, slider and tip place (equations 7.1 to 7.7)."""
+    recover_shape(p, c, k, w, mesh, v, y, force, o)
+    cells = len(mesh.edges) - 1
+    half = cells // 2
+    psi_s = v.M_edges[half]
     P1, P2 = p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0])
     # the crank tip lies off the centre line where the joint gives way
     Z1, Z2 = v.F1_edges[half] - gap * math.sin(psi_s), v.F2_edges[half] + gap * math.cos(psi_s)

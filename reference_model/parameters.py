@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from reference_model.mechanism import FollowerAlone, PrescribedSpeed, Scene, Tip
 from reference_model.shapes import ShapeSet
 from reference_model.tables import POINTS, Tables, build_tables
 
@@ -50,13 +50,11 @@ class Parameters(NamedTuple):
     mass_transverse: NDArray[np.float64]  # (n, n) kg: rhoA int phi phi
 
 
-def build_parameters(
-    mechanism: Mechanism, shapes: ShapeSet, *, exact_geometry: bool, cells: int, transverse_damping: bool = False
-) -> Parameters:
+def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, cells: int, transverse_damping: bool = False) -> Parameters:
     """Parameters of the equations for a scene.
 
     Args:
-        mechanism: the scene; its slider joint must be rigid.
+        scene: a slider joint must be rigid; without crank and slider their constants are zero.
         shapes: the follower's shapes (`no_shapes` for a rigid follower).
         exact_geometry: exact planar geometry, or the thesis' second-order foreshortening with linear curvature.
         cells: cells of the quadrature mesh; 0 takes the shapes' own cells.
@@ -65,26 +63,20 @@ def build_parameters(
     Raises:
         UnsuitableShapes: a slider with rotary inertia on shapes whose curvature jumps.
     """
-    drive, follower, slider = mechanism.crank.drive, mechanism.follower, mechanism.slider
-    if slider.inertia > 0.0 and not shapes.has_continuous_curvature:
+    follower, crank = scene.follower, _crank_constants(scene)
+    if crank["slider_inertia"] > 0.0 and not shapes.has_continuous_curvature:
         raise UnsuitableShapes(
             "a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one Hermite element"
         )
-    tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
-    free = isinstance(drive, TorqueDrive)
+    tip = scene.tip or Tip(mass=0.0, inertia=0.0)
     tables = build_tables(shapes, cells)
     EI = 0.0 if follower.is_rigid else follower.bending_stiffness
     return Parameters(
-        d=mechanism.pivot_distance,
-        LA=mechanism.crank.length,
         L=follower.length,
-        crank_inertia=mechanism.crank.inertia_about_pivot + slider.mass * mechanism.crank.length**2,
-        crank_moment=mechanism.crank.mass * mechanism.crank.center_of_mass + slider.mass * mechanism.crank.length,
-        torque=0.0 if isinstance(drive, PrescribedSpeed) else drive.torque,
-        crank_damping=0.0 if isinstance(drive, PrescribedSpeed) else drive.damping,
-        crank_is_free=free,
-        base_inertia=mechanism.base.inertia,
-        base_damping=mechanism.base.damping,
+        crank_is_free=not isinstance(scene, FollowerAlone) and scene.crank_is_free,
+        **crank,
+        base_inertia=scene.base.inertia,
+        base_damping=scene.base.damping,
         rhoA=follower.mass_per_length,
         EI=EI,
         beam_damping=follower.damping,
@@ -92,10 +84,9 @@ def build_parameters(
         tip_mass=tip.mass,
         tip_inertia=tip.inertia,
         tip_offset=tip.center_of_mass,
-        slider_inertia=slider.inertia,
-        gravity_1=mechanism.gravity[0],
-        gravity_2=mechanism.gravity[1],
-        has_gravity=mechanism.has_gravity,
+        gravity_1=scene.gravity[0],
+        gravity_2=scene.gravity[1],
+        has_gravity=scene.has_gravity,
         exact_geometry=exact_geometry,
         n=shapes.count,
         thickness=follower.thickness,
@@ -106,6 +97,22 @@ def build_parameters(
         stiffness=EI * (tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)),
         mass_transverse=follower.mass_per_length * (tables.phi.T @ (tables.weights[:, None] * tables.phi)),
     )
+
+
+def _crank_constants(scene: Scene) -> dict[str, float]:
+    """What belongs to crank and slider; zero where the scene has none."""
+    if isinstance(scene, FollowerAlone):
+        return dict.fromkeys(("d", "LA", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia"), 0.0)
+    crank, slider, drive = scene.crank, scene.slider, scene.crank.drive
+    return {
+        "d": scene.pivot_distance,
+        "LA": crank.length,
+        "crank_inertia": crank.inertia_about_pivot + slider.mass * crank.length**2,
+        "crank_moment": crank.mass * crank.center_of_mass + slider.mass * crank.length,
+        "torque": 0.0 if isinstance(drive, PrescribedSpeed) else drive.torque,
+        "crank_damping": 0.0 if isinstance(drive, PrescribedSpeed) else drive.damping,
+        "slider_inertia": slider.inertia,
+    }
 
 
 class Workspace(NamedTuple):

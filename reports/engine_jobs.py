@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from cases.case import Case
     from engines.accurate import Result
     from engines.trajectory import Trajectory
-    from reference_model.mechanism import Mechanism
+    from reference_model.mechanism import Mechanism, Scene
 
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
@@ -64,13 +64,12 @@ def about(name: str) -> dict[str, Any]:
     return {"name": name, "version": version, "method": found.method, "available": reason is None, "reason": reason}
 
 
-def model(name: str, mechanism: "Mechanism") -> dict[str, Any]:
+def model(name: str, scene: "Scene") -> dict[str, Any]:
     """What the engine builds for a scene with its default settings. Raises Refusal if it cannot."""
     from engines.registry import usable_engine
+    from engines.scene import describe_scene
 
-    found = usable_engine(name)
-    found.check(mechanism)
-    built = found.describe(mechanism, found.settings_for(found.default_accuracy, mechanism))
+    built = describe_scene(usable_engine(name), scene)
     return {"bodies": built.bodies, "joints": built.joints, "degrees_of_freedom": built.degrees_of_freedom}
 
 
@@ -108,15 +107,13 @@ def simulate(
 
 def _simulated(name: str, case: "Case", texts: Mapping[str, str], accuracy: float | None) -> tuple[dict[str, Any], bytes | None]:
     """The part of `simulate` that happens in the worker: the document, and the trajectory as CSV as far as there is one."""
-    from engines import accurate
     from engines.base import EngineFailure
     from engines.registry import usable_engine
-    from engines.start import standard_start
+    from engines.scene import simulate_scene
 
     found = usable_engine(name)
-    mechanism, start = case.mechanism, standard_start(case.mechanism)
     try:
-        result = accurate.simulate(found, mechanism, start, case.duration, case.output_step, texts, accuracy)
+        result = simulate_scene(found, case.scene, case.duration, case.output_step, texts, accuracy)
     except EngineFailure as failure:
         document, trajectory = _failed(failure.time, failure.cause, failure.advice, failure.partial), failure.partial
     else:

@@ -9,7 +9,7 @@ from exudyn import itemInterface as items  # noqa: N813
 
 from engines.base import ModelDescription
 from engines.start import Start
-from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
 exu.config.suppressWarnings = True
@@ -29,17 +29,24 @@ class Assembly:
     Attributes:
         mbs: Exudyn's system.
         ground: object number of the ground, at O.
+        ground_coordinate: marker of a coordinate that stays zero.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism = mechanism
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
         self.container = exu.SystemContainer()  # owns `mbs`, so it must live as long
         self.mbs = self.container.AddSystem()
         self.ground = self.mbs.AddObject(items.ObjectGround())
-        self._ground_coordinate = self.coordinate_marker(self.mbs.AddNode(items.NodePointGround()), 0)
+        self.ground_coordinate = self.coordinate_marker(self.mbs.AddNode(items.NodePointGround()), 0)
         self._bodies: list[str] = []
         self._joints: list[str] = []
         self._constraints = 0
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The scene of a model with crank and slider."""
+        assert isinstance(self.scene, Mechanism)
+        return self.scene
 
     @property
     def joint_is_compliant(self) -> bool:
@@ -103,13 +110,13 @@ class Assembly:
     def rotary_damper(self, node: Any, damping: float) -> None:
         """Viscous torque on the rotation of a rigid body's node; nothing is built where there is no damping."""
         if damping > 0.0:
-            markers = [self._ground_coordinate, self.coordinate_marker(node, 2)]
+            markers = [self.ground_coordinate, self.coordinate_marker(node, 2)]
             self.mbs.AddObject(items.ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, damping=damping))
 
     def weight(self, body: Any, x: float, mass: float) -> None:
         """Gravity on a `mass` at distance `x` along a body's axis; nothing is built without gravity or mass."""
-        if self.mechanism.has_gravity and mass > 0.0:
-            force = [mass * g for g in self.mechanism.gravity]
+        if self.scene.has_gravity and mass > 0.0:
+            force = [mass * g for g in self.scene.gravity]
             self.mbs.AddLoad(items.LoadForceVector(markerNumber=self.point_marker(body, x), loadVector=[*force, 0.0]))
 
     def crank(self, start: Start) -> tuple[Any, Any, Any]:
@@ -136,7 +143,7 @@ class Assembly:
                 constraint = self.add_joint(
                     "prescribed crank speed",
                     items.ObjectConnectorCoordinate(
-                        markerNumbers=[self._ground_coordinate, self.coordinate_marker(node, 2)], offset=speed, velocityLevel=True
+                        markerNumbers=[self.ground_coordinate, self.coordinate_marker(node, 2)], offset=speed, velocityLevel=True
                     ),
                     1,
                 )

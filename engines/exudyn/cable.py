@@ -124,6 +124,12 @@ class Cable:
         strain = np.sqrt(np.sum(slope**2, axis=-1)) - 1.0
         return 0.5 * (np.einsum("rep,p->r", curvature**2, bending) + np.einsum("rep,p->r", strain**2, stretching))
 
+    def stretch(self, q: Array) -> Array:
+        """Length of the centre line less the undeformed length, m, shape (rows,)."""
+        h = self.element_length
+        slope = np.einsum("ps,resc->repc", _hermite((1.0 + _POINTS_5) / 2.0, h, 1), self._ends(q))
+        return np.einsum("rep,p->r", np.sqrt(np.sum(slope**2, axis=-1)) - 1.0, _WEIGHTS_5 * h / 2.0)
+
     def first_moment(self, q: Array) -> Array:
         """∫ ρA r dx, kg m, shape (rows, 2)."""
         h = self.element_length

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.exudyn import modes
 from engines.exudyn import settings as ladder
+from engines.exudyn.alone import ExudynAlone
 from engines.exudyn.flexible import FlexibleModel
 from engines.exudyn.record import Model
 from engines.exudyn.rigid import RigidModel
-from engines.exudyn.settings import ExudynSettings
+from engines.exudyn.settings import ExudynSettings, own
 from engines.exudyn.simulation import ExudynSimulation
 from engines.settings import Settings as AnySettings
 from engines.start import Start, standard_start
@@ -56,36 +57,34 @@ class ExudynEngine(Engine):
 
     def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Time and space apart, for their errors have opposite signs; a rigid follower has no elements."""
-        own = _own(settings)
-        in_time = ladder.in_time(own, output_step)
-        return (in_time,) if mechanism.follower.is_rigid else (in_time, ladder.in_space(own, in_time))
+        chosen = own(settings)
+        in_time = ladder.in_time(chosen, output_step)
+        return (in_time,) if mechanism.follower.is_rigid else (in_time, ladder.in_space(chosen, in_time))
 
     def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
         """Smaller steps or more elements, as far as each is needed."""
-        return ladder.finer(_own(settings), excess, output_step)
+        return ladder.finer(own(settings), excess, output_step)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
         self.check(mechanism)
         begun = time.perf_counter()
-        simulation = ExudynSimulation(self._model(mechanism, start, settings), _own(settings))
+        simulation = ExudynSimulation(self._model(mechanism, start, settings), own(settings))
         simulation.setup_seconds = time.perf_counter() - begun
         return simulation
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
-        return modes.natural_frequencies(mechanism, crank_angle, count, _own(settings).elements)
+        return modes.natural_frequencies(mechanism, crank_angle, count, own(settings).elements)
 
     @staticmethod
     def _model(mechanism: Mechanism, start: Start, settings: AnySettings) -> Model:
         state = reconstruct(mechanism, start)
         if mechanism.follower.is_rigid:
             return RigidModel(mechanism, start, state)
-        return FlexibleModel(mechanism, start, state, _own(settings).elements)
+        return FlexibleModel(mechanism, start, state, own(settings).elements)
 
-
-def _own(settings: AnySettings) -> ExudynSettings:
-    if not isinstance(settings, ExudynSettings):
-        raise TypeError(f"exudyn needs ExudynSettings, not {type(settings).__name__}")
-    return settings
+    def follower_alone(self) -> ExudynAlone:
+        """A cable clamped to a base that is turned."""
+        return ExudynAlone(self)

@@ -12,7 +12,7 @@ from engines.exudyn.damping import Dampers
 from engines.exudyn.record import Record, accumulated, drive_columns, index
 from engines.exudyn.slider import Gap, add_slider, gap
 from engines.start import Start
-from engines.start_state import StartState
+from engines.start_state import FollowerState, StartState
 from reference_model.mechanism import Follower, Mechanism
 
 Array = NDArray[np.float64]
@@ -25,7 +25,7 @@ def cable_of(follower: Follower, elements: int) -> Cable:
     return Cable(follower.length, elements, follower.mass_per_length, follower.bending_stiffness, follower.axial_stiffness)
 
 
-def add_nodes(assembly: Assembly, cable: Cable, state: StartState) -> list[Any]:
+def add_nodes(assembly: Assembly, cable: Cable, state: FollowerState) -> list[Any]:
     """Add the cable's nodes in the state `state`; returns their numbers."""
     x = cable.nodes
     place, velocity, angle, rate = state.position(x), state.velocity(x), state.tangent(x), state.tangent_rate(x)
@@ -48,33 +48,64 @@ def add_ends(assembly: Assembly, cable: Cable, state: StartState, nodes: list[An
         Node and object number of the base body, or None.
     """
     mechanism, mbs = assembly.mechanism, assembly.mbs
-    d, base, tip = mechanism.pivot_distance, mechanism.base, mechanism.tip
-    ends = np.array([0.0, cable.length])
-    angle, rate = state.tangent(ends), state.tangent_rate(ends)
+    d, base = mechanism.pivot_distance, mechanism.base
     base_body = None
     if base.inertia > 0.0 or base.damping > 0.0 or mechanism.follower.damping > 0.0:
-        base_body = assembly.pinned_body("base", d, angle[0], rate[0], base.inertia)
+        base_body = add_base(assembly, d, state, nodes)
         assembly.rotary_damper(base_body[0], base.damping)
-        markers = [assembly.frame_marker(base_body[1]), mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))]
-        assembly.add_joint("follower clamped to the base", _clamp(markers), 3)
     else:
         markers = [assembly.point_marker(assembly.ground, d), mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[0]))]
         assembly.add_joint("pin of the follower", items.ObjectJointRevolute2D(markerNumbers=markers), 2)
-    if tip is not None:
-        c = tip.center_of_mass
-        direction = np.array([np.cos(angle[1]), np.sin(angle[1])])
-        place = state.position(ends)[1] + c * direction
-        velocity = state.velocity(ends)[1] + c * rate[1] * np.array([-direction[1], direction[0]])
-        _, body = assembly.rigid_body(place, angle[1], velocity, rate[1], tip.mass, tip.inertia)
-        assembly.listed_body("tip")
-        assembly.weight(body, 0.0, tip.mass)
-        markers = [assembly.frame_marker(body, -c), mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[-1]))]
-        assembly.add_joint("tip clamped to the follower", _clamp(markers), 3)
+    add_tip(assembly, cable, state, nodes)
     return base_body
+
+
+def add_base(assembly: Assembly, pivot: float, state: FollowerState, nodes: list[Any]) -> tuple[Any, Any]:
+    """A base body at the point (`pivot`, 0) with the cable clamped to it; node and object number."""
+    start = np.zeros(1)
+    angle, rate = float(state.tangent(start)[0]), float(state.tangent_rate(start)[0])
+    body = assembly.pinned_body("base", pivot, angle, rate, assembly.scene.base.inertia)
+    markers = [assembly.frame_marker(body[1]), assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))]
+    assembly.add_joint("follower clamped to the base", _clamp(markers), 3)
+    return body
+
+
+def add_tip(assembly: Assembly, cable: Cable, state: FollowerState, nodes: list[Any]) -> None:
+    """Clamp the tip body to the cable's end; nothing is built where there is none."""
+    tip, end = assembly.scene.tip, np.array([cable.length])
+    if tip is None:
+        return
+    c, angle, rate = tip.center_of_mass, float(state.tangent(end)[0]), float(state.tangent_rate(end)[0])
+    axis = np.array([np.cos(angle), np.sin(angle)])
+    place = state.position(end)[0] + c * axis
+    velocity = state.velocity(end)[0] + c * rate * np.array([-axis[1], axis[0]])
+    _, body = assembly.rigid_body(place, angle, velocity, rate, tip.mass, tip.inertia)
+    assembly.listed_body("tip")
+    assembly.weight(body, 0.0, tip.mass)
+    markers = [assembly.frame_marker(body, -c), assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[-1]))]
+    assembly.add_joint("tip clamped to the follower", _clamp(markers), 3)
 
 
 def _clamp(markers: list[Any]) -> Any:
     return items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=_CLAMPED)
+
+
+def add_weight(assembly: Assembly, cable: Cable, nodes: list[Any]) -> None:
+    """Consistent nodal forces of the follower's weight.
+
+    Exudyn's mass-proportional load would, on elements that a slider rides on, also push the slider along the follower.
+    """
+    if not assembly.scene.has_gravity:
+        return
+    h, last = cable.element_length, len(nodes) - 1
+    for i, node in enumerate(nodes):
+        on_place = h / 2.0 if i in (0, last) else h
+        on_slope = {0: h**2 / 12.0, last: -(h**2) / 12.0}.get(i, 0.0)
+        for axis, g in enumerate(assembly.scene.gravity):
+            for coordinate, factor in ((axis, on_place), (axis + 2, on_slope)):
+                load = cable.mass_per_length * g * factor
+                if load != 0.0:
+                    assembly.mbs.AddLoad(items.LoadCoordinate(markerNumber=assembly.coordinate_marker(node, coordinate), load=load))
 
 
 class FlexibleModel:
@@ -116,9 +147,9 @@ class FlexibleModel:
         self._damper_weights = np.zeros(elements + 1)
         self._dampers: Dampers | None = None
         if base is not None and follower.damping > 0.0:
-            self._damper_weights = follower.damping * _quadrature(cable)
+            self._damper_weights = follower.damping * quadrature(cable)
             self._dampers = Dampers(assembly, base, nodes, cable.nodes, self._damper_weights)
-        self._add_weight(nodes)
+        add_weight(assembly, cable, nodes)
         slider = add_slider(assembly, cable, state, start, crank, cables, axial)
         self._joint = slider.joint
         assembly.mbs.Assemble()
@@ -128,24 +159,6 @@ class FlexibleModel:
         self._axial_index = index(assembly, axial)
         if self._dampers is not None:
             self._dampers.locate(assembly)
-
-    def _add_weight(self, nodes: list[Any]) -> None:
-        """Consistent nodal forces of the follower's weight.
-
-        Exudyn's mass-proportional load would, on these elements, also push the slider along the follower.
-        """
-        if not self._mechanism.has_gravity:
-            return
-        h, last = self._cable.element_length, len(nodes) - 1
-        for i, node in enumerate(nodes):
-            on_place = h / 2.0 if i in (0, last) else h
-            on_slope = {0: h**2 / 12.0, last: -(h**2) / 12.0}.get(i, 0.0)
-            for axis, g in enumerate(self._mechanism.gravity):
-                for coordinate, factor in ((axis, on_place), (axis + 2, on_slope)):
-                    load = self._cable.mass_per_length * g * factor
-                    if load != 0.0:
-                        marker = self.assembly.coordinate_marker(node, coordinate)
-                        self.assembly.mbs.AddLoad(items.LoadCoordinate(markerNumber=marker, load=load))
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
         """See `engines.exudyn.record.Model`."""
@@ -167,10 +180,10 @@ class FlexibleModel:
         crank_speed = record.rates[:, self._crank_index]
         s = record.coordinates[:, self._axial_index] + self._slider_start
 
-        b1, frame_rate, _ = _direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
-        tip_tangent, _, _ = _direction(q[:, -1, 2:], rates[:, -1, 2:], accelerations[:, -1, 2:])
+        b1, frame_rate, _ = direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
+        tip_tangent, _, _ = direction(q[:, -1, 2:], rates[:, -1, 2:], accelerations[:, -1, 2:])
         slider_tangent = cable.evaluate(q, s, 1)
-        slider_normal = _turned(slider_tangent) / np.linalg.norm(slider_tangent, axis=1)[:, None]
+        slider_normal = turned(slider_tangent) / np.linalg.norm(slider_tangent, axis=1)[:, None]
         crank_tip = LA * np.column_stack([np.cos(crank_angle), np.sin(crank_angle)])
         joint = self._gap(record, (q, rates, accelerations), s)
         joint_force = record.multipliers[:, self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)]
@@ -182,10 +195,10 @@ class FlexibleModel:
             "slider_position": s,
             "tip_x": q[:, -1, 0],
             "tip_y": q[:, -1, 1],
-            "tip_deflection": _dot(_turned(b1), q[:, -1, :2] - q[:, 0, :2]),
-            "tip_acceleration": _dot(_turned(tip_tangent), accelerations[:, -1, :2]),
+            "tip_deflection": dot(turned(b1), q[:, -1, :2] - q[:, 0, :2]),
+            "tip_acceleration": dot(turned(tip_tangent), accelerations[:, -1, :2]),
             **{f"strain_{i}": cable.curvature(q, x) * follower.thickness / 2.0 for i, x in enumerate(follower.strain_gauges, start=1)},
-            "slider_force": -_dot(slider_normal, joint_force),
+            "slider_force": -dot(slider_normal, joint_force),
             **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),
             "kinetic_energy": self._kinetic_energy(crank_speed, frame_rate, q, rates),
             "strain_energy": cable.strain_energy(q) + self._spring_energy(joint),
@@ -197,7 +210,7 @@ class FlexibleModel:
     def _gap(self, record: Record, line: tuple[Array, Array, Array], s: Array) -> Gap:
         angle, speed, acceleration = (v[:, self._crank_index] for v in (record.coordinates, record.rates, record.accelerations))
         arm = self._mechanism.crank.length * np.column_stack([np.cos(angle), np.sin(angle)])
-        across = _turned(arm)
+        across = turned(arm)
         crank_tip = (arm, speed[:, None] * across, acceleration[:, None] * across - (speed**2)[:, None] * arm)
         return gap(self._cable, line, (s, record.rates[:, self._axial_index]), crank_tip)
 
@@ -212,15 +225,15 @@ class FlexibleModel:
         energy = 0.5 * (crank_inertia * crank_speed**2 + self._mechanism.base.inertia * frame_rate**2)
         energy += self._cable.kinetic_energy(rates)
         if tip is not None:
-            tangent, rate, _ = _direction(q[:, -1, 2:], rates[:, -1, 2:], np.zeros_like(rates[:, -1, 2:]))
-            velocity = rates[:, -1, :2] + tip.center_of_mass * rate[:, None] * _turned(tangent)
+            tangent, rate, _ = direction(q[:, -1, 2:], rates[:, -1, 2:], np.zeros_like(rates[:, -1, 2:]))
+            velocity = rates[:, -1, :2] + tip.center_of_mass * rate[:, None] * turned(tangent)
             energy += 0.5 * (tip.mass * np.sum(velocity**2, axis=1) + tip.inertia * rate**2)
         return energy
 
     def _gravity_energy(self, crank_angle: Array, q: Array, tip_tangent: Array) -> Array:
         crank, slider, tip = self._mechanism.crank, self._mechanism.slider, self._mechanism.tip
-        direction = np.column_stack([np.cos(crank_angle), np.sin(crank_angle)])
-        moment = (crank.mass * crank.center_of_mass + slider.mass * crank.length) * direction + self._cable.first_moment(q)
+        crank_arm = np.column_stack([np.cos(crank_angle), np.sin(crank_angle)])
+        moment = (crank.mass * crank.center_of_mass + slider.mass * crank.length) * crank_arm + self._cable.first_moment(q)
         if tip is not None:
             moment = moment + tip.mass * (q[:, -1, :2] + tip.center_of_mass * tip_tangent)
         return -moment @ np.array(self._mechanism.gravity)
@@ -229,13 +242,13 @@ class FlexibleModel:
         """Work taken by the dampers of crank, base, follower and slider."""
         crank_damping = getattr(self._mechanism.crank.drive, "damping", 0.0)
         speed, acceleration = record.rates[:, self._crank_index], record.accelerations[:, self._crank_index]
-        _, frame_rate, frame_acceleration = _direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
+        _, frame_rate, frame_acceleration = direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
         power = crank_damping * speed**2 + self._mechanism.base.damping * frame_rate**2
         power_rate = 2.0 * (crank_damping * speed * acceleration + self._mechanism.base.damping * frame_rate * frame_acceleration)
         radius = q[:, :, :2] - np.array([self._mechanism.pivot_distance, 0.0])
-        turned, turned_rate = _turned(radius), _turned(rates[:, :, :2])
-        relative = rates[:, :, :2] - frame_rate[:, None, None] * turned
-        relative_rate = accelerations[:, :, :2] - frame_acceleration[:, None, None] * turned - frame_rate[:, None, None] * turned_rate
+        across, across_rate = turned(radius), turned(rates[:, :, :2])
+        relative = rates[:, :, :2] - frame_rate[:, None, None] * across
+        relative_rate = accelerations[:, :, :2] - frame_acceleration[:, None, None] * across - frame_rate[:, None, None] * across_rate
         power = power + np.sum(relative**2, axis=2) @ self._damper_weights
         power_rate = power_rate + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights
         power = power + self._mechanism.slider.joint_damping * joint.rate**2
@@ -243,7 +256,7 @@ class FlexibleModel:
         return accumulated(record.time, power, power_rate)
 
 
-def _quadrature(cable: Cable) -> Array:
+def quadrature(cable: Cable) -> Array:
     """Weights of the nodes in ∫ dx along the cable, m: the trapezoidal rule with Gregory's end correction, fourth order."""
     weights = np.full(cable.elements + 1, cable.element_length)
     for i, factor in enumerate((3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0)):
@@ -251,18 +264,19 @@ def _quadrature(cable: Cable) -> Array:
     return weights
 
 
-def _direction(slope: Array, slope_rate: Array, slope_acceleration: Array) -> tuple[Array, Array, Array]:
+def direction(slope: Array, slope_rate: Array, slope_acceleration: Array) -> tuple[Array, Array, Array]:
     """Unit vector along `slope` (rows, 2), its angular rate and angular acceleration (rows,)."""
     squared = np.sum(slope**2, axis=1)
-    rate = _dot(_turned(slope), slope_rate) / squared
-    acceleration = _dot(_turned(slope), slope_acceleration) / squared - 2.0 * rate * _dot(slope, slope_rate) / squared
+    rate = dot(turned(slope), slope_rate) / squared
+    acceleration = dot(turned(slope), slope_acceleration) / squared - 2.0 * rate * dot(slope, slope_rate) / squared
     return slope / np.sqrt(squared)[:, None], rate, acceleration
 
 
-def _turned(a: Array) -> Array:
+def turned(a: Array) -> Array:
     """Quarter turn, counter-clockwise."""
     return np.stack([-a[..., 1], a[..., 0]], axis=-1)
 
 
-def _dot(a: Array, b: Array) -> Array:
+def dot(a: Array, b: Array) -> Array:
+    """Scalar products along the last axis."""
     return np.sum(a * b, axis=-1)

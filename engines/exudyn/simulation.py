@@ -2,6 +2,7 @@
 
 import math
 import time
+from typing import ClassVar
 
 import exudyn as exu
 import numpy as np
@@ -12,7 +13,7 @@ from engines.exudyn.damping import LONGEST
 from engines.exudyn.record import Model, Record
 from engines.exudyn.settings import ExudynSettings
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, Scene
 
 Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array]
@@ -28,15 +29,17 @@ class ExudynSimulation(Simulation):
     or in many.
     """
 
+    trajectory_type: ClassVar[type[Trajectory]] = Trajectory
+
     def __init__(self, model: Model, settings: ExudynSettings) -> None:
         self.time = 0.0
         self._model = model
         self._mbs = model.assembly.mbs
         self._step = settings.step
-        self._solver_settings = _solver_settings(settings, model.assembly.mechanism)
+        self._solver_settings = _solver_settings(settings, model.assembly.scene)
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._totals = dict.fromkeys(_ACCUMULATED, 0.0)
-        self._length = model.assembly.mechanism.follower.length
+        self._length = model.assembly.scene.follower.length
         try:
             ready = self._solver.InitializeSolver(self._mbs, self._solver_settings)
         except exu.ExudynError as error:
@@ -74,7 +77,7 @@ class ExudynSimulation(Simulation):
             "newton_iterations": float(self._solver.it.newtonStepsCount - newton_before),
         }
         self.time, self._last = float(at[-1]), rows[-1]
-        trajectory = Trajectory(columns, time.perf_counter() - begun, statistics)
+        trajectory = self.trajectory_type(columns, time.perf_counter() - begun, statistics)
         if failure is not None:
             raise EngineFailure(self.time, *failure, trajectory)
         return trajectory
@@ -108,10 +111,14 @@ class ExudynSimulation(Simulation):
         coordinates = self._coordinates()
         if not np.all(np.isfinite(coordinates)):
             return "the solution is not finite", smaller
+        return self._left(coordinates)
+
+    def _left(self, coordinates: Array) -> tuple[str, str] | None:
+        """Cause and advice if the slider is beyond an end of the follower."""
         s = self._model.slider_position(coordinates)
-        if not 0.0 <= s <= self._length:
-            return f"the slider left the follower (s = {s:.6g} m of {self._length:.6g} m)", "use a longer follower or a slower crank"
-        return None
+        if 0.0 <= s <= self._length:
+            return None
+        return f"the slider left the follower (s = {s:.6g} m of {self._length:.6g} m)", "use a longer follower or a slower crank"
 
     def _row(self) -> _Row:
         data = self._mbs.systemData
@@ -127,8 +134,8 @@ def _stretches(output_step: float, steps: int) -> int:
     return next(fitting, steps)
 
 
-def _solver_settings(settings: ExudynSettings, mechanism: Mechanism) -> exu.SimulationSettings:
-    follower, spring = mechanism.follower, mechanism.slider.joint_stiffness
+def _solver_settings(settings: ExudynSettings, scene: Scene) -> exu.SimulationSettings:
+    follower, spring = scene.follower, scene.slider.joint_stiffness if isinstance(scene, Mechanism) else math.inf
     result = exu.SimulationSettings()
     integration = result.timeIntegration
     integration.startTime, integration.endTime, integration.numberOfSteps = 0.0, settings.step, 1
@@ -138,8 +145,8 @@ def _solver_settings(settings: ExudynSettings, mechanism: Mechanism) -> exu.Simu
     integration.newton.useModifiedNewton = True
     # Round-off of the places, times EA / h or the stiffness of the slider's joint, is the least residual that an iteration can reach.
     round_off = 0.0 if follower.is_rigid else follower.axial_stiffness * np.finfo(float).eps * settings.elements
-    if math.isfinite(spring):
-        round_off = max(round_off, spring * mechanism.pivot_distance * np.finfo(float).eps)
+    if isinstance(scene, Mechanism) and math.isfinite(spring):
+        round_off = max(round_off, spring * scene.pivot_distance * np.finfo(float).eps)
     tolerance = settings.newton_tolerance * (1e-3 if follower.is_rigid else 1.0)  # the smaller one serves the drive's torque
     if math.isfinite(spring) and not follower.is_rigid:
         # What the iteration starts from and is relative to grows with the stiffest spring, once that is not the cable itself: at

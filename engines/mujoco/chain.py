@@ -13,34 +13,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import ModelDescription
-from reference_model.mechanism import Mechanism, TorqueDrive
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 _LEAST = 1e-12  # kg and kg m^2: MuJoCo accepts no body without mass and inertia
 _AXIS = (0.0, 0.0, 1.0)
 
 
-def hinge_count(mechanism: Mechanism, links: int) -> int:
+def hinge_count(mechanism: Scene, links: int) -> int:
     """N, or none if the follower is rigid."""
     return 0 if mechanism.follower.is_rigid else links
 
 
-def build(mechanism: Mechanism, hinges: int, armature: float) -> mujoco.MjModel:
+def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
     """MuJoCo's model. Coordinates: the crank's angle if it is free, the angle of the follower's first piece, the hinges' angles.
 
     Args:
-        mechanism: the scene.
+        scene: with or without crank.
         hinges: N, 0 for a rigid follower.
         armature: inertia added to the rate of every hinge, kg m^2.
     """
     spec = mujoco.MjSpec()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    spec.option.gravity = (*mechanism.gravity, 0.0)
+    spec.option.gravity = (*scene.gravity, 0.0)
     # A reset after a bad acceleration would carry on from the start without a word.
     spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     spec.nuserdata = 1  # where the control hook finds its simulation
-    if isinstance(mechanism.crank.drive, TorqueDrive):
-        _add_crank(spec, mechanism, mechanism.crank.drive)
-    _add_follower(spec, mechanism, hinges, armature)
+    if isinstance(scene, Mechanism) and isinstance(scene.crank.drive, TorqueDrive):
+        _add_crank(spec, scene, scene.crank.drive)
+    _add_follower(spec, scene, hinges, armature)
     return spec.compile()
 
 
@@ -52,9 +52,9 @@ def _add_crank(spec: mujoco.MjSpec, mechanism: Mechanism, drive: TorqueDrive) ->
         _add_body(crank, "slider", part.length, mechanism.slider.mass, 0.0, 0.0)
 
 
-def _add_follower(spec: mujoco.MjSpec, mechanism: Mechanism, hinges: int, armature: float) -> None:
-    follower, base, tip = mechanism.follower, mechanism.base, mechanism.tip
-    body, place = spec.worldbody, mechanism.pivot_distance
+def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: float) -> None:
+    follower, base, tip = scene.follower, scene.base, scene.tip
+    body, place = spec.worldbody, scene.pivot_distance if isinstance(scene, Mechanism) else 0.0
     for number, piece in enumerate(pieces(follower.length, hinges)):
         mass = follower.mass_per_length * piece
         rod = mass * piece**2 / 12.0
@@ -101,22 +101,15 @@ def _polynomial(linear: float) -> tuple[float, float, float]:
 
 def describe(mechanism: Mechanism, hinges: int) -> ModelDescription:
     """What `build` makes of the scene, and the constraint that the hook adds."""
-    bodies, joints = [], []
+    bodies: list[str] = []
+    joints: list[str] = []
     if mechanism.crank_is_free:
         bodies.append("crank: rigid arm about O")
         joints.append("crank hinge at O, driven by a torque against viscous damping")
         if mechanism.slider.mass > 0.0:
             bodies.append("slider: point mass fixed to the crank tip")
-    if hinges == 0:
-        bodies.append("base and rigid follower: one body about P")
-    else:
-        bodies.append("base: block and half a link about P")
-        bodies += [f"link {j}: rigid rod" for j in range(1, hinges)]
-        bodies.append(f"link {hinges}: half a link at the end")
     joints.append("base hinge at P")
-    joints += [f"hinge {j}: spring EI/h" for j in range(1, hinges + 1)]
-    if mechanism.tip is not None:
-        bodies.append("tip: rigid body fixed to the end")
+    _describe_follower(mechanism, hinges, bodies, joints)
     moving = "crank tip" if mechanism.crank_is_free else "crank tip, moved at the prescribed speed,"
     compliant, free = math.isfinite(mechanism.slider.joint_stiffness), hinges + 1 + int(mechanism.crank_is_free)
     how = (
@@ -128,7 +121,27 @@ def describe(mechanism: Mechanism, hinges: int) -> ModelDescription:
     return ModelDescription(tuple(bodies), tuple(joints), free if compliant else free - 1)
 
 
-def follower_matrices(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def describe_alone(scene: FollowerAlone, hinges: int) -> ModelDescription:
+    """What `build` makes of a follower alone, and the drive that the hook adds."""
+    bodies: list[str] = []
+    joints = ["base hinge at O, turned as prescribed: one constraint, exact torque"]
+    _describe_follower(scene, hinges, bodies, joints)
+    return ModelDescription(tuple(bodies), tuple(joints), hinges)
+
+
+def _describe_follower(scene: Scene, hinges: int, bodies: list[str], joints: list[str]) -> None:
+    if hinges == 0:
+        bodies.append("base and rigid follower: one body about P")
+    else:
+        bodies.append("base: block and half a link about P")
+        bodies += [f"link {j}: rigid rod" for j in range(1, hinges)]
+        bodies.append(f"link {hinges}: half a link at the end")
+    joints += [f"hinge {j}: spring EI/h" for j in range(1, hinges + 1)]
+    if scene.tip is not None:
+        bodies.append("tip: rigid body fixed to the end")
+
+
+def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mass (kg m^2) and stiffness (N m) matrices of the straight follower in base and hinge angles, crank held; (N + 1, N + 1)."""
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

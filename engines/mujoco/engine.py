@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.mujoco import settings as ladder
-from engines.mujoco.settings import ChainSettings
+from engines.mujoco.alone import MujocoAlone
+from engines.mujoco.settings import ChainSettings, own
 from engines.settings import Settings as AnySettings
 from engines.start import Start
 from reference_model.mechanism import Mechanism
@@ -66,7 +67,7 @@ class MujocoEngine(Engine):
         """See `Engine.describe`."""
         from engines.mujoco import chain
 
-        return chain.describe(mechanism, chain.hinge_count(mechanism, _own(settings).links))
+        return chain.describe(mechanism, chain.hinge_count(mechanism, own(settings).links))
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
         """See `Engine.settings_for`."""
@@ -74,32 +75,30 @@ class MujocoEngine(Engine):
 
     def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """One pair: the step, bound to stability, leaves no error of its own beside the chain's."""
-        chosen = _own(settings)
+        chosen = own(settings)
         return (Comparison(chosen, *ladder.coarser(chosen)),)
 
     def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
         """See `Engine.finer`."""
-        return ladder.finer(_own(settings))
+        return ladder.finer(own(settings))
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """See `Engine.prepare`."""
         self.check(mechanism)
         from engines.mujoco.simulation import ChainSimulation
 
-        return ChainSimulation(mechanism, start, _own(settings))
+        return ChainSimulation(mechanism, start, own(settings))
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
         """See `Engine.natural_frequencies`."""
         self.check(mechanism)
         from engines.mujoco import modes
 
-        return modes.natural_frequencies(mechanism, crank_angle, count, _own(settings).links)
+        return modes.natural_frequencies(mechanism, crank_angle, count, own(settings).links)
 
-
-def _own(settings: AnySettings) -> ChainSettings:
-    if not isinstance(settings, ChainSettings):
-        raise TypeError(f"engine mujoco takes ChainSettings, not {type(settings).__name__}")
-    return settings
+    def follower_alone(self) -> MujocoAlone:
+        """The same chain on a base that is turned."""
+        return MujocoAlone(self)
 
 
 def _installed() -> str | None:

@@ -1,6 +1,7 @@
 """Everything that runs compiled: the smooth centre line, the sliding constraint in MuJoCo's control hook, and the time loop.
 
-One file on purpose: numba's cache notices a change of the file that a function is in, not of the files whose functions it calls.
+A follower alone has a torque on its base in place of the constraint. One file on purpose: numba's cache notices a change of the file that
+a function is in, not of the files whose functions it calls.
 
 Points of the plane are complex numbers seen from P; link i = 0 .. N has the direction e_i = exp(i α_i), link 0 is the base.
 
@@ -29,6 +30,7 @@ from engines.mujoco.native import (
     mj_step,
     pointer,
 )
+from reference_model.spin_up import base_motion
 
 #: One simulation as compiled code sees it. Lengths in m, angles in rad.
 CONTEXT = np.dtype(
@@ -60,6 +62,9 @@ CONTEXT = np.dtype(
         ("prescribed_inertia", "f8"),  # kg m^2 about O, crank and slider
         ("prescribed_weight_1", "f8"),  # N m, gravity's potential energy of crank and slider is w1 cos q1 + w2 sin q1
         ("prescribed_weight_2", "f8"),
+        ("base_is_prescribed", "i8"),  # then there is neither crank nor slider
+        ("spin_up_speed", "f8"),
+        ("spin_up_time", "f8"),  # s
         ("joint_is_compliant", "i8"),
         ("joint_stiffness", "f8"),  # N/m
         ("joint_damping", "f8"),  # N s/m
@@ -311,13 +316,36 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
         ctx.stage += 1
 
 
+@_compiled
+def _turn_base(model: int, data: int, ctx: Context, time: float) -> None:
+    """The hook's work without crank and slider: the damping, and the torque on the base that gives it the prescribed acceleration."""
+    n = ctx.coordinates
+    qpos, qvel, applied = _array(ctx.qpos, n), _array(ctx.qvel, n), _array(ctx.force_applied, n)
+    rates = _rates(ctx, qvel)
+    applied[:] = 0.0
+    dissipation = ctx.base_damping * rates[0] ** 2 + _damp_beam(ctx, _directions(ctx, qpos), rates, applied)
+    known, solved = np.zeros((2, n)), np.empty((2, n))
+    known[0] = _array(ctx.force_passive, n) - _array(ctx.force_bias, n) + applied
+    known[1, 0] = 1.0
+    mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
+    ctx.drive_torque = (base_motion(ctx.spin_up_speed, ctx.spin_up_time, time)[2] - solved[0, 0]) / solved[1, 0]
+    applied[0] += ctx.drive_torque
+    if ctx.stage < 4:
+        ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
+        ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * ctx.drive_torque * rates[0]
+        ctx.stage += 1
+
+
 @cfunc(types.void(types.intp, types.intp), cache=True)
 def control_hook(model: int, data: int) -> None:
     """MuJoCo's `mjcb_control`: called in every stage of a step, when the mass matrix and all other forces are known."""
     time_and_context = np.empty(2)
     mj_get_state(model, data, time_and_context.ctypes.data, _TIME_AND_USERDATA)
     context = carray(pointer(int(time_and_context[1])), 1, CONTEXT)
-    _constrain(model, data, context[0], time_and_context[0])
+    if context[0].base_is_prescribed:
+        _turn_base(model, data, context[0], time_and_context[0])
+    else:
+        _constrain(model, data, context[0], time_and_context[0])
 
 
 @_compiled
@@ -327,6 +355,9 @@ def _project(model: int, data: int, ctx: Context) -> None:
     qpos, qvel = _array(ctx.qpos, n), _array(ctx.qvel, n)
     time_and_context = np.empty(2)
     mj_get_state(model, data, time_and_context.ctypes.data, _TIME_AND_USERDATA)
+    if ctx.base_is_prescribed:  # what the step left is its own error
+        qpos[0], qvel[0], _ = base_motion(ctx.spin_up_speed, ctx.spin_up_time, time_and_context[0])
+        return
     direction = np.empty(n)
     for iteration in range(6):
         crank_arm, _, crank_speed = _crank(ctx, time_and_context[0], qpos, qvel)

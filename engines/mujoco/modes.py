@@ -9,7 +9,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from engines.mujoco import chain, kernels
-from reference_model.mechanism import Mechanism, PrescribedSpeed
+from reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
@@ -52,3 +52,9 @@ def highest_frequency(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) 
         softened = stiffness + mechanism.slider.joint_stiffness * np.outer(row, row)
         highest = max(highest, float(np.sqrt(scipy.linalg.eigvalsh(softened, mass)[-1])))
     return highest
+
+
+def highest_clamped_frequency(model: mujoco.MjModel, scene: FollowerAlone, hinges: int) -> float:
+    """The same of the chain whose base does not give way, rad/s."""
+    mass, stiffness = chain.follower_matrices(model, scene, hinges)
+    return float(np.sqrt(scipy.linalg.eigvalsh(stiffness[1:, 1:], mass[1:, 1:])[-1]))

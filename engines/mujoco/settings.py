@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from engines.base import Refusal
-from engines.settings import Settings, setting
+from engines.settings import Settings as AnySettings
+from engines.settings import setting
 
 #: Links and the error of the tip deflection that they leave in run 24 (standard start, 2 s, every 1 ms), measured against 64 links
 #: without armature; the last one from its difference to the one before.
@@ -16,7 +17,7 @@ _RATIO = 1.5  # of the links from rung to rung
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChainSettings(Settings):
+class ChainSettings(AnySettings):
     """How finely the follower is cut and how far a step goes."""
 
     links: int = setting(12, "number of links, and of hinges", low=1, high=256)
@@ -51,3 +52,10 @@ def finer(settings: ChainSettings) -> ChainSettings | None:
     """The next rung with more links, None above the ladder."""
     above = [links for links, _ in LADDER if links > settings.links]
     return settings.replaced(links=above[0]) if above else None
+
+
+def own(settings: AnySettings) -> ChainSettings:
+    """The settings, known to be this engine's."""
+    if not isinstance(settings, ChainSettings):
+        raise TypeError(f"engine mujoco takes ChainSettings, not {type(settings).__name__}")
+    return settings

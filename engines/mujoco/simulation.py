@@ -14,8 +14,8 @@ from engines.mujoco import chain, kernels, modes
 from engines.mujoco.settings import ChainSettings
 from engines.start import Start
 from engines.start_state import StartState, reconstruct
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, TorqueDrive
+from engines.trajectory import OF_CRANK_AND_SLIDER, FollowerTrajectory, Trajectory
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
 
@@ -25,23 +25,23 @@ _STEPS_PER_TURN = 400  # of the crank, where stability asks for less
 _ROWS_AT_ONCE = 250  # so that an interrupt from the keyboard is heard between
 
 
-class ChainSimulation(Simulation):
+class LinkSimulation(Simulation):
     """See `Simulation`. The state is MuJoCo's; `kernels.CONTEXT` holds the constraint's."""
 
-    def __init__(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> None:
-        begun = time.perf_counter()
+    def __init__(self, scene: Scene, settings: ChainSettings) -> None:
         self.time = 0.0
-        self._mechanism = mechanism
-        self._hinges = chain.hinge_count(mechanism, settings.links)
-        self._model = chain.build(mechanism, self._hinges, _armature(mechanism, settings))
-        self._largest_step = settings.step if settings.step > 0.0 else self._stable_step()
+        self._hinges = chain.hinge_count(scene, settings.links)
+        self._model = chain.build(scene, self._hinges, _armature(scene, settings))
         self._data = mujoco.MjData(self._model)
-        self._context = _context(mechanism, self._hinges, self._data)
+        self._context = _context(scene, self._hinges, self._data)
         self._data.userdata[0] = self._context.ctypes.data
-        self._gauges = np.array(mechanism.follower.strain_gauges)
-        self._gauge_weights = _interpolation(self._gauges, mechanism.follower.length, self._hinges)
-        self._place(reconstruct(mechanism, start), start)
-        self.setup_seconds = time.perf_counter() - begun
+        self._gauges = np.array(scene.follower.strain_gauges)
+        self._gauge_weights = _interpolation(self._gauges, scene.follower.length, self._hinges)
+        self._length = scene.follower.length
+        self._largest_step = settings.step
+
+    def _trajectory(self, columns: dict[str, Array], seconds: float, statistics: dict[str, float]) -> Trajectory:
+        return Trajectory(columns, seconds, statistics)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`."""
@@ -71,7 +71,7 @@ class ChainSimulation(Simulation):
                     break
         columns = {"time": times[:rows]} | dict(zip(kernels.COLUMNS, table[:rows].T.copy(), strict=True))
         statistics = {"steps": float(steps * max(rows - 1, 0))}
-        trajectory = Trajectory(columns, time.perf_counter() - begun, statistics)
+        trajectory = self._trajectory(columns, time.perf_counter() - begun, statistics)
         if state != kernels.GOOD:
             good = times[max(rows - 1, 0)]
             raise EngineFailure(float(good), *self._reason(state), trajectory if rows else None)
@@ -81,12 +81,25 @@ class ChainSimulation(Simulation):
     def _reason(self, state: int) -> tuple[str, str]:
         """Cause and advice."""
         if state == kernels.SLIDER_LEFT:
-            place, length = float(self._context["slider_position"][0]), self._mechanism.follower.length
+            place, length = float(self._context["slider_position"][0]), self._length
             return (
                 f"the slider left the follower (arc length {place:.6g} m, follower.length {length:.6g} m)",
                 "lengthen the follower or slow the crank",
             )
         return "the motion grew beyond all bounds", f"try a step below {self._model.opt.timestep:.3g} s (engine.step) or more links"
+
+
+class ChainSimulation(LinkSimulation):
+    """The mechanism."""
+
+    def __init__(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> None:
+        begun = time.perf_counter()
+        super().__init__(mechanism, settings)
+        self._mechanism = mechanism
+        if settings.step == 0.0:
+            self._largest_step = self._stable_step()
+        self._place(reconstruct(mechanism, start), start)
+        self.setup_seconds = time.perf_counter() - begun
 
     def _stable_step(self) -> float:
         """The largest step that keeps up with the chain's highest frequency and with the crank, s."""
@@ -117,7 +130,25 @@ class ChainSimulation(Simulation):
             raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {gap:.3g} m is left", "try more links (engine.links)")
 
 
-def _armature(mechanism: Mechanism, settings: ChainSettings) -> float:
+class FollowerSimulation(LinkSimulation):
+    """The follower alone, straight and at rest."""
+
+    def __init__(self, scene: FollowerAlone, settings: ChainSettings) -> None:
+        begun = time.perf_counter()
+        super().__init__(scene, settings)
+        if settings.step == 0.0:
+            highest = modes.highest_clamped_frequency(self._model, scene, self._hinges)
+            self._largest_step = min(_SAFETY * _STABILITY_LIMIT / highest, scene.spin_up.time / _STEPS_PER_TURN)
+        self.setup_seconds = time.perf_counter() - begun
+
+    def _trajectory(self, columns: dict[str, Array], seconds: float, statistics: dict[str, float]) -> Trajectory:
+        """Without the columns of what is not there; the drive turns the base."""
+        columns["base_torque"] = columns.pop("crank_torque")
+        absent = (*OF_CRANK_AND_SLIDER, "constraint_gap")
+        return FollowerTrajectory({name: values for name, values in columns.items() if name not in absent}, seconds, statistics)
+
+
+def _armature(mechanism: Scene, settings: ChainSettings) -> float:
     """Inertia added to a hinge's rate, kg m^2. The power 1.5 lets its error fall with the links as fast as the chain's own."""
     follower = mechanism.follower
     return settings.armature * follower.mass_per_length * (follower.length**2 / settings.links) ** 1.5
@@ -151,10 +182,9 @@ def _interpolation(gauges: Array, length: float, hinges: int) -> Array:
     return weights
 
 
-def _context(mechanism: Mechanism, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
+def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
     """What compiled code needs to know, `kernels.CONTEXT`, shape (1,)."""
-    crank, follower, slider, drive = mechanism.crank, mechanism.follower, mechanism.slider, mechanism.crank.drive
-    context = np.zeros(1, kernels.CONTEXT)
+    follower, context = scene.follower, np.zeros(1, kernels.CONTEXT)
     values: dict[str, float] = {
         "qpos": data.qpos.ctypes.data,
         "qvel": data.qvel.ctypes.data,
@@ -170,7 +200,20 @@ def _context(mechanism: Mechanism, hinges: int, data: mujoco.MjData) -> NDArray[
         "bending_stiffness": follower.bending_stiffness if hinges else 0.0,
         "half_thickness": follower.thickness / 2.0,
         "beam_damping": follower.damping,
-        "base_damping": mechanism.base.damping,
+        "base_damping": scene.base.damping,
+    }
+    for name, value in (values | (_spin_up(scene) if isinstance(scene, FollowerAlone) else _crank_and_slider(scene))).items():
+        context[name] = value
+    return context
+
+
+def _spin_up(scene: FollowerAlone) -> dict[str, float]:
+    return {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
+
+
+def _crank_and_slider(mechanism: Mechanism) -> dict[str, float]:
+    crank, slider, drive = mechanism.crank, mechanism.slider, mechanism.crank.drive
+    values: dict[str, float] = {
         "pivot_distance": mechanism.pivot_distance,
         "crank_length": crank.length,
         "crank_is_free": int(mechanism.crank_is_free),
@@ -187,9 +230,7 @@ def _context(mechanism: Mechanism, hinges: int, data: mujoco.MjData) -> NDArray[
             "prescribed_weight_1": -moment * mechanism.gravity[0],
             "prescribed_weight_2": -moment * mechanism.gravity[1],
         }
-    for name, value in values.items():
-        context[name] = value
-    return context
+    return values
 
 
 @contextmanager

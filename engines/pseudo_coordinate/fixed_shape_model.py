@@ -7,11 +7,13 @@ from typing import ClassVar, Literal
 
 import scipy
 
-from engines.base import Engine, EngineFailure, ModelDescription, Refusal
-from engines.pseudo_coordinate.simulation import ExplicitSimulation
+from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal
+from engines.follower import FollowerEngine, parts
+from engines.pseudo_coordinate.simulation import ExplicitSimulation, FollowerSimulation
 from engines.settings import Settings
 from engines.start import Start
-from reference_model.mechanism import Mechanism
+from reference_model.follower_model import FixedShapeFollower
+from reference_model.mechanism import Follower, FollowerAlone, Mechanism, Scene
 from reference_model.model import ExplicitModel
 from reference_model.parameters import UnsuitableShapes
 from reference_model.shapes import ShapeSet, no_shapes
@@ -25,8 +27,16 @@ class FixedShapeModelEngine(Engine):
     recovers: ClassVar[bool]
 
     @abstractmethod
-    def shapes(self, mechanism: Mechanism, settings: Settings) -> ShapeSet:
+    def shapes(self, follower: Follower, settings: Settings) -> ShapeSet:
         """The shapes of a flexible follower."""
+
+    @abstractmethod
+    def settings_for(self, accuracy: float, mechanism: Scene) -> Settings:
+        """See `Engine.settings_for`; for either kind of scene."""
+
+    @abstractmethod
+    def comparisons(self, settings: Settings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+        """See `Engine.comparisons`; for either kind of scene."""
 
     @abstractmethod
     def exact_geometry(self, settings: Settings) -> bool:
@@ -60,7 +70,7 @@ class FixedShapeModelEngine(Engine):
             Refusal: the scene has what this model or these shapes cannot carry.
         """
         self.check(mechanism)
-        shapes = no_shapes(mechanism.follower.length) if mechanism.follower.is_rigid else self.shapes(mechanism, settings)
+        shapes = no_shapes(mechanism.follower.length) if mechanism.follower.is_rigid else self.shapes(mechanism.follower, settings)
         try:
             return ExplicitModel(mechanism, shapes, self.exact_geometry(settings), self.recovers, self.transverse_damping(settings))
         except UnsuitableShapes as error:
@@ -97,3 +107,36 @@ class FixedShapeModelEngine(Engine):
         if not model.can_move(state):
             raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
         return ExplicitSimulation(model, state, self.tolerance(settings), self.integrator, time.perf_counter() - began)
+
+    def follower_alone(self) -> "FixedShapesAlone":
+        """The same beam with the loop left open."""
+        return FixedShapesAlone(self)
+
+
+class FixedShapesAlone(FollowerEngine):
+    """The follower alone in the engine's shapes."""
+
+    def __init__(self, engine: FixedShapeModelEngine) -> None:
+        super().__init__(engine)
+        self._engine = engine
+
+    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+        """Bodies and joints that have terms in the equations."""
+        n = self._engine.shapes(scene.follower, settings).count
+        return ModelDescription(*parts(scene, f"follower beam ({n} shapes)"), n)
+
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> Settings:
+        """The engine's table, which the run's own estimate corrects."""
+        return self._engine.settings_for(accuracy, scene)
+
+    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+        """The engine's: shapes converge faster without a slider, so that the estimate is too large rather than too small."""
+        return self._engine.comparisons(settings, scene, output_step)
+
+    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> FollowerSimulation:
+        """See `FollowerEngine.prepare`."""
+        began, engine = time.perf_counter(), self._engine
+        shapes, exact = engine.shapes(scene.follower, settings), engine.exact_geometry(settings)
+        model = FixedShapeFollower(scene, shapes, exact, engine.recovers, engine.transverse_damping(settings))
+        tolerance = engine.tolerance(settings)
+        return FollowerSimulation(model, model.state_at_rest(), tolerance, engine.integrator, time.perf_counter() - began)

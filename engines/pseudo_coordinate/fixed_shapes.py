@@ -10,7 +10,7 @@ from engines.base import Comparison
 from engines.pseudo_coordinate.fixed_shape_model import FixedShapeModelEngine
 from engines.settings import Settings, setting
 from reference_model.frequencies import shape_frequencies
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Follower, Mechanism, Scene
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_between, hermite_elements
 
@@ -53,12 +53,12 @@ class FixedShapesEngine(FixedShapeModelEngine):
     integrator = "DOP853"
     recovers = True
 
-    def shapes(self, mechanism: Mechanism, settings: Settings) -> ShapeSet:
+    def shapes(self, follower: Follower, settings: Settings) -> ShapeSet:
         """Clamped-free modes or Hermite elements."""
         own = _own(settings)
         if own.family == "hermite":
-            return hermite_elements(mechanism.follower.length, max(1, own.shapes // 2))
-        return clamped_free_modes(mechanism.follower.length, own.shapes)
+            return hermite_elements(follower.length, max(1, own.shapes // 2))
+        return clamped_free_modes(follower.length, own.shapes)
 
     def exact_geometry(self, settings: Settings) -> bool:
         """Always exact."""
@@ -72,7 +72,7 @@ class FixedShapesEngine(FixedShapeModelEngine):
         """As the setting says."""
         return _own(settings).tolerance
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> FixedShapesSettings:
+    def settings_for(self, accuracy: float, mechanism: Scene) -> FixedShapesSettings:
         """Number of shapes from the measured table."""
         for shapes, tolerance, error in LADDER:
             if error <= accuracy:
@@ -80,7 +80,7 @@ class FixedShapesEngine(FixedShapeModelEngine):
         shapes, tolerance, _ = LADDER[-1]
         return FixedShapesSettings(shapes=shapes, tolerance=tolerance)
 
-    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: Settings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
         """Four shapes fewer, or two fewer and twice the error below eight (two more below three).
 
         The factor stays a little below those of the ladder.

@@ -1,15 +1,16 @@
 """A running simulation of the explicit model."""
 
 import time
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import EngineFailure, Simulation
 from engines.start import Start
-from engines.trajectory import Trajectory
+from engines.trajectory import FollowerTrajectory, Trajectory
 from reference_model import integrate
+from reference_model.follower_model import ClampedModel, FixedShapeFollower
 from reference_model.model import ExplicitModel, ObservationFailed
 from reference_model.moving_model import MovingShapeModel
 
@@ -27,9 +28,11 @@ _CAUSES = {
 class ExplicitSimulation(Simulation):
     """Advances the state vector of an explicit model."""
 
+    trajectory_type: ClassVar[type[Trajectory]] = Trajectory
+
     def __init__(
         self,
-        model: ExplicitModel | MovingShapeModel,
+        model: ExplicitModel | MovingShapeModel | ClampedModel | FixedShapeFollower,
         state: NDArray[np.float64],
         tolerance: float,
         method: Literal["DOP853", "LSODA"],
@@ -67,13 +70,19 @@ class ExplicitSimulation(Simulation):
             columns = self.model.observe(result.states)
         except ObservationFailed as failure:
             columns = self.model.observe(result.states[: failure.row])
-        columns["time"] = self.time + output_step * np.arange(len(columns["crank_angle"]), dtype=np.float64)
+        columns["time"] = self.time + output_step * np.arange(len(columns["tip_x"]), dtype=np.float64)
         done = time.perf_counter()
         statistics = {"right_hand_side_calls": float(result.calls), "integration_seconds": integrated - began}
-        trajectory = Trajectory(columns, done - began, statistics)
+        trajectory = self.trajectory_type(columns, done - began, statistics)
         if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
             cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
             raise EngineFailure(self.time + result.end_time, cause, f"try {advice}", trajectory if len(trajectory) else None)
         self.state, self._step = result.states[-1], result.next_step
         self.time += duration
         return trajectory
+
+
+class FollowerSimulation(ExplicitSimulation):
+    """The same for a model of the follower alone."""
+
+    trajectory_type = FollowerTrajectory

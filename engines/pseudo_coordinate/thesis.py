@@ -10,7 +10,7 @@ from engines.base import Comparison
 from engines.pseudo_coordinate.fixed_shape_model import FixedShapeModelEngine
 from engines.settings import Settings, setting
 from reference_model.frequencies import shape_frequencies
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Follower, Mechanism, Scene
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import ShapeSet, hermite_elements
 
@@ -41,9 +41,9 @@ class ThesisEngine(FixedShapeModelEngine):
     integrator = "LSODA"
     recovers = False
 
-    def shapes(self, mechanism: Mechanism, settings: Settings) -> ShapeSet:
+    def shapes(self, follower: Follower, settings: Settings) -> ShapeSet:
         """Cubic Hermite elements."""
-        return hermite_elements(mechanism.follower.length, _own(settings).elements)
+        return hermite_elements(follower.length, _own(settings).elements)
 
     def exact_geometry(self, settings: Settings) -> bool:
         """As the setting says."""
@@ -53,7 +53,7 @@ class ThesisEngine(FixedShapeModelEngine):
         """As the setting says."""
         return _own(settings).tolerance
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ThesisSettings:
+    def settings_for(self, accuracy: float, mechanism: Scene) -> ThesisSettings:
         """Integration tolerance for an error against the model's own equations."""
         return ThesisSettings(tolerance=accuracy * THESIS_TOLERANCE_PER_ERROR)
 
@@ -61,7 +61,7 @@ class ThesisEngine(FixedShapeModelEngine):
         """A coarse and a fine tolerance: what is wrong with this model is not its integration."""
         return tuple(self.settings_for(accuracy, mechanism) for accuracy in (1e-2, 1e-3))
 
-    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: Settings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
         """Ten times the tolerance; the error factor is measured."""
         own = _own(settings)
         return (Comparison(own, own.replaced(tolerance=min(10.0 * own.tolerance, 1e-2)), THESIS_ERROR_PER_DECADE),)
@@ -77,7 +77,7 @@ class ThesisEngine(FixedShapeModelEngine):
             return np.zeros(0)
         self.check(mechanism)
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
-        return shape_frequencies(mechanism, self.shapes(mechanism, settings), support, count)
+        return shape_frequencies(mechanism, self.shapes(mechanism.follower, settings), support, count)
 
 
 def _own(settings: Settings) -> ThesisSettings:

@@ -10,6 +10,7 @@ import scipy
 from numpy.typing import NDArray
 
 from engines.base import Engine, EngineFailure, ModelDescription, Refusal
+from engines.follower import FollowerEngine
 from engines.rivals.simulation import OpenLoopSimulation
 from engines.settings import Settings, setting
 from engines.start import Start
@@ -140,3 +141,10 @@ class RivalEngine(Engine):
         if mechanism.follower.is_rigid and math.isinf(mechanism.slider.joint_stiffness):
             return np.zeros(0)
         return self.model(mechanism, settings).natural_frequencies(crank_angle, count)
+
+    def follower_alone(self) -> FollowerEngine:
+        """Refuse: without a slider there is no constraint to treat."""
+        raise Refusal(
+            f"[slider]: this scene has no slider and no [crank], and engine {self.name} differs from fixed-shapes in the slider's"
+            " constraint alone; use engine fixed-shapes"
+        )

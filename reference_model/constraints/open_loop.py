@@ -20,10 +20,11 @@ from reference_model.constraints.nodal_load import meet
 from reference_model.constraints.solve import drive_torque
 from reference_model.constraints.stiff_spring import spring_force
 from reference_model.constraints.workspace import OpenWorkspace
-from reference_model.dynamics import assemble, dissipation
+from reference_model.dynamics import dissipation
 from reference_model.equations import right_hand_side
-from reference_model.kinematics import Contact, Slider, centre_line, constraint_row, place_slider
+from reference_model.kinematics import Contact, Slider, constraint_row, place_slider
 from reference_model.observables import observe_row
+from reference_model.outlined import assemble_open, fill_fields
 from reference_model.parameters import Parameters, Workspace
 from reference_model.tables import Tables
 
@@ -32,27 +33,15 @@ OpenParameters = tuple[Parameters, Joint]
 
 
 @compiled
-def _fill_fields(p: Parameters, y: Speeds, w: Workspace) -> bool:
-    """The beam's `centre_line`, compiled once for all joints."""
-    return centre_line(p.tables, p.exact_geometry, y.eta, y.eta_rate, w)
-
-
-@compiled
 def close_loop(p: Parameters, w: Workspace, y: Speeds) -> tuple[bool, float, float]:
     """q2 and its rate that close the loop for given crank and shape; False where none do. Those of `y` are not read."""
-    if not _fill_fields(p, y, w):
+    if not fill_fields(p, y.eta, y.eta_rate, w):
         return False, 0.0, 0.0
     c = place_slider(p, y.q1, y.eta, w)
     if not (c.closes and abs(c.slope) < 1.0):
         return False, 0.0, 0.0
     k = constraint_row(p, c, y.q1_rate, y.eta, y.eta_rate, w)
     return k.regular, c.q2, k.q2_rate
-
-
-@compiled
-def _assemble(p: Parameters, c: Slider, k: Contact, y: Speeds, w: Workspace) -> None:
-    """The beam's `assemble`, compiled once for all joints."""
-    assemble(p, c, k, y.q1_rate, y.eta, y.eta_rate, w)
 
 
 @compiled
@@ -80,13 +69,13 @@ def evaluate_open(p: Parameters, joint: Joint, w: OpenWorkspace, y: Array) -> tu
     eta, eta_rate = y[2 : n + 2], y[n + 4 : 2 * n + 4]
     none = Slider(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     speeds = Speeds(y[0], y[1], eta, y[n + 2], y[n + 3], eta_rate)
-    if not _fill_fields(p, speeds, w.beam):
+    if not fill_fields(p, eta, eta_rate, w.beam):
         return False, none, Gap(False, 0.0, 0.0, 0.0, 0.0), 0.0
     c, gap = meet(joint, p, speeds, w)
     w.slider[0] = c.s
     if not (gap.exists and abs(c.slope) < 1.0 and abs(w.beam.end[0]) < 1.0):
         return False, c, gap, 0.0
-    _assemble(p, c, Contact(True, y[n + 3], gap.s_rate, -w.row[1], 0.0, 1.0, 0.0), speeds, w.beam)
+    assemble_open(p, c, Contact(True, y[n + 3], gap.s_rate, -w.row[1], 0.0, 1.0, 0.0), speeds.q1_rate, eta, eta_rate, w.beam)
     if joint.bending_damping > 0.0:
         for i in range(n):
             for j in range(n):

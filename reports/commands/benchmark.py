@@ -61,6 +61,7 @@ def command(
     names = list(dict.fromkeys(engines)) or list(ENGINES)
     for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
         usable_engine(name) if engines else engine(name)
+    _ = [case.mechanism for case in loaded]  # and so is a scene without crank
     allowed = limits(time_limit, memory_limit)
     store, tables = opened_store(), []
     for case in loaded:

@@ -30,7 +30,7 @@ def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
         "notes": loaded.notes,
         "scene": scene_in_si(loaded),
         "units": units(),
-        "engines": _models(loaded.mechanism),
+        "engines": _models(loaded.scene),
     }
     if as_json:
         print_json(document)
@@ -38,7 +38,7 @@ def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
         _print(document)
 
 
-def _models(mechanism: Any) -> list[dict[str, Any]]:
+def _models(scene: Any) -> list[dict[str, Any]]:
     """Per engine what it builds, or in "refused" why it does not."""
     from cases.workers import Job, run_jobs
     from engines.registry import engine_names
@@ -46,7 +46,7 @@ def _models(mechanism: Any) -> list[dict[str, Any]]:
 
     names = engine_names()
     found = {}
-    for outcome in run_jobs([Job(name, engine_jobs.model, (name, mechanism)) for name in names], preload=()):
+    for outcome in run_jobs([Job(name, engine_jobs.model, (name, scene)) for name in names], preload=()):
         refused = str(outcome.error) if outcome.error else outcome.failure
         found[outcome.job.name] = {"engine": outcome.job.name, "refused": refused or None, **(outcome.value or {})}
     return [found[name] for name in names]

@@ -33,7 +33,7 @@ TOLERANCE = 1e-10
 #: Flipped signs that change nothing, and why.
 EQUIVALENT = {
     ("centre_line", "slope_rate -= t.dphi[p, i] * eta_rate[i]"): "the rate of W' enters H squared and nothing else",
-    ("_energies", "curvature -= p.tables.ddphi[point, i] * y[1 + i]"): "the strain energy is quadratic in the curvature",
+    ("energies", "curvature -= p.tables.ddphi[point, i] * y[1 + i]"): "the strain energy is quadratic in the curvature",
 }
 
 

@@ -87,4 +87,4 @@ def made_up_result(name: str, statuses: dict[str, str] | None = None, seed: int 
 def with_mechanism(result: CaseResult, **changes: Any) -> CaseResult:
     """The same results under a changed mechanism."""
     mechanism = dataclasses.replace(result.case.mechanism, **changes)
-    return dataclasses.replace(result, case=dataclasses.replace(result.case, mechanism=mechanism))
+    return dataclasses.replace(result, case=dataclasses.replace(result.case, scene=mechanism))

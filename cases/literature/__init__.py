@@ -1,0 +1,1 @@
+"""Computed values beside published ones and closed forms that share nothing with the engines."""

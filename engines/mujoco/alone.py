@@ -1,0 +1,33 @@
+"""The follower alone as a chain of links whose base is turned by an exact torque."""
+
+from engines.base import Comparison, ModelDescription, Simulation
+from engines.follower import FollowerEngine
+from engines.mujoco import settings as ladder
+from engines.mujoco.settings import ChainSettings, own
+from engines.settings import Settings
+from reference_model.mechanism import FollowerAlone
+
+
+class MujocoAlone(FollowerEngine):
+    """The base link is turned; the tangent of the beam that the chain stands for lies h²/24 of the curvature's slope beside it."""
+
+    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+        """See `FollowerEngine.describe`."""
+        from engines.mujoco import chain
+
+        return chain.describe_alone(scene, chain.hinge_count(scene, own(settings).links))
+
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> ChainSettings:
+        """The engine's ladder, which the run's own estimate corrects."""
+        return ladder.for_accuracy(accuracy)
+
+    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+        """One pair, as with the mechanism."""
+        chosen = own(settings)
+        return (Comparison(chosen, *ladder.coarser(chosen)),)
+
+    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> Simulation:
+        """See `FollowerEngine.prepare`."""
+        from engines.mujoco.simulation import FollowerSimulation
+
+        return FollowerSimulation(scene, own(settings))
