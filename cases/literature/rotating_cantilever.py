@@ -11,6 +11,7 @@ Applied Mechanics 49 (1982) 197-202. Everything here is without dimensions: leng
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from reference_model.mechanism import Follower
@@ -38,6 +39,15 @@ def frequencies(rate: float, count: int) -> Array:
     changes = np.flatnonzero(np.sign(values[1:]) != np.sign(values[:-1]))[:count]
     roots = [brentq(lambda square: float(determinant(np.array([square]))[0]), grid[i], grid[i + 1], rtol=1e-14) for i in changes]
     return np.sqrt(roots)
+
+
+def cubic_frequency(rate: float) -> float:
+    """The lowest frequency by Ritz's method with the one cubic a x^2 + b x^3: what the thesis' discretization makes of it."""
+    # integrals from 0 to 1 of products of x^2 and x^3, of their second derivatives, and of the tension's work on their slopes
+    mass = np.array([[1 / 5, 1 / 6], [1 / 6, 1 / 7]])
+    bending = np.array([[4.0, 6.0], [6.0, 12.0]])
+    tension = 0.5 * np.array([[4 / 3 - 4 / 5, 6 / 4 - 6 / 6], [6 / 4 - 6 / 6, 9 / 5 - 9 / 7]])
+    return float(np.sqrt(eigh(bending + rate**2 * (tension - mass), mass, eigvals_only=True)[0]))
 
 
 def quasi_static_deflection(rate: Array, acceleration: Array) -> Array:
