@@ -1,0 +1,83 @@
+"""The follower alone in every engine that has a model of it, with every part of the scene on."""
+
+import numpy as np
+import pytest
+
+from engines.base import Refusal
+from engines.registry import RIVALS, engine
+from engines.scene import describe_scene, simulate_scene
+from engines.settings import Settings
+from engines.trajectory import OF_CRANK_AND_SLIDER, FollowerTrajectory
+from reference_model.mechanism import Base, Follower, FollowerAlone, SpinUp, Tip
+from reference_model.spin_up import base_motion
+
+SCENE = FollowerAlone(
+    spin_up=SpinUp(speed=7.0, time=1.0),
+    base=Base(inertia=0.02, damping=0.05),
+    follower=Follower(
+        length=0.8, mass_per_length=0.4, bending_stiffness=5.0, thickness=3e-3, width=4e-2, damping=0.3, strain_gauges=(0.2, 0.4, 0.6)
+    ),
+    tip=Tip(mass=0.06, inertia=4e-4, center_of_mass=0.03),
+    gravity=(0.2, -0.5),
+)
+DURATION, STEP = 1.2, 0.01
+
+
+def run(name: str, **settings: str) -> FollowerTrajectory:
+    trajectory = simulate_scene(engine(name), SCENE, DURATION, STEP, settings).trajectory
+    assert isinstance(trajectory, FollowerTrajectory)
+    return trajectory
+
+
+@pytest.fixture(scope="module")
+def truth() -> FollowerTrajectory:
+    return run("reference", modes="6", tolerance="1e-9")
+
+
+def test_columns_of_crank_and_slider_are_absent(truth: FollowerTrajectory) -> None:
+    assert not set(OF_CRANK_AND_SLIDER) & set(truth.columns)
+    assert {"follower_angle", "tip_deflection", "strain_3", "base_torque"} <= set(truth.table().columns)
+    angles = [base_motion(SCENE.spin_up.speed, SCENE.spin_up.time, t)[0] for t in truth["time"]]
+    assert truth["follower_angle"] == pytest.approx(angles, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "deflection", "strain"),
+    [
+        ("exudyn", {"elements": "16", "step": "1e-3"}, 2e-3, 1e-2),  # three times the error that halving the step shows
+        ("mujoco", {"links": "24"}, 5e-3, 1e-2),  # as with the mechanism (its ladder), but for the clamp of order h^2
+    ],
+)
+def test_engines_agree_with_everything_on(
+    truth: FollowerTrajectory, name: str, settings: dict[str, str], deflection: float, strain: float
+) -> None:
+    found = run(name, **settings)
+    for column, bound in (("tip_deflection", deflection), ("strain_1", strain), ("tip_x", 1e-3), ("tip_y", 1e-3)):
+        difference = np.sqrt(np.mean((found[column] - truth[column]) ** 2) / np.mean(truth[column] ** 2))
+        assert difference < bound, (column, difference)
+    # the torque and with it the drive's work answer for inertia, weight and all dampings together
+    assert found["drive_work"][-1] == pytest.approx(truth["drive_work"][-1], rel=5e-3)
+    assert found["dissipated_energy"][-1] == pytest.approx(truth["dissipated_energy"][-1], rel=1e-2)
+
+
+@pytest.mark.parametrize("name", ["reference", "exudyn", "mujoco"])
+def test_a_run_in_pieces_is_the_run_in_one(name: str) -> None:
+    follower = engine(name).follower_alone()
+    settings: Settings = follower.settings_for(3e-2, SCENE)
+    whole = follower.prepare(SCENE, None, settings).advance(0.4, STEP)
+    simulation = follower.prepare(SCENE, None, settings)
+    simulation.advance(0.2, STEP)
+    rest = simulation.advance(0.2, STEP)
+    for column in ("tip_deflection", "follower_angle", "time"):
+        assert rest[column][-1] == pytest.approx(whole[column][-1], rel=1e-6)
+
+
+def test_every_engine_says_what_it_builds_or_why_not() -> None:
+    base, beam, tip = describe_scene(engine("reference"), SCENE).bodies
+    assert (base, tip) == ("base block", "tip body")
+    assert "clamped modes" in beam
+    assert describe_scene(engine("thesis"), SCENE).degrees_of_freedom == 2
+    assert "prescribed base angle" in describe_scene(engine("exudyn"), SCENE).joints
+    for name in (rival for rival in RIVALS if rival != "fixed-shapes"):
+        with pytest.raises(Refusal, match=r"\[slider\].*use engine fixed-shapes"):
+            describe_scene(engine(name), SCENE)
