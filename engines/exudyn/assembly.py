@@ -49,6 +49,11 @@ class Assembly:
         return self.scene
 
     @property
+    def pivot_distance(self) -> float:
+        """Distance of P from O, m; zero for a follower alone."""
+        return self.scene.pivot_distance if isinstance(self.scene, Mechanism) else 0.0
+
+    @property
     def joint_is_compliant(self) -> bool:
         """Whether the slider's joint has a spring."""
         return math.isfinite(self.mechanism.slider.joint_stiffness)
