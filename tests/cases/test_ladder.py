@@ -1,0 +1,86 @@
+"""The verification ladder: a short form of each rung here, the full one with `make verify`, which keeps its tables for the report."""
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from cases.case_file import load_case
+from cases.ladder.overhung_beam import natural_modes
+from cases.ladder.row import Row, chapter, failures, smoothed, table
+from cases.ladder.statics_and_modes import mode_rows, rigid_rows, sag_rows, scene_of
+from reference_model.mechanism import Base
+
+Keep = Callable[[str, object], None]
+RUN_24 = load_case("thesis-24").mechanism
+STATICS = (
+    "Every engine against closed forms: frozen-crank frequencies against the roots of the overhung beam's transcendental determinant, sag"
+    " under a small weight across the follower, and the rigid limit. The thesis' single cubic is held against the closed forms of a follower"
+    " that can bend as one cubic only."
+)
+
+
+def check(rows: list[Row]) -> None:
+    assert rows
+    assert not failures(rows)
+
+
+def test_frequencies_against_the_determinant() -> None:
+    check(list(mode_rows(scene_of(RUN_24), "run 24", 1, (90.0,), 3)))
+
+
+def test_sag_against_the_overhung_beam() -> None:
+    check(list(sag_rows(scene_of(RUN_24), "run 24", 1, (180.0,), ("reference", "thesis", "exudyn", "mujoco"))))
+
+
+def test_rigid_limit_against_the_vector_loop() -> None:
+    check(list(rigid_rows(scene_of(RUN_24), "run 24")))
+
+
+def test_a_follower_a_hundredth_too_soft_is_found_out() -> None:
+    """The rung is sharp enough: every engine's frequencies miss the stiffer follower's by half a hundredth."""
+    rows = list(mode_rows(scene_of(RUN_24), "run 24", 1, (0.0,), 1))
+    softer = [Row(**{**vars(row), "value": row.value * math.sqrt(0.99)}) for row in rows]
+    assert [row.engine for row in softer if row.passed] == []
+
+
+@pytest.mark.parametrize(("place", "root"), [(0.5, 3.01183092), (0.7, 3.88535145)])
+def test_determinant_of_the_uniform_overhung_beam(place: float, root: float) -> None:
+    bare = dataclasses.replace(RUN_24, base=Base(), tip=None)
+    mode = natural_modes(bare, place * bare.follower.length, 1)[0]
+    assert mode.wave_number * bare.follower.length == pytest.approx(root, abs=6e-9)  # published digits
+
+
+def test_rows_and_their_chapter() -> None:
+    good = Row(scene="a", engine="b", quantity="c", value=1.01, expected=1.0, tolerance=0.02, reason="why")
+    bad = Row(scene="a", engine="b", quantity="c", value=math.nan, expected=0.0, scale=2.0, tolerance=0.02, reason="why")
+    assert good.passed
+    assert not bad.passed
+    assert failures([good, bad]).startswith("a, b, c: nan instead of 0")
+    found = chapter([good, bad], "T", "Text.")
+    assert found["text"] == "Text. 1 of 2 comparisons passed."
+    assert found["rows"][1][3] is None
+    assert list(table([good])) == found["columns"]
+
+
+def test_smoothing_keeps_a_constant_and_takes_a_vibration_away() -> None:
+    t = np.arange(400) / 400.0
+    assert smoothed(np.ones(40), 16) == pytest.approx(np.ones(25), abs=1e-15)
+    # four periods in the window: the sin^2 window's side lobes are below 2 %
+    assert np.abs(smoothed(np.sin(2 * np.pi * 10.0 * t * 10.0), 16)).max() < 0.02
+
+
+@pytest.mark.verify
+def test_statics_and_modes_of_every_engine(record_property: Keep) -> None:
+    rows: list[Row] = []
+    for name in ("thesis-24", "thesis-10", "thesis-17"):
+        mechanism = load_case(name).mechanism
+        for fineness in (1, 2):
+            rows += mode_rows(mechanism, name, fineness, (180.0, 135.0, 90.0, 45.0, 0.0))
+        rows += mode_rows(scene_of(mechanism) if mechanism.tip else mechanism, f"{name}, tip offset", 2, (180.0, 90.0, 0.0))
+        rows += sag_rows(mechanism, name, 2, (180.0, 90.0, 0.0))
+        rows += rigid_rows(scene_of(mechanism) if mechanism.tip else mechanism, name)
+    record_property("chapter", chapter(rows, "Verification ladder 1: statics, modes and the rigid limit against closed forms", STATICS))
+    check(rows)
