@@ -91,7 +91,7 @@ def cubic_frequencies(mechanism: Mechanism, s: float) -> Array:
     x, weights = _gauss(0.0, beam.length)
 
     def shapes(at: Array, nu: int) -> Array:
-        """x (x - s), x^2 (x - s)."""
+        """The cubics x (x - s) and x^2 (x - s)."""
         return np.array([[at * (at - s), 2 * at - s, 2 + 0 * at][nu], [at**2 * (at - s), 3 * at**2 - 2 * at * s, 6 * at - 2 * s][nu]])
 
     w, bent, end = shapes(x, 0), shapes(x, 2), np.array([0.0, beam.length])

@@ -12,6 +12,7 @@ import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -99,7 +100,7 @@ def trajectory_rows(label: str, mechanism: Mechanism, duration: float, climbing:
                 scene=label, engine=f"{limit.engine}, extrapolated at order {limit.order:.2f}", quantity=f"{channel}, RMS difference",
                 value=_rms(limit.values[channel] - expected[channel]) / size, expected=0.0, scale=1.0, tolerance=estimate, reason=reason,
             )  # fmt: skip
-    for one, other in zip(limits, limits[1:], strict=False):
+    for one, other in pairwise(limits):
         size = _rms(expected["tip_deflection"])
         yield Row(
             scene=label, engine=f"{one.engine} and {other.engine}, extrapolated", quantity="tip_deflection, RMS difference",
@@ -110,7 +111,7 @@ def trajectory_rows(label: str, mechanism: Mechanism, duration: float, climbing:
 
 def _limit(ladder: Ladder, mechanism: Mechanism, duration: float, channels: Sequence[str]) -> Limit:
     runs = [_channels(_solve(ladder.name, settings, mechanism, duration), channels) for settings in ladder.settings]
-    first, second = (_rms(fine["tip_deflection"] - coarse["tip_deflection"]) for coarse, fine in zip(runs, runs[1:], strict=False))
+    first, second = (_rms(fine["tip_deflection"] - coarse["tip_deflection"]) for coarse, fine in pairwise(runs))
     order = math.log(first / second) / math.log(ladder.ratio)
     gain = ladder.ratio ** float(np.clip(order, *ORDERS)) - 1.0
     changes = {channel: runs[2][channel] - runs[1][channel] for channel in channels}

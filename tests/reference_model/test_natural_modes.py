@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from cases.ladder.overhung_beam import determinant
 from reference_model.mechanism import Base, Crank, Follower, Mechanism, Slider, Tip, TorqueDrive
 from reference_model.natural_modes import frozen_crank_modes, supported_modes
 
@@ -32,45 +33,6 @@ BARE = dataclasses.replace(RUN_24, base=Base(), tip=None)
 def with_tip(offset: float) -> Mechanism:
     assert RUN_24.tip is not None
     return dataclasses.replace(RUN_24, tip=dataclasses.replace(RUN_24.tip, center_of_mass=offset))
-
-
-def determinant(mechanism: Mechanism, s: float, frequency: float) -> float:
-    """Boundary and transition conditions of the two spans in their exact solutions, zero at a natural frequency.
-
-    Span 1, x from P: w = A sin + B sinh + C (cos - cosh), which vanishes at P. Span 2, y from the slider towards the tip:
-    w = D (cos - cosh) + E sin + F sinh, which vanishes at the slider. Unknowns A to F: w(s) = 0, moment at P, slope and moment at
-    the slider, moment and shear at the tip.
-    """
-    beam, tip, omega = mechanism.follower, mechanism.tip, 2.0 * math.pi * frequency
-    EI, L = beam.bending_stiffness, beam.length
-    k = (beam.mass_per_length * omega**2 / EI) ** 0.25
-    m, J, e = (tip.mass, tip.inertia, tip.center_of_mass) if tip else (0.0, 0.0, 0.0)
-    a, b = k * s, k * (L - s)
-    sin, cos, sinh, cosh = math.sin, math.cos, math.sinh, math.cosh
-    # per unknown: value and derivatives with respect to k x
-    at_tip = np.array(
-        [
-            [cos(b) - cosh(b), sin(b), sinh(b)],
-            [-sin(b) - sinh(b), cos(b), cosh(b)],
-            [-cos(b) - cosh(b), -sin(b), sinh(b)],
-            [sin(b) - sinh(b), -cos(b), cosh(b)],
-        ]
-    )
-    w, slope, curvature, third = (row * k**order for order, row in enumerate(at_tip))
-    # the tip body: EI w'' = omega^2 (J w' + m e (w + e w')), EI w''' = -omega^2 m (w + e w')
-    moment = EI * curvature - omega**2 * (J * slope + m * e * (w + e * slope))
-    shear = EI * third + omega**2 * m * (w + e * slope)
-    rows = np.array(
-        [
-            [sin(a), sinh(a), cos(a) - cosh(a), 0, 0, 0],
-            [mechanism.base.inertia * omega**2 / (EI * k)] * 2 + [-2.0, 0, 0, 0],  # EI w''(0) = -Jb omega^2 w'(0)
-            [cos(a), cosh(a), -sin(a) - sinh(a), 0, -1, -1],
-            [-sin(a), sinh(a), -cos(a) - cosh(a), 2, 0, 0],
-            [0, 0, 0, *moment / (EI * k**2)],
-            [0, 0, 0, *shear / (EI * k**3)],
-        ]
-    )
-    return float(np.linalg.det(rows / np.abs(rows).max(axis=1, keepdims=True)))
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.5 * INCH])
