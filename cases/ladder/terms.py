@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -44,8 +45,9 @@ BENDING: Final = "mass matrix: bending, bending"
 MIXED: Final = "mass matrix: crank, bending"
 ELASTIC: Final = "elastic force along the bending"
 WEIGHT: Final = "weight along the bending"
-RATES: Final = ("follower_rate", "slider_speed", "damping_power")
-READ_OFF: Final = 1e-3
+#: What rates are good to that are read off the first rows. In the power of the dampers the state's own vibrations show: between 0 and
+#: 0.2 ms it falls by 1.6 %, alike in Exudyn with 48 and 96 elements and in MuJoCo, as the light base block gives way.
+READ_OFF: Final = MappingProxyType({"follower_rate": 1e-3, "slider_speed": 1e-3, "damping_power": 0.03})
 INSTANT: Final = 1e-5  # s, output step where rates of the state are read off
 SHIFT: Final = 0.02  # part of the rate's own shape by which neighbouring states are bent more and less
 SPAN: Final = 5e-3  # s, of which the last four fifths are averaged: at first Exudyn's multiplier rings for a hundred steps
@@ -134,10 +136,10 @@ def mean_rows(mechanism: Mechanism, scene: str, state: Start, fineness: int) -> 
 
 
 def _row(scene: str, candidate: Candidate, name: str, value: float, expected: float, scale: float) -> Row:
-    read_off = name in RATES
+    read_off = name in READ_OFF
     return Row(
         scene=scene, engine=candidate.label, quantity=name, value=value, expected=expected, scale=scale,
-        tolerance=READ_OFF if read_off else candidate.state,
+        tolerance=READ_OFF[name] if read_off else candidate.state,
         reason="read off rows of the first 40 us, in which the fastest vibrations start" if read_off else candidate.reason,
     )  # fmt: skip
 
