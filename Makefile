@@ -10,8 +10,9 @@ PARALLEL ?= 2
 report: $(READY)
 	$(BIN)/quickreturn report
 
+# A file's tests stay in one process: what they share is made, and what they need is compiled, once.
 test: $(READY) lint
-	$(BIN)/pytest -n $(PARALLEL)
+	$(BIN)/pytest -n $(PARALLEL) --dist loadfile
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
 verify: $(READY)
