@@ -1,11 +1,16 @@
 """Keeps the outcome of a verification for the report: `pytest -m verify --keep-outcome`."""
 
 import json
+import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import hypothesis
 import pytest
+
+# Workers take over this path, and some are asked to run what stands in the tests.
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy machine makes no law untrue
 hypothesis.settings.load_profile("quickreturn")

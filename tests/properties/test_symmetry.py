@@ -92,20 +92,25 @@ def factor(exponents: tuple[int, ...], units: tuple[float, float, float]) -> flo
 def scaled(scene: Scene, units: tuple[float, float, float]) -> Scene:
     """The scene with all lengths, masses and times multiplied; the dimension of each quantity is the one that case files demand."""
 
-    def grown(section: str, part: Any) -> Any:
+    def changes_of(section: str, part: Any) -> dict[str, Any]:
         changes = {}
         for name, key in SECTIONS[section].items():
             if hasattr(part, name):
                 value, by = getattr(part, name), factor(key.dimension.exponents, units)
                 changes[name] = tuple(by * each for each in value) if key.count else by * value
-        return replace(part, **changes)
+        return changes
+
+    def grown(section: str, part: Any) -> Any:
+        return replace(part, **changes_of(section, part))
 
     m = scene.mechanism
     parts = {name: grown(name, getattr(m, name)) for name in ("base", "follower", "slider")}
     drive, speed = m.crank.drive, 1.0 / units[2]
     drive = PrescribedSpeed(speed=speed * drive.speed) if isinstance(drive, PrescribedSpeed) else grown("crank", drive)
     crank = replace(grown("crank", m.crank), drive=drive)
-    other = replace(grown("mechanism", m), crank=crank, tip=grown("tip", m.tip) if m.tip else None, **parts)
+    tip = grown("tip", m.tip) if m.tip else None
+    # all at once: a scene with some of its lengths multiplied may be impossible
+    other = replace(m, **changes_of("mechanism", m), crank=crank, tip=tip, **parts)
     return replace(
         scene,
         mechanism=other,

@@ -43,7 +43,7 @@ from reports.report import write_report
 from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
 from tests.reports.conftest import Answer, Call
 from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.program import ROOT, descendants, running, started, wait_until
+from tests.reports.program import descendants, running, started, wait_until
 from tests.reports.scene_file import SCENE
 
 #: Engine -> what is said of it.
@@ -73,7 +73,6 @@ def prepared(folder: Path) -> Path:
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where the program is started or called."""
     prepared(tmp_path)
-    monkeypatch.syspath_prepend(ROOT)  # workers import the engines from the tests
     monkeypatch.syspath_prepend(tmp_path / "packages")
     return tmp_path
 
