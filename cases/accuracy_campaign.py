@@ -81,7 +81,7 @@ class Row:
 def library_scenes() -> Iterator[Scene]:
     """The library's cases with a flexible follower and a rigid slider joint, over their own durations or two seconds.
 
-    A compliant joint is another model of `reference`, whose truth would need other settings, and `exudyn` refuses it.
+    A compliant joint is another model of `reference`, whose truth would need other settings.
     """
     for name in case_names():
         case = load_case(name)

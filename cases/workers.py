@@ -142,8 +142,8 @@ def run_jobs(
             while waiting and len(running) < (at_once or available_cores()):
                 job = waiting.popleft()
                 try:
-                    running.append(_Worker(job, limits, preload))
-                except (OSError, EOFError) as error:  # also: the fork server was killed this very moment
+                    running.append(_started(job, limits, preload))
+                except (OSError, EOFError) as error:
                     yield Outcome(job, failure=f"could not be started ({error or type(error).__name__})")
             if not running:  # none could be started
                 continue
@@ -181,6 +181,18 @@ def _fork_server(preload: Sequence[str]) -> Any:
                 os.environ[name] = value
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     return context
+
+
+def _started(job: Job, limits: Limits, preload: Sequence[str]) -> "_Worker":
+    """A worker at its job, from a new fork server if the old one turns out to be dying: until it is gone it still counts as alive."""
+    patience = time.monotonic() + _GRACE
+    while True:
+        try:
+            return _Worker(job, limits, preload)
+        except (ConnectionError, EOFError):
+            if time.monotonic() >= patience:
+                raise
+            time.sleep(0.02)
 
 
 @dataclass

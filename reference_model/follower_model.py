@@ -1,5 +1,6 @@
 """Models of the follower alone on a base that turns as prescribed: constants, integration and observables under one roof."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -20,7 +21,7 @@ from reference_model.tables import Tables, build_tables
 Array = NDArray[np.float64]
 
 
-class _FollowerModel:
+class _FollowerModel(ABC):
     """What the models have in common: the state at rest, integration, and the names of the columns."""
 
     scene: FollowerAlone
@@ -57,8 +58,9 @@ class _FollowerModel:
             return integrate_lsoda(self.parameters, self._workspace, y, output_step, intervals, tolerance)
         return integrate_dop853(self.parameters, self._workspace, y, output_step, intervals, tolerance, first_step)
 
+    @abstractmethod
     def _observe(self, states: Array, out: Array) -> int:
-        raise NotImplementedError
+        """Fill a row of `out` for each state; the number of rows filled before a state that cannot be."""
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, 2 n + 4), by the names of `clamped_observables.FOLLOWER_COLUMNS`, each of shape (k,).

@@ -170,12 +170,9 @@ def spinning_rod_stretch(scene: FollowerAlone) -> float:
 def _lag(case: Case, name: str, lag: float, accuracy: float) -> Iterator[Comparison]:
     scene = _follower_of(case)
     expected = linear_lag(scene)
+    common: dict[str, Any] = {"case": case.name, "engine": name, "quantity": "largest tip lag", "unit": "m", "computed": lag}
     yield Comparison(
-        case=case.name,
-        engine=name,
-        quantity="largest tip lag",
-        unit="m",
-        computed=lag,
+        **common,
         expected=expected,
         scale=expected,
         bound=(expected / scene.follower.length) ** 2 + accuracy,
@@ -183,27 +180,11 @@ def _lag(case: Case, name: str, lag: float, accuracy: float) -> Iterator[Compari
         kind="closed form",
         source="linear theory of the rotating cantilever by power series: equilibrium and its inertia",
     )
-    published = _published("largest tip lag")
-    yield Comparison(
-        case=case.name,
-        engine=name,
-        quantity="largest tip lag",
-        unit="m",
-        computed=lag,
-        expected=published["value"],
-        scale=published["value"],
-        bound=published["digits"] / published["value"] + accuracy,
-        reason="reading of a figure; the engine's error estimate",
-        kind="published",
-        source=published["source"],
-        seen=published["seen"],
-        note=published["note"],
-    )
+    yield _against_print(common, accuracy, "reading of a figure")
 
 
 def _stretch(case: Case, name: str, stretch: float, accuracy: float) -> Iterator[Comparison]:
-    scene, published = _follower_of(case), _published("steady axial stretch")
-    closed = spinning_rod_stretch(scene)
+    closed = spinning_rod_stretch(_follower_of(case))
     common: dict[str, Any] = {"case": case.name, "engine": name, "quantity": "steady axial stretch", "unit": "m", "computed": stretch}
     yield Comparison(
         **common,
@@ -214,12 +195,18 @@ def _stretch(case: Case, name: str, stretch: float, accuracy: float) -> Iterator
         kind="closed form",
         source="rod that spins steadily, L (tan(aL)/(aL) - 1)",
     )
-    yield Comparison(
+    yield _against_print(common, accuracy, "the digits printed")
+
+
+def _against_print(common: dict[str, Any], accuracy: float, uncertain: str) -> Comparison:
+    """A quantity beside its published value; `uncertain` is what the value's digits stand for."""
+    published = _published(common["quantity"])
+    return Comparison(
         **common,
         expected=published["value"],
         scale=published["value"],
         bound=published["digits"] / published["value"] + accuracy,
-        reason="the digits printed; the engine's error estimate",
+        reason=f"{uncertain}; the engine's error estimate",
         kind="published",
         source=published["source"],
         seen=published["seen"],

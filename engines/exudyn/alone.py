@@ -84,9 +84,8 @@ class FollowerModel:
         if self._dampers is not None:
             self._dampers.follow(coordinates, rates, duration)
 
-    def slider_position(self, coordinates: Array) -> float:
+    def slider_position(self, coordinates: Array) -> None:
         """There is no slider."""
-        raise NotImplementedError
 
     def columns(self, record: Record) -> dict[str, Array]:
         """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""
@@ -145,9 +144,6 @@ class FollowerSimulation(ExudynSimulation):
         trouble = super()._stretch()
         self._model.clock += self._solver.it.endTime
         return trouble
-
-    def _left(self, coordinates: Array) -> None:
-        return None
 
 
 class ExudynAlone(FollowerEngine):

@@ -36,8 +36,8 @@ class Model(Protocol):
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
         """Set what stands still over the next stretch of the simulation, `duration` (s) long and at most `damping.LONGEST`."""
 
-    def slider_position(self, coordinates: Array) -> float:
-        """Arc length of the slider for one row of coordinates, m."""
+    def slider_position(self, coordinates: Array) -> float | None:
+        """Arc length of the slider for one row of coordinates, m; None where there is no slider."""
 
     def columns(self, record: Record) -> dict[str, Array]:
         """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""

@@ -116,7 +116,7 @@ class ExudynSimulation(Simulation):
     def _left(self, coordinates: Array) -> tuple[str, str] | None:
         """Cause and advice if the slider is beyond an end of the follower."""
         s = self._model.slider_position(coordinates)
-        if 0.0 <= s <= self._length:
+        if s is None or 0.0 <= s <= self._length:
             return None
         return f"the slider left the follower (s = {s:.6g} m of {self._length:.6g} m)", "use a longer follower or a slower crank"
 

@@ -43,12 +43,16 @@ class LinkSimulation(Simulation):
     def _trajectory(self, columns: dict[str, Array], seconds: float, statistics: dict[str, float]) -> Trajectory:
         return Trajectory(columns, seconds, statistics)
 
+    def _step_over(self, duration: float) -> float:
+        """The largest step for the next `duration` (s), s."""
+        return self._largest_step
+
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`."""
         begun = time.perf_counter()
         table = np.empty((round(duration / output_step) + 1, len(kernels.COLUMNS)))
         times = self.time + output_step * np.arange(len(table), dtype=np.float64)
-        steps = math.ceil(output_step / self._largest_step * (1.0 - 1e-9))
+        steps = max(1, math.ceil(output_step / self._step_over(duration) * (1.0 - 1e-9)))
         self._model.opt.timestep = output_step / steps
         self._data.time = self.time
         rows = 1
@@ -96,22 +100,34 @@ class ChainSimulation(LinkSimulation):
         begun = time.perf_counter()
         super().__init__(mechanism, settings)
         self._mechanism = mechanism
-        if settings.step == 0.0:
-            self._largest_step = self._stable_step()
+        self._follows_crank = settings.step == 0.0
+        if self._follows_crank:
+            highest = modes.highest_frequency(self._model, mechanism, self._hinges) if self._hinges else 0.0
+            self._largest_step = _SAFETY * _STABILITY_LIMIT / highest if highest > 0.0 else math.inf
         self._place(reconstruct(mechanism, start), start)
         self.setup_seconds = time.perf_counter() - begun
 
-    def _stable_step(self) -> float:
-        """The largest step that keeps up with the chain's highest frequency and with the crank, s."""
-        drive = self._mechanism.crank.drive
-        speed = abs(drive.initial_speed)
-        if isinstance(drive, TorqueDrive) and drive.damping > 0.0:
-            speed = max(speed, abs(drive.torque / drive.damping))
-        step = 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf
-        if self._hinges:
-            highest = modes.highest_frequency(self._model, self._mechanism, self._hinges)
-            step = min(step, _SAFETY * _STABILITY_LIMIT / highest)
-        return step
+    def _step_over(self, duration: float) -> float:
+        """Small enough for the chain's highest frequency and for the speed that the crank may reach by then, s."""
+        if not self._follows_crank:
+            return self._largest_step
+        speed = self._fastest(duration)
+        return min(self._largest_step, 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf)
+
+    def _fastest(self, duration: float) -> float:
+        """Speed of the crank, rad/s, that its drive alone could bring about from the present one.
+
+        No faster than where the damping balances the torque: with little damping that is a speed which no run lasts long enough for.
+        """
+        crank, slider = self._mechanism.crank, self._mechanism.slider
+        drive = crank.drive
+        if not isinstance(drive, TorqueDrive):
+            return abs(drive.speed)
+        present = abs(float(self._data.qvel[0]))
+        inertia = crank.inertia_about_pivot + slider.mass * crank.length**2
+        reached = present + abs(drive.torque) * duration / inertia
+        balanced = abs(drive.torque) / drive.damping if drive.damping > 0.0 else math.inf
+        return max(present, min(reached, balanced))
 
     def _place(self, state: StartState, start: Start) -> None:
         """Bend the chain into the start's shape; the base turns until the slider lies on its centre line, and moves accordingly."""

@@ -200,3 +200,12 @@ def test_crank_may_turn_backwards_with_the_mirrored_motion() -> None:
     # The mechanism is its own mirror image in n1; round-off grows a little on the way.
     np.testing.assert_allclose(backward["tip_deflection"], -forward["tip_deflection"], atol=1e-10)
     np.testing.assert_allclose(backward["slider_force"], -forward["slider_force"], atol=1e-6)
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-6, 1e-3])
+def test_steps_follow_the_speed_that_the_crank_can_reach(damping: float) -> None:
+    """With little damping torque over damping is a speed of thousands of turns a second, which 20 ms are too short for."""
+    scene = run_24(crank={"drive": TorqueDrive(torque=1.13, damping=damping, initial_speed=16.617773)})
+    found = MujocoEngine().prepare(scene, standard_start(scene), ChainSettings(links=8)).advance(0.02, 1e-3)
+    # what the chain's highest frequency asks for: 40 steps with this chain, whatever the damping
+    assert found.statistics["steps"] <= 60

@@ -30,11 +30,13 @@ from tests.strategies import Scene, scenes
 
 Part = Callable[[Mechanism, float], Mechanism]
 
-#: How much of a part: of the beam's mass or inertia, of what damps or accelerates within a turn.
-LITTLE = 1e-4
-#: How far half of a part may be from half the change of all of it. The next order is the square of the phase by which little of a part
-#: shifts the finest mode, of some hundred radians in a run: less than a tenth of a radian.
+#: How much of a part: of the beam's mass or inertia, of what damps or accelerates within a turn. Little beside the inertia of the finest
+#: piece of a follower cut in eight, which is a five hundredth of the whole.
+LITTLE = 1e-5
+#: How far half of a part may be from half the change of all of it: far above the next order in most scenes, but little inertia at the base
+#: of an undamped follower without any meets the straight line at 1e-5 only.
 NEXT_ORDER = 0.1
+TIGHT = replace(REFERENCE, settings=REFERENCE.settings.replaced(tolerance=1e-2 * TOLERANCE))
 
 
 def beam_mass(m: Mechanism) -> float:
@@ -106,28 +108,29 @@ def change(found: Trajectory, limit: Trajectory, unit: dict[str, float]) -> dict
     return {name: (found[name] - limit[name]) / size for name, size in unit.items()}
 
 
-def check_first_order_in_the_part(method: Method, part: str, scene: Scene, share: float, columns: tuple[str, ...], noise: float) -> None:
+def check_first_order_in_the_part(method: Method, part: str, scene: Scene, columns: tuple[str, ...], noise: float) -> None:
     """Half of the part, half the change; `noise` is what two runs of the same motion may differ by, in sizes."""
-    without = method.run(with_part(scene, part, 0.0))
-    unit = {name: size for name, size in sizes(scene, without, method.half_waves).items() if name in columns}
-    little, half = (change(method.run(with_part(scene, part, each)), without, unit) for each in (share, 0.5 * share))
+    lacking = with_part(scene, part, 0.0)
+    without = method.run(lacking)
+    unit = {name: size for name, size in sizes(lacking, without, method.half_waves).items() if name in columns}
+    little, half = (change(method.run(with_part(scene, part, each)), without, unit) for each in (LITTLE, 0.5 * LITTLE))
     for name in unit:
         bound = NEXT_ORDER * np.max(np.abs(little[name])) + noise
         assert np.max(np.abs(little[name] - 2.0 * half[name])) <= bound, name
 
 
 @pytest.mark.parametrize("part", PARTS)
-@for_all(few=2, many=30, scene=scenes(drive="torque"))
+@for_all(few=2, many=20, scene=scenes(drive="torque"))
 def test_little_of_a_part_changes_little(part: str, scene: Scene) -> None:
-    check_first_order_in_the_part(REFERENCE, part, scene, LITTLE, COLUMNS, STEPS_ADD_UP * TOLERANCE)
+    check_first_order_in_the_part(TIGHT, part, scene, COLUMNS, STEPS_ADD_UP * 1e-2 * TOLERANCE)
 
 
 @pytest.mark.parametrize("part", FORCE_JOINT)
 @pytest.mark.parametrize("method", [EXUDYN, MUJOCO], ids=str)
 @for_all(few=1, many=5, scene=scenes(drive="torque"))
 def test_little_of_a_part_changes_little_in_other_engines(method: Method, part: str, scene: Scene) -> None:
-    """Ten times as much, for Newton's iteration ends at a residual of 1e-6; MuJoCo's steps follow the chain's highest frequency."""
-    check_first_order_in_the_part(method, part, scene, 10.0 * LITTLE, PLACES, 1e-6)
+    """Their steps do not depend on the motion; Exudyn leaves Newton's iteration at a residual of 1e-6, sooner or later by one."""
+    check_first_order_in_the_part(method, part, scene, PLACES, 1e-6 if method is EXUDYN else 1e-9)
 
 
 #: Where the rigid limits are looked for. Strain, force and acceleration have none: what is stiffened vibrates the faster about
@@ -157,14 +160,14 @@ def check_first_order(rigid: Trajectory, stiff: Trajectory, stiffer: Trajectory,
         assert near >= 0.125 * far - floor, name
 
 
-@for_all(few=2, many=30, scene=scenes(bent=False))
+@for_all(few=2, many=20, scene=scenes(bent=False))
 def test_a_stiff_follower_is_nearly_the_rigid_one(scene: Scene) -> None:
     rigid = ONE_MODE.run(with_stiffness(scene, math.inf))
     stiff, stiffer = (ONE_MODE.run(with_stiffness(scene, factor)) for factor in (1e3, 4e3))
     check_first_order(rigid, stiff, stiffer, scene.mechanism.follower.length)
 
 
-@for_all(few=2, many=30, scene=scenes(bent=False))
+@for_all(few=2, many=20, scene=scenes(bent=False))
 def test_a_stiff_joint_is_nearly_the_rigid_one(scene: Scene) -> None:
     rigid = FOUR_SHAPES.run(scene)
     stiff, stiffer = (COMPLIANT.run(with_joint(scene, factor)) for factor in (1e5, 4e5))

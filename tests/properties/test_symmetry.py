@@ -121,18 +121,18 @@ def scaled(scene: Scene, units: tuple[float, float, float]) -> Scene:
 
 
 @pytest.mark.parametrize("method", [*EXPLICIT, EXUDYN, MUJOCO], ids=str)
-@for_all(few=4, many=100, scene=scenes())
+@for_all(few=4, many=25, scene=scenes())
 def test_the_mirror_image_moves_like_the_mirror_image(method: Method, scene: Scene) -> None:
     assert_close(image(method.run(mirrored(scene)).columns), method.run(scene), scene, method, REPEATED[method.engine.name])
 
 
-@for_all(few=4, many=100, scene=scenes(compliant=True))
+@for_all(few=4, many=25, scene=scenes(compliant=True))
 def test_the_mirror_image_with_a_soft_joint(scene: Scene) -> None:
     assert_close(image(COMPLIANT.run(mirrored(scene)).columns), COMPLIANT.run(scene), scene, COMPLIANT, REPEATED["reference"])
 
 
 @pytest.mark.parametrize("method", [*EXPLICIT, EXUDYN, MUJOCO], ids=str)
-@for_all(few=4, many=100, scene=scenes(), turns=st.sampled_from([1, -1, 3]))
+@for_all(few=4, many=25, scene=scenes(), turns=st.sampled_from([1, -1, 3]))
 def test_whole_turns_of_the_crank_change_nothing(method: Method, scene: Scene, turns: int) -> None:
     crank = scene.mechanism.crank
     turned = method.run(scene.with_part(crank=replace(crank, initial_angle=crank.initial_angle + turns * 2.0 * math.pi)))
@@ -141,7 +141,7 @@ def test_whole_turns_of_the_crank_change_nothing(method: Method, scene: Scene, t
 
 
 @pytest.mark.parametrize("method", [*EXPLICIT], ids=str)
-@for_all(few=4, many=100, scene=scenes(), powers=st.tuples(*[numbers(-1.0, 1.0)] * 3))
+@for_all(few=4, many=25, scene=scenes(), powers=st.tuples(*[numbers(-1.0, 1.0)] * 3))
 def test_motion_scales_with_the_units_of_length_mass_and_time(method: Method, scene: Scene, powers: tuple[float, float, float]) -> None:
     """Dimensional analysis: lengths, masses and times in other proportions are the same scene in other units."""
     units = (10.0 ** powers[0], 10.0 ** powers[1], 10.0 ** powers[2])

@@ -98,7 +98,7 @@ def as_scene(case: Case, rows: int) -> Scene:
     return Scene(case.mechanism, 0.0, 0.0, case.duration, rows)
 
 
-@for_all(few=30, many=1000, scene=scenes(turning_slider=True) | scenes(compliant=True))
+@for_all(few=30, many=200, scene=scenes(turning_slider=True) | scenes(compliant=True))
 def test_inches_and_si_are_the_same_numbers(scene: Scene) -> None:
     customary = parsed(scene, None)
     # 40 digits leave no doubt about the nearest double
@@ -110,12 +110,12 @@ def test_inches_and_si_are_the_same_numbers(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("method", EXPLICIT, ids=str)
-@for_all(few=4, many=100, scene=scenes())
+@for_all(few=4, many=25, scene=scenes())
 def test_inches_and_si_give_the_same_motion(method: Method, scene: Scene) -> None:
     check_motion(method, scene)
 
 
-@for_all(few=4, many=100, scene=scenes(compliant=True))
+@for_all(few=4, many=25, scene=scenes(compliant=True))
 def test_inches_and_si_give_the_same_motion_with_a_soft_joint(scene: Scene) -> None:
     check_motion(COMPLIANT, scene)
 
