@@ -10,9 +10,9 @@ PARALLEL ?= 2
 report: $(READY)
 	$(BIN)/quickreturn report
 
-# A file's tests stay in one process: what they share is made, and what they need is compiled, once.
+# A file's tests stay in one process: what they share is made, and what they need is compiled, once. The longest files come first.
 test: $(READY) lint
-	$(BIN)/pytest -n $(PARALLEL) --dist loadfile
+	$(BIN)/pytest -n $(PARALLEL) --dist loadfile --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
 verify: $(READY)

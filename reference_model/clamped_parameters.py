@@ -6,6 +6,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from reference_model.gauss_points import barycentric_weights, integrals_to_points
 from reference_model.mechanism import FollowerAlone, Tip
 from reference_model.natural_modes import clamped_modes
 
@@ -95,17 +96,9 @@ def clamped_parameters(scene: FollowerAlone, modes: int) -> ClampedParameters:
         squares=(2.0 * np.pi * found.frequencies) ** 2,
         x=half * (points + 1.0),
         weights=half * weights,
-        to_points=half * _to_points(points, weights),
-        barycentric=np.asarray((-1.0) ** np.arange(G) * np.sqrt((1.0 - points**2) * weights), dtype=np.float64),
+        to_points=half * integrals_to_points(points, weights),
+        barycentric=barycentric_weights(points, weights),
     )
-
-
-def _to_points(points: Array, weights: Array) -> Array:
-    """Integrals from -1 to each point and to 1 of the polynomial through the points, by its Legendre series; shape (G, G + 1)."""
-    G = len(points)
-    series = legendre.legvander(points, G - 1) * weights[:, None] * (np.arange(G) + 0.5)  # row j: coefficients of point j's polynomial
-    integrals = legendre.legint(series.T, lbnd=-1)
-    return np.ascontiguousarray(legendre.legval(np.append(points, 1.0), integrals))
 
 
 def clamped_workspace(p: ClampedParameters) -> ClampedWorkspace:

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled, inlined
+from reference_model.compilation import compiled, embedded, inlined
 from reference_model.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
 from reference_model.parameters import Parameters, Workspace
 
@@ -236,7 +236,7 @@ def dissipation(p: Parameters, q1_rate: float, q2_rate: float, eta_rate: NDArray
     return power
 
 
-@inlined
+@embedded
 def evaluate(p: Parameters, w: Workspace, y: NDArray[np.float64]) -> tuple[bool, Slider, Contact]:
     """Close the loop and solve for the accelerations at the state y; leaves everything in `w`."""
     n = p.n

@@ -313,7 +313,7 @@ def _dot(a: Array, b: Array, size: int) -> float:
     return total
 
 
-@inlined
+@merged
 def moving_motion(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Array) -> bool:
     """Close the loop, find partial velocities and remaining accelerations, and solve for the accelerations.
 
@@ -408,7 +408,7 @@ def _moving_dissipation(p: MovingParameters, w: MovingWorkspace, y: Array) -> fl
     return p.crank_damping * y[p.n + 2] ** 2 + p.base_damping * w.facts[Q2_RATE] ** 2 + p.beam_damping * total
 
 
-@inlined
+@merged
 def slider_force(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Array) -> tuple[float, float, float, float]:
     """Normal and tangential force (N) and moment (N m) of the slider on the follower, and the drive's torque (equations 11.9 to 11.12).
 

@@ -52,7 +52,7 @@ def observe_moving(p: MovingParameters, v: MovingWorkspace, states: Array, out: 
     return len(states)
 
 
-@inlined
+@borrowing
 def _tip_acceleration(p: MovingParameters, t: SpanTables, v: MovingWorkspace) -> float:
     """Absolute acceleration of x = L along the normal there (equation 12.1)."""
     N, end = 2 * t.S, t.S + t.G
@@ -61,7 +61,7 @@ def _tip_acceleration(p: MovingParameters, t: SpanTables, v: MovingWorkspace) ->
     return -v.e[N + end] * (v.A[end] + g1) + v.e[end] * (v.A[N + end] + g2)
 
 
-@inlined
+@borrowing
 def _energies(p: MovingParameters, t: SpanTables, v: MovingWorkspace, y: Array, o: Array) -> None:
     """Kinetic, strain and gravity energy (equations 12.2 to 12.4)."""
     n, G, N = p.n, t.G, 2 * t.S
@@ -92,7 +92,7 @@ def _energies(p: MovingParameters, t: SpanTables, v: MovingWorkspace, y: Array, 
     o[13], o[14], o[17] = kinetic, strain, gravity
 
 
-@inlined
+@borrowing
 def _bending_moment(
     p: MovingParameters, t: SpanTables, v: MovingWorkspace, s: float, normal: float, tangential: float, slider_moment: float
 ) -> None:
@@ -123,7 +123,7 @@ def _bending_moment(
         v.gamma[j] /= p.EI
 
 
-@inlined
+@borrowing
 def _recover(
     p: MovingParameters,
     t: SpanTables,

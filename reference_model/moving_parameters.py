@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from reference_model.gauss_points import barycentric_weights, integrals_to_points
 from reference_model.mechanism import Mechanism, PrescribedSpeed, Tip, TorqueDrive
 from reference_model.moving_modes import ModeFamily, mode_family
 
@@ -191,12 +192,10 @@ def span_tables(family: ModeFamily, points: int, intervals: int) -> SpanTables:
     rows = np.concatenate([*(block.reshape(len(nodes), -1) for block in blocks), *squares, curvature, *angle], axis=1)
     coefficients = np.ascontiguousarray(CubicSpline(nodes, rows, axis=0).c.transpose(1, 0, 2))
     weights_to = np.zeros((points, places))
-    powers = np.arange(1, points + 1)
-    weights_to[:, :points] = ((u[:, None] ** powers / powers) @ np.linalg.inv(np.vander(u, increasing=True))).T
-    weights_to[:, points] = 0.5 * weights
+    weights_to[:, : points + 1] = 0.5 * integrals_to_points(gauss, weights)
     to_end = np.pad(0.5 * weights, (0, places - points))
-    barycentric = np.asarray((-1.0) ** np.arange(points) * np.sqrt(u * (1.0 - u) * weights), dtype=np.float64)
-    return SpanTables(family.low, family.high, nodes[1] - nodes[0], coefficients, points, places, u, barycentric, to_end, weights_to)
+    between = barycentric_weights(gauss, weights)
+    return SpanTables(family.low, family.high, nodes[1] - nodes[0], coefficients, points, places, u, between, to_end, weights_to)
 
 
 def _slider_angle(family: ModeFamily, nodes: Array, order: int) -> Array:

@@ -74,7 +74,7 @@ def observe(
     return len(states)
 
 
-@inlined
+@compiled
 def observe_row(
     p: Parameters,
     w: Workspace,

@@ -157,6 +157,13 @@ def _next_farthest(crank_angle: float, crank_speed: float) -> float:
     return way * (math.pi + 2.0 * math.pi * turns)
 
 
+def load_code(parameters: MovingParameters, state: Array) -> None:
+    """Compile a map's code, or load it, at a state of the model: what is timed afterwards counts no compiling."""
+    workspace, y = moving_workspace(parameters.tables, parameters.n), state.copy()
+    _close_loop(parameters, workspace, y, np.empty_like(y))
+    _turn_to(parameters, workspace, y, float(y[0]), 1, np.empty((4, len(y))))
+
+
 @compiled
 def _close_loop(p: MovingParameters, w: MovingWorkspace, y: NDArray[np.float64], rate: NDArray[np.float64]) -> bool:
     """Put the slider where |p(s)| = |PC|, by the secant method from the straight follower; False where it cannot."""

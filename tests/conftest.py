@@ -16,6 +16,25 @@ hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy mac
 hypothesis.settings.load_profile("quickreturn")
 
 
+#: The files that take longest, so that no process is left alone with one at the end.
+LONGEST = (
+    "test_readme",
+    "test_rivals",
+    "test_thesis_runs",
+    "test_dynamics",
+    "test_exudyn",
+    "test_faults",
+    "test_accuracy_campaign",
+    "test_limits",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The longest files first; with several processes xdist must be told to keep the order (`--no-loadscope-reorder`)."""
+    places = {name: place for place, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: places.get(item.path.stem, len(places)))
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--keep-outcome", action="store_true", help="write the outcome to the store's folder, where the report finds it")
 

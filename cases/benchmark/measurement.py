@@ -2,14 +2,14 @@
 
 One process, pinned to one processor; the repetitions of all points are interleaved, so that a drift of the machine's speed meets all
 of them alike. Times are solve times as measured: nothing is scaled. Points that fail, and those that were not tried, stay in the table.
-What an engine does to its process it would do to this one: see `cases.benchmark.scenes.measure`, which finds that out before.
+What an engine does to its process it would do to this one: see `cases.benchmark.scenes.measure`, which finds out who it was.
 """
 
 import contextlib
 import os
 import platform
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -38,6 +38,7 @@ CONFIRMING: Final[tuple[str, tuple[dict[str, str], ...]]] = ("mujoco", ({"links"
 CONFIRMED: Final = 2e-4
 COMPLETED: Final = "completed"
 NOT_TRIED: Final = "not tried"
+_AT_WORK: Final = "at work: "
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,13 @@ class Benchmark:
         return difference is not None and difference <= CONFIRMED
 
 
-def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS, longest: float = LONG) -> Benchmark:
+def benchmark(
+    case: Case,
+    names: Sequence[str],
+    repetitions: int = REPETITIONS,
+    longest: float = LONG,
+    announce: Callable[[str], None] = lambda name: None,
+) -> Benchmark:
     """Measure engines on a case, in this process.
 
     Args:
@@ -85,6 +92,7 @@ def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS, 
         names: of engines.
         repetitions: of each point, at most.
         longest: solve time (s) beyond which the finer settings of a method are not tried.
+        announce: called with the name of each engine before it runs.
 
     Raises:
         UnknownEngine: no engine has this name.
@@ -95,12 +103,14 @@ def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS, 
     truth = _run(engine(TRUTH[0]), case, _settings(TRUTH, case))[0]
     confirmation = _confirmation(case, truth)
     for method in {point.method.name: point for point in points}.values():
+        announce(method.method.engine.name)
         method.warm_up(case)
     for repetition in range(repetitions):
         slow: set[str] = set()
         for point in points:
             if repetition == 0 and point.method.name in slow:
                 point.status = f"{NOT_TRIED}: coarser settings took longer than {longest:g} s"
+            announce(point.method.engine.name)
             point.repeat(case, repetition)
             if repetition == 0 and point.times and point.times[0] > longest:
                 slow.add(point.method.name)
@@ -119,10 +129,16 @@ def benchmark(case: Case, names: Sequence[str], repetitions: int = REPETITIONS, 
 
 
 def pinned(case: Case, names: Sequence[str], repetitions: int, longest: float) -> Benchmark:
-    """The same, with the process held on one processor from now on."""
+    """The same, with the process held on one processor from now on; its output tells who is at work, see `last_at_work`."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    return benchmark(case, names, repetitions, longest)
+    return benchmark(case, names, repetitions, longest, lambda name: print(f"\n{_AT_WORK}{name}", flush=True))
+
+
+def last_at_work(output: str) -> str | None:
+    """The engine that was at work when a process in `pinned` ended, by the process' output; None: none yet."""
+    announced = [line.removeprefix(_AT_WORK) for line in output.splitlines() if line.startswith(_AT_WORK)]
+    return announced[-1] if announced else None
 
 
 def _settings(chosen: tuple[str, Mapping[str, str]], case: Case) -> Settings:

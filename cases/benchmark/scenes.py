@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from typing import Final
 
-from cases.benchmark.measurement import LONG, REPETITIONS, Benchmark, pinned
+from cases.benchmark.measurement import LONG, REPETITIONS, Benchmark, last_at_work, pinned
 from cases.benchmark.methods import methods
 from cases.case import Case
 from cases.fingerprint import SIMULATION, code_fingerprint
@@ -40,8 +40,8 @@ def measure(
 ) -> Benchmark:
     """Measure anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
 
-    An engine that dies when it is tried, or is stopped at the limits (None: `cases.workers.default_limits`), is left out; such a result
-    is not stored.
+    An engine that dies, or is stopped at the limits (None: `cases.workers.default_limits`), is left out and the others are measured once
+    more; such a result is not stored.
 
     Raises:
         EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.
@@ -49,13 +49,18 @@ def measure(
     """
     limits = limits or default_limits()
     failures = tried(case, names, limits)
-    sound = tuple(name for name in names if name not in failures)
-    allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
-    (outcome,) = run_jobs([Job(case.name, pinned, (case, sound, repetitions, longest))], limits=allowed)
-    if isinstance(outcome.error, (EngineFailure, Refusal)):
-        raise outcome.error
-    if not outcome.completed:
-        raise EngineFailure(0.0, f"the process of the benchmark {outcome.explanation}", "try fewer engines at once")
+    while True:
+        sound = tuple(name for name in names if name not in failures)
+        allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
+        (outcome,) = run_jobs([Job(case.name, pinned, (case, sound, repetitions, longest))], limits=allowed)
+        if outcome.completed:
+            break
+        if isinstance(outcome.error, (EngineFailure, Refusal)):
+            raise outcome.error
+        culprit = last_at_work(outcome.output)
+        if culprit not in sound:
+            raise EngineFailure(0.0, f"the process of the benchmark {outcome.explanation}", "try fewer engines at once")
+        failures[culprit] = f"{outcome.failure} at finer settings"
     result: Benchmark = dataclasses.replace(outcome.value, failures=failures)
     if not failures:
         store.put(_key(case, names), dataclasses.asdict(result))

@@ -7,6 +7,7 @@ from engines.base import NoSteadyState, SteadyState
 from engines.pseudo_coordinate.simulation import ExplicitSimulation
 from reference_model.moving_model import MovingShapeModel
 from reference_model.periodic import NoPeriodicOrbit, periodic_orbit
+from reference_model.section_map import load_code
 
 #: Distance at which the search makes its last step, which leaves a tenth of it or less: what counts as settled when marching.
 TOLERANCE: Final = 1e-3
@@ -21,6 +22,7 @@ def steady_state(simulation: ExplicitSimulation) -> SteadyState | None:
     model = simulation.model
     if not isinstance(model, MovingShapeModel):
         return None
+    load_code(model.parameters, simulation.state)
     began = time.perf_counter()
     try:
         orbit = periodic_orbit(model, simulation.state, TOLERANCE, simulation.tolerance)

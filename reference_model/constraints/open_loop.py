@@ -12,7 +12,7 @@ from numba import types
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled, inlined
+from reference_model.compilation import compiled, embedded
 from reference_model.constraints.gap import Gap, Speeds
 from reference_model.constraints.joint import Joint
 from reference_model.constraints.multiplier import multiplier_force
@@ -44,25 +44,7 @@ def close_loop(p: Parameters, w: Workspace, y: Speeds) -> tuple[bool, float, flo
     return k.regular, c.q2, k.q2_rate
 
 
-@compiled
-def _observe_row(
-    p: Parameters,
-    w: OpenWorkspace,
-    mesh: Tables,
-    v: Workspace,
-    c: Slider,
-    k: Contact,
-    force: float,
-    drive: float,
-    gap: float,
-    recover: bool,
-    out: Array,
-) -> None:
-    """The beam's `observe_row`, compiled once for all joints."""
-    observe_row(p, w.beam, mesh, v, c, k, w.closed, force, drive, gap, recover, out)
-
-
-@inlined
+@embedded
 def evaluate_open(p: Parameters, joint: Joint, w: OpenWorkspace, y: Array) -> tuple[bool, Slider, Gap, float]:
     """Slider force (N) and accelerations at the state y; leaves everything in `w`."""
     n = p.n
@@ -142,7 +124,7 @@ def observe_open(
         w.closed[1 : n + 1], w.closed[n + 2 : 2 * n + 2] = y[2 : n + 2], y[n + 4 : 2 * n + 4]
         w.closed[2 * n + 2], w.closed[2 * n + 3] = y[2 * n + 4], y[2 * n + 5]
         k = Contact(True, y[n + 3], gap.s_rate, -w.row[1], 0.0, 1.0, 0.0)
-        _observe_row(p, w, mesh, v, c, k, force, drive_torque(p, w, force), gap.value, recover, out[row])
+        observe_row(p, w.beam, mesh, v, c, k, w.closed, force, drive_torque(p, w, force), gap.value, recover, out[row])
         out[row, 16] = abs(gap.value)
         joint_out[row, 0], joint_out[row, 1] = gap.rate, 0.0
         for a in range(n + 2):

@@ -158,6 +158,38 @@ def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch
         measurement.benchmark(short(), ("nobody",), 1)
 
 
+def test_an_engine_that_dies_at_finer_settings_is_left_out(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cases.benchmark.scenes.pinned", _deadly)
+    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {"mujoco": "killed by SIGSEGV"})
+    case, names = short(), ("mujoco", "exudyn", "thesis", "reference")
+    made = measure(case, Store(tmp_path), names, 1)
+    assert made.failures == {
+        "mujoco": "killed by SIGSEGV",
+        "exudyn": "killed by SIGABRT at finer settings",
+        "thesis": "raised ZeroDivisionError: a bug at finer settings",
+    }
+    assert stored(case, Store(tmp_path), names) is None
+
+
+def test_who_is_at_work_is_announced(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(os, "sched_setaffinity", lambda *_: None)
+    monkeypatch.setattr(measurement, "CONFIRMING", ("thesis", ({},)))
+    monkeypatch.setattr(measurement, "TRUTH", ("thesis", {}))
+    measurement.pinned(short(), ("thesis",), 1, 10.0)
+    assert measurement.last_at_work(capsys.readouterr().out) == "thesis"
+    assert measurement.last_at_work("something else") is None
+
+
+def _deadly(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
+    for name in names:
+        print(f"\nat work: {name}", flush=True)
+        if name == "exudyn":
+            os.abort()
+        if name == "thesis":
+            raise ZeroDivisionError("a bug")
+    return _quick(case, names, repetitions, longest)
+
+
 def _quick(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
     sizes = dict.fromkeys(("tip_deflection",), float(np.float64(1.0)))
     return Benchmark(

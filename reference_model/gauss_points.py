@@ -1,0 +1,27 @@
+"""The polynomial through Gauss points: its integrals to each of them, and its values between them."""
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def integrals_to_points(points: Array, weights: Array) -> Array:
+    """Weights of each Gauss point in the integrals from -1 to each point, and to 1; shape (G, G + 1).
+
+    By the polynomial's Legendre series, which Gauss quadrature gives exactly; through its powers 15 points would leave 1e-7.
+
+    Args:
+        points: of Gauss and Legendre on (-1, 1), shape (G,).
+        weights: theirs, shape (G,).
+    """
+    G = len(points)
+    series = legendre.legvander(points, G - 1) * weights[:, None] * (np.arange(G) + 0.5)  # row j: coefficients of point j's polynomial
+    integrals = legendre.legint(series.T, lbnd=-1)
+    return np.ascontiguousarray(legendre.legval(np.append(points, 1.0), integrals))
+
+
+def barycentric_weights(points: Array, weights: Array) -> Array:
+    """Weights of the polynomial through the Gauss points in its barycentric form (Berrut and Trefethen 2004), shape (G,)."""
+    return np.asarray((-1.0) ** np.arange(len(points)) * np.sqrt((1.0 - points**2) * weights), dtype=np.float64)
