@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from cases.keys import SECTIONS, key_of
-from tests.cases.test_case_file import SCENE
+from tests.cases.scene_texts import SCENE
 
 Scene = dict[str, dict[str, str]]  # section -> key -> value as TOML text; the header is the section ""
 

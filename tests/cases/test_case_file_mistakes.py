@@ -1,0 +1,293 @@
+"""What a case file may not be, each answered by one sentence."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cases.case_file import load_case, parse_case
+from cases.errors import CaseError
+from tests.cases.scene_texts import SCENE, changed, message
+
+LENGTH = 'write one plain number, one space and a unit, such as "2 in" (or in mm or m)'
+CHOICE = "give either prescribed_speed alone, or torque and damping (and, if the start is not torque / damping, initial_speed)"
+WHOLE = "the duration must be a whole multiple of the output step"
+
+BAD = [
+    # units and numbers
+    ('length = "4 in"', 'length = "4,5 in"', f'crank.length: "4,5 in" has a comma in its number (the decimal sign is a point); {LENGTH}'),
+    ('length = "4 in"', 'length = "4 kg"', f'crank.length: "4 kg" is a mass (kg), but a length is needed; {LENGTH}'),
+    ('length = "4 in"', 'length = "4"', f'crank.length: "4" has no unit; {LENGTH}'),
+    (
+        'length = "4 in"',
+        "length = 4",
+        'crank.length: 4 is a bare number; write a string with number and unit, such as "2 in"',
+    ),
+    ('length = "4 in"', "length = true", 'crank.length: true is no string; write a string with number and unit, such as "2 in"'),
+    (
+        'length = "4 in"',
+        "length = 2001-01-01",
+        'crank.length: 2001-01-01 is no string; write a string with number and unit, such as "2 in"',
+    ),
+    ('length = "4 in"', 'length = ["4 in"]', 'crank.length: ["4 in"] is no string; write a string with number and unit, such as "2 in"'),
+    ('length = "4 in"', 'length = "-4 in"', 'crank.length: "-4 in" is not positive; a length greater than zero is accepted'),
+    ('length = "4 in"', 'length = "inf"', f'crank.length: "inf" is infinite; {LENGTH}'),
+    (
+        'length = "4 in"',
+        r'length = "\u001b[31m4 in"',
+        rf'crank.length: "\x1b[31m4 in" does not begin with a number; {LENGTH}',
+    ),
+    (
+        'initial_angle = "180 deg"',
+        'initial_angle = "180"',
+        'crank.initial_angle: "180" has no unit; write one plain number, one space and a unit, such as "180 deg" (or in rad)',
+    ),
+    (
+        'initial_speed = "16.617773 rad/s"',
+        'initial_speed = "2.64 Hz"',
+        'crank.initial_speed: "2.64 Hz" is a frequency (1/s), but an angular speed is needed;'
+        ' write one plain number, one space and a unit, such as "2 rad/s" (or in deg/s or rpm)',
+    ),
+    (
+        'bending_stiffness = "2128.22 lbf*in^2"',
+        'bending_stiffness = "infinity"',
+        'follower.bending_stiffness: "infinity" is not how a rigid part is written ("inf", nothing else);'
+        ' write one plain number, one space and a unit, such as "2 lbf*in^2" (or in N*m^2), or "inf"',
+    ),
+    (
+        'bending_stiffness = "2128.22 lbf*in^2"',
+        'bending_stiffness = "0 N*m^2"',
+        'follower.bending_stiffness: "0 N*m^2" is not positive; a bending stiffness greater than zero is accepted',
+    ),
+    (
+        'damping = "2e-5 lbf*s/in^2"',
+        'damping = "-2e-5 lbf*s/in^2"',
+        'follower.damping: "-2e-5 lbf*s/in^2" is negative; a damping per length of zero or more is accepted',
+    ),
+    (
+        'gravity = ["0 in/s^2", "-386 in/s^2"]',
+        'gravity = "-386 in/s^2"',
+        'mechanism.gravity: "-386 in/s^2" is no list of strings; a list of exactly 2 strings such as "2 m/s^2" is accepted',
+    ),
+    (
+        'gravity = ["0 in/s^2", "-386 in/s^2"]',
+        'gravity = ["0 in/s^2", "-386 in"]',
+        'mechanism.gravity: "-386 in" is a length (m), but an acceleration is needed;'
+        ' write one plain number, one space and a unit, such as "2 m/s^2" (or in in/s^2)',
+    ),
+    # keys and sections
+    (
+        "pivot_distance",
+        "pivot_distanse",
+        'mechanism.pivot_distanse: "18 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
+    ),
+    ("[base]", "[bass]", "bass: unknown section; the nearest known one is base"),
+    ("[base]", "[[base]]", "base: [{ ... }] is no section; write [base] with its keys below"),
+    ('title = "A scene"', 'titel = "A scene"', 'titel: "A scene" belongs to an unknown key; the nearest known one is title'),
+    ('tags = ["test"]', 'gravity = ["0 N/kg"]', 'gravity: ["0 N/kg"] stands outside its section; accepted as mechanism.gravity'),
+    ('width = "1.5 in"\n', "", 'follower.width: this key is missing; write a length, such as "2 in"'),
+    (
+        '[simulation]\nduration = "2 s"\noutput_step = "1 ms"\n',
+        "",
+        "[simulation]: this section is missing; its keys are duration, output_step",
+    ),
+    ('name = "scene"\n', "", 'name: this key is missing; write a name, such as name = "stiffer-follower"'),
+    (
+        'name = "scene"',
+        'name = "../scene"',
+        'name: "../scene" is no name; up to 64 letters, digits, points, hyphens and underscores in quotes,'
+        " beginning with a letter or digit, are accepted",
+    ),
+    ('title = "A scene"', 'title = "A\\nB"', r'title: "A\nB" is no title; one line of up to 200 characters in quotes is accepted'),
+    ('tags = ["test"]', 'tags = "test"', 'tags: "test" is no list of tags; write one such as ["thesis", "fast"], each tag like a name'),
+    # the crank's drive
+    (
+        'torque = "10 lbf*in"',
+        'torque = "10 lbf*in"\nprescribed_speed = "16 rad/s"',
+        f'crank.prescribed_speed: "16 rad/s" conflicts with crank.torque = "10 lbf*in"; {CHOICE}',
+    ),
+    ('torque = "10 lbf*in"\n', "", 'crank.torque: this key is missing; write a torque, such as "2 lbf*in"'),
+    (
+        'torque = "10 lbf*in"\ndamping = "0.60176535 lbf*in*s/rad"\ninitial_angle = "180 deg"\ninitial_speed = "16.617773 rad/s"',
+        'initial_angle = "180 deg"',
+        f"crank: nothing drives the crank; {CHOICE}",
+    ),
+    (
+        'damping = "0.60176535 lbf*in*s/rad"\ninitial_angle = "180 deg"\ninitial_speed = "16.617773 rad/s"',
+        'damping = "0 lbf*in*s/rad"\ninitial_angle = "180 deg"',
+        "crank.initial_speed: this key is missing, and without damping there is no speed torque / damping;"
+        ' write an angular speed, such as "2 rad/s"',
+    ),
+    # what does not fit together
+    (
+        'length = "4 in"',
+        'length = "18 in"',
+        'crank.length: "18 in" cannot be: the crank (0.4572 m) must be shorter than mechanism.pivot_distance (0.4572 m)',
+    ),
+    (
+        'length = "4 in"',
+        'length = "8 in"',
+        'crank.length: "8 in" cannot be: the slider leaves the follower: pivot_distance + crank.length = 0.6604 m must not exceed'
+        " follower.length = 0.635 m",
+    ),
+    (
+        '"18.75 in"]',
+        '"18.75 in", "20 in"]',
+        'follower.strain_gauges: ["6.25 in", "12.5 in", "18.75 in", "20 in"] has 4 entries;'
+        ' a list of exactly 3 strings such as "2 in" is accepted',
+    ),
+    (
+        '"18.75 in"]',
+        '"25.1 in"]',
+        'follower.strain_gauges: ["6.25 in", "12.5 in", "25.1 in"] leaves the strain gauge at 25.1 in'
+        ' outside the follower; its length is "25 in"',
+    ),
+    (
+        'joint_stiffness = "100 lbf/in"',
+        'joint_stiffness = "inf"',
+        'slider.joint_damping: "0.1 lbf*s/in" makes a rigid joint with damping, which has nothing to act on;'
+        ' give a finite slider.joint_stiffness such as "2e4 N/m", or no slider.joint_damping',
+    ),
+    (
+        'output_step = "1 ms"',
+        'output_step = "3 ms"',
+        f'simulation.duration: "2 s" gives 666.667 output steps (duration 2 s, output step 0.003 s); {WHOLE}',
+    ),
+    (
+        'output_step = "1 ms"',
+        'output_step = "3 s"',
+        f'simulation.duration: "2 s" gives 0.666667 output steps (duration 2 s, output step 3 s); {WHOLE}',
+    ),
+    (
+        'output_step = "1 ms"',
+        'output_step = "1 ns"',
+        'simulation.duration: "2 s" gives 2e+09 output steps (duration 2 s, output step 1e-09 s); at most 2 million are accepted',
+    ),
+    ('output_step = "1 ms"', 'output_step = "0 s"', 'simulation.output_step: "0 s" is not positive; a time greater than zero is accepted'),
+    # TOML itself
+    ('length = "4 in"', "length = " + "9" * 5000, "line 10 has 5009 characters; at most 1000 are accepted"),
+    ('length = "4 in"', "a." * 490 + "b = 1", "crank.a: is a section inside a section; the keys of [crank] stand directly below it"),
+    ('length = "4 in"', "length = " + "[" * 900, "is nested too deeply; sections with strings and lists of strings are accepted"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "expected"), BAD, ids=lambda text: text[:50])
+def test_each_mistake_has_its_sentence(old: str, new: str, expected: str) -> None:
+    assert message(changed(old, new)) == f"scene.toml: {expected}"
+
+
+def test_a_torque_driven_crank_needs_inertia_of_its_own() -> None:
+    light = changed('mass = "0.1 lbf*s^2/in"', 'mass = "0 kg"').replace('"4.0e-4 lbf*s^2*in"', '"0 kg*m^2"')
+    assert parse_case(light, "scene.toml").mechanism.crank.inertia_about_pivot == 0.0  # the slider's mass is enough
+    assert message(light.replace('mass = "0.01 lbf*s^2/in"', 'mass = "0 kg"')) == (
+        'scene.toml: crank.inertia: "0 kg*m^2" leaves a torque-driven crank without inertia about its axis;'
+        " give crank.inertia, or crank.mass and center_of_mass"
+    )
+
+
+MUST_BE_POSITIVE = """mechanism.pivot_distance crank.length follower.length follower.mass_per_length follower.bending_stiffness
+    follower.thickness follower.width slider.joint_stiffness simulation.duration simulation.output_step"""
+MAY_BE_ZERO = """crank.mass crank.inertia crank.damping base.inertia base.damping follower.damping tip.mass tip.inertia slider.mass
+    slider.inertia slider.joint_damping"""
+MAY_BE_NEGATIVE = "crank.center_of_mass crank.torque crank.initial_angle crank.initial_speed tip.center_of_mass"
+
+
+@pytest.mark.parametrize("path", [*MUST_BE_POSITIVE.split(), *MAY_BE_ZERO.split(), *MAY_BE_NEGATIVE.split()])
+def test_signs_are_accepted_where_they_make_sense(path: str) -> None:
+    section, key = path.split(".")
+    written = SCENE.split(f"[{section}]\n")[1].split(f'{key} = "')[1].split('"')[0]
+    unit = written.split(" ")[1]
+    zero, negative = {path: f"0 {unit}"}, {path: f"-1 {unit}"}
+    if path in MUST_BE_POSITIVE:
+        with pytest.raises(CaseError, match="is not positive"):
+            parse_case(SCENE, "scene.toml", zero)
+    else:
+        parse_case(SCENE, "scene.toml", zero)
+    if path in MAY_BE_NEGATIVE:
+        parse_case(SCENE, "scene.toml", negative)
+    else:
+        with pytest.raises(CaseError, match=r"is not positive|is negative"):
+            parse_case(SCENE, "scene.toml", negative)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("[base]", "[base", 'line 19: "[base" is no valid TOML: '),
+        ('width = "1.5 in"', "width = 1,5 in", 'line 28: "width = 1,5 in" is no valid TOML: '),
+        ('width = "1.5 in"', "width = '1.5 in", 'line 28: "width = \'1.5 in" is no valid TOML: '),  # the parser looks for ' up to the end
+        ('width = "1.5 in"', 'width = """1.5 in', 'line 28: "width = \\"\\"\\"1.5 in" is no valid TOML: '),
+        ('output_step = "1 ms"', "output_step =", 'line 45: "output_step =" is no valid TOML: '),
+        ('width = "1.5 in"', "width = “1.5 in”", 'line 28: "width = “1.5 in”" is no valid TOML: it has typographic quotes'),
+        (
+            'width = "1.5 in"',
+            'width = "1.5 in"\nwidth = "2 in"',
+            'line 29: "width = \\"2 in\\"" repeats a key or section that is there already',
+        ),
+    ],
+)
+def test_broken_toml_is_told_with_its_line(old: str, new: str, told: str) -> None:
+    answer = message(changed(old, new))
+    assert answer.startswith(f"scene.toml: {told}")  # what follows are the parser's words, which may change with Python's version
+    assert answer.endswith(('; write [section] or key = "number unit", such as length = "4 in"', "; give each of them once"))
+
+
+@pytest.mark.parametrize("section", ["mechanism", "crank", "base", "follower", "tip", "simulation"])
+def test_every_key_that_cannot_be_left_out_is_named_when_it_is(section: str) -> None:
+    optional = {"gravity", "initial_speed", "center_of_mass"} if section != "crank" else {"initial_speed"}
+    start = SCENE.index(f"[{section}]\n") + len(section) + 3
+    lines = SCENE[start:].split("\n\n")[0].splitlines()
+    for line in lines:
+        key = line.split(" ")[0]
+        text = SCENE[:start] + SCENE[start:].replace(line + "\n", "", 1)
+        if key in optional:
+            parse_case(text, "scene.toml")
+        else:
+            assert message(text).startswith(f"scene.toml: {section}.{key}: this key is missing; write a")
+
+
+def test_files_that_are_no_case_files_are_refused(tmp_path: Path) -> None:
+    def refused(path: Path | str) -> str:
+        with pytest.raises(CaseError) as error:
+            load_case(str(path))
+        return str(error.value)
+
+    latin, large, pipe = tmp_path / "latin.toml", tmp_path / "large.toml", tmp_path / "pipe.toml"
+    latin.write_bytes(SCENE.replace("A scene", "Ein Gerät").encode("latin-1"))
+    large.write_text("#" * 64_001)
+    os.mkfifo(pipe)
+    assert refused(latin) == f"{latin}: is not in UTF-8 (line 2); save it as plain text in UTF-8"
+    assert refused(large) == f"{large}: is larger than 64 kB; a case file has some 2 kB"
+    assert refused(pipe) == f"{pipe}: is no regular file; a case file is a TOML text"
+    assert refused(tmp_path) == f"{tmp_path}: is a directory; give the path of a case file in it"
+    assert refused(tmp_path / "no.toml") == (
+        f"{tmp_path}/no.toml: there is no such file; give the path of a case file or the name of a library case"
+    )
+    assert refused("a\0/b") == r"a\x00/b: cannot be read (embedded null byte)"
+    assert refused("thesis24") == (
+        '"thesis24": no case of the library has this name; the nearest one is thesis-24 (`quickreturn cases` lists all); or give a path'
+    )
+
+
+@given(st.text(max_size=300))
+def test_any_text_is_either_a_case_or_refused(text: str) -> None:
+    with pytest.raises(CaseError, match=r"^scene\.toml: "):
+        parse_case(text, "scene.toml")
+
+
+@given(st.integers(0, len(SCENE) - 1), st.integers(0, len(SCENE) - 1), st.sampled_from(["", '"', "=", "[", "0", "-", " ", "\n", "é", "\0"]))
+def test_a_damaged_case_file_never_breaks_anything_else(place: int, other: int, inserted: str) -> None:
+    first, last = sorted((place, other))
+    try:
+        case = parse_case(SCENE[:first] + inserted + SCENE[min(last, first + 3) :], "scene.toml")
+    except CaseError as refused:
+        told = str(refused)
+    else:
+        told = f"scene.toml: {case.name}"
+    assert told.startswith("scene.toml: ")
+    assert "\n" not in told
+
+
+# A follower alone: no crank, no slider, a base that is spun up.

@@ -1,0 +1,75 @@
+"""Changes of a case from outside its file."""
+
+import pytest
+
+from cases.case import Case
+from cases.case_file import parse_case
+from cases.errors import CaseError
+from reference_model.mechanism import PrescribedSpeed, TorqueDrive
+from tests.cases.scene_texts import SCENE, changed, numbers
+from tests.cases.test_case_file_mistakes import CHOICE, LENGTH, WHOLE
+
+
+def override(**texts: str) -> Case:
+    return parse_case(SCENE, "scene.toml", {key.replace("__", "."): text for key, text in texts.items()})
+
+
+def test_overrides_change_what_they_name_and_nothing_else() -> None:
+    plain = parse_case(SCENE, "scene.toml")
+    stiffer = override(follower__bending_stiffness="12 N*m^2")
+    assert stiffer.mechanism.follower.bending_stiffness == 12.0
+    rest = [(a, b) for a, b in zip(numbers(plain), numbers(stiffer), strict=True) if a != b]
+    assert len(rest) == 1
+    assert override(mechanism__gravity='["0 m/s^2", "-1.62 m/s^2"]').mechanism.gravity == (0.0, -1.62)
+    assert override(crank__length='"0.1 m"').mechanism.crank.length == 0.1  # quotes as in the file are understood
+
+
+def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
+    fixed = override(crank__prescribed_speed="10 rad/s")
+    assert fixed.mechanism.crank.drive == PrescribedSpeed(speed=10.0)
+    text = changed('torque = "10 lbf*in"\ndamping = "0.60176535 lbf*in*s/rad"\n', 'prescribed_speed = "9 rad/s"\n')
+    text = text.replace('initial_speed = "16.617773 rad/s"\n', "")
+    kept = override(crank__damping="0.1 N*m*s/rad").mechanism.crank.drive
+    assert kept == TorqueDrive(torque=1.129848290276167, damping=0.1, initial_speed=16.617773)  # the start is as written
+    freed = parse_case(text, "scene.toml", {"crank.torque": "2 N*m", "crank.damping": "0.1 N*m*s/rad"})
+    assert freed.mechanism.crank.drive == TorqueDrive(torque=2.0, damping=0.1, initial_speed=20.0)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        ({"crank.lenght": "4 in"}, '--set: crank.lenght: "4 in" belongs to an unknown key; the nearest known one is crank.length'),
+        (
+            {"pivot_distance": "4 in"},
+            '--set: pivot_distance: "4 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
+        ),
+        ({"name": "x"}, '--set: name: "x" cannot be set; only quantities can, such as crank.torque'),
+        ({"crank.length": "4 kg"}, f'--set: crank.length: "4 kg" is a mass (kg), but a length is needed; {LENGTH}'),
+        (
+            {"follower.length": "21 in"},
+            '--set: follower.length: "21 in" cannot be: the slider leaves the follower: pivot_distance + crank.length = 0.5588 m'
+            " must not exceed follower.length = 0.5334 m",
+        ),
+        (
+            {"follower.length": "15 in"},
+            '--set: follower.length: "15 in" leaves the strain gauge at 18.75 in outside the follower; its length is "15 in"',
+        ),
+        (
+            {"simulation.output_step": "0.3 s"},
+            f'--set: simulation.output_step: "0.3 s" gives 6.66667 output steps (duration 2 s, output step 0.3 s); {WHOLE}',
+        ),
+        (
+            {"mechanism.gravity": "9.81 m/s^2"},
+            '--set: mechanism.gravity: "9.81 m/s^2" is no list of strings; a list of exactly 2 strings such as "2 m/s^2" is accepted',
+        ),
+        (
+            {"crank.prescribed_speed": "9 rad/s", "crank.damping": "0 N*m*s"},
+            f'--set: crank.prescribed_speed: "9 rad/s" conflicts with crank.torque = "10 lbf*in"; {CHOICE}',
+        ),
+    ],
+    ids=str,
+)
+def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str], expected: str) -> None:
+    with pytest.raises(CaseError) as refused:
+        parse_case(SCENE, "scene.toml", overrides)
+    assert str(refused.value) == expected
