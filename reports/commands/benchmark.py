@@ -91,7 +91,7 @@ def _print(table: "Benchmark") -> None:
         agreed = f"not confirmed: {confirmation['failure']}"
     click.echo(f"{table.case}: errors against {table.truth['engine']} ({settings_words(table.truth['settings'])}); {agreed}")
     front = pareto_front(table.points)
-    heads = ("", "method", "settings", "dof", "solve s", "largest s", "deflection", "acceleration", "strain", "force")
+    heads = ("", "method", "settings", "dof", "solve s", "largest s", "deflection", "acceleration", "strain", "force", "remark")
     print_table([_row(point, point in front) for point in table.points], heads)
     click.echo("* on the Pareto front of solve time and error of the tip deflection")
 
@@ -102,7 +102,7 @@ def _row(point: dict[str, Any], best: bool) -> tuple[str, ...]:
 
     head = ("*" if best else "", point["method"], settings_words(point["changing"]))
     if "errors" not in point:
-        return (*head, point["status"], "", "", "", "", "", "")
+        return (*head, *[""] * 7, point["status"])
     shown = [error_of(point, column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
     times = (f"{point['solve_seconds']:.4f}", f"{point['solve_seconds_largest']:.4f}")
-    return (*head, str(point["degrees_of_freedom"]), *times, *("-" if value is None else f"{value:.1e}" for value in shown))
+    return (*head, str(point["degrees_of_freedom"]), *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")
