@@ -121,15 +121,41 @@ def moving_workspace(tables: SpanTables, n: int) -> MovingWorkspace:
     )
 
 
-#: The follower counts as left this part of its length before the tables end, so that a step can end between and be seen to.
-LEAVING: Final = 5e-4
+class _Reach(NamedTuple):
+    """How near to the follower's end the tables go, and how fine they are; lengths in parts of the follower's.
+
+    Attributes:
+        end: what the second span keeps: its stiffness grows without bound as it vanishes.
+        leaving: the follower counts as left so much before the tables end, so that a step can end between and be seen to.
+        terms: factor on the terms of the modes' series in s: as the span becomes a stub, the tip body's own mode crosses all others.
+        intervals: factor on the pieces of the tables, for the same reason.
+    """
+
+    end: float
+    leaving: float
+    terms: int
+    intervals: int
+
+
+#: Where the rigid mechanism keeps the slider away from the end: left at 0.06 % of the length before it, which only violent bending brings
+#: about, and then at a speed that passes the rest within a row of output.
+_USUAL: Final = _Reach(1e-4, 5e-4, 1, 1)
+#: Where it does not: with a crank of 6.95 in the slider of run 24 turns back 6e-5 before the end, and leaves one cycle later. With a crank
+#: of 6.9 in tables as coarse as usual would lose 5e-2 of the strain energy with two modes and 2e-3 with five; these lose 9e-6 and 1e-6.
+_TO_THE_END: Final = _Reach(1e-6, 1e-5, 3, 8)
+#: The part of the follower's length from which on the slider counts as near the end.
+_NEAR: Final = 0.95
+
+
+def _reach(mechanism: Mechanism) -> _Reach:
+    farthest = mechanism.pivot_distance + mechanism.crank.length
+    return _TO_THE_END if farthest > _NEAR * mechanism.follower.length else _USUAL
 
 
 def slider_range(mechanism: Mechanism) -> tuple[float, float]:
     """Arc lengths that the tables cover, m: from a twentieth less than the rigid mechanism's to (almost) the follower's end."""
     d, LA, L = mechanism.pivot_distance, mechanism.crank.length, mechanism.follower.length
-    # the second span must keep some length: its stiffness grows without bound as it vanishes
-    return max(0.95 * (d - LA), 0.02 * L), (1.0 - 1e-4) * L
+    return max(0.95 * (d - LA), 0.02 * L), (1.0 - _reach(mechanism).end) * L
 
 
 def gauss_points(modes: int) -> int:
@@ -146,8 +172,8 @@ def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
     """Parameters for a flexible follower with a rigid slider joint, `modes` >= 1."""
     drive, follower, slider = mechanism.crank.drive, mechanism.follower, mechanism.slider
     tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
-    low, high = slider_range(mechanism)
-    family = mode_family(mechanism, modes, low, high, 21 + 7 * modes)
+    reach, (low, high) = _reach(mechanism), slider_range(mechanism)
+    family = mode_family(mechanism, modes, low, high, reach.terms * (21 + 7 * modes))
     return MovingParameters(
         d=mechanism.pivot_distance,
         LA=mechanism.crank.length,
@@ -172,8 +198,8 @@ def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
         n=modes,
         thickness=follower.thickness,
         gauges=np.array(follower.strain_gauges, dtype=float),
-        reach=high - LEAVING * follower.length,
-        tables=span_tables(family, gauss_points(modes), 24 * (modes + 1)),
+        reach=high - reach.leaving * follower.length,
+        tables=span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1)),
     )
 
 
