@@ -15,12 +15,12 @@ from reference_model.model import ExplicitModel, ObservationFailed
 from reference_model.moving_model import MovingShapeModel
 
 _CAUSES = {
-    integrate.LEFT_FOLLOWER: ("the slider has left the follower's end", "a slower crank, a stiffer or longer follower"),
+    integrate.LEFT_FOLLOWER: ("the slider has left the follower's end", "try a slower crank, a stiffer or longer follower"),
     integrate.STEP_TOO_SMALL: (
         "the step size fell below 1e-13 s",
         "check the scene; the follower may be bent beyond what its shapes describe",
     ),
-    integrate.TOO_MANY_CALLS: ("the limit of right-hand side evaluations is reached", "fewer shapes or a looser engine.tolerance"),
+    integrate.TOO_MANY_CALLS: ("the limit of right-hand side evaluations is reached", "try fewer shapes or a looser engine.tolerance"),
     integrate.NOT_A_NUMBER: ("the loop cannot close any more", "check the scene; the follower may be bent beyond what its shapes describe"),
 }
 
@@ -76,7 +76,7 @@ class ExplicitSimulation(Simulation):
         trajectory = self.trajectory_type(columns, done - began, statistics)
         if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
             cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
-            raise EngineFailure(self.time + result.end_time, cause, f"try {advice}", trajectory if len(trajectory) else None)
+            raise EngineFailure(self.time + result.end_time, cause, advice, trajectory if len(trajectory) else None)
         self.state, self._step = result.states[-1], result.next_step
         self.time += duration
         return trajectory
