@@ -127,8 +127,8 @@ class _Reach(NamedTuple):
     Attributes:
         end: what the second span keeps: its stiffness grows without bound as it vanishes.
         leaving: the follower counts as left so much before the tables end, so that a step can end between and be seen to.
-        terms: factor on the terms of the modes' series in s: as the span becomes a stub, the tip body's own mode crosses all others.
-        intervals: factor on the pieces of the tables, for the same reason.
+        terms: factor on the terms of the modes' series in s, whose errors the derivatives by s divide by the span's length, twice.
+        intervals: factor on the pieces of the tables.
     """
 
     end: float
