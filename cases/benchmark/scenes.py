@@ -60,7 +60,7 @@ def measure(
         culprit = last_at_work(outcome.output)
         if culprit not in sound:
             raise EngineFailure(0.0, f"the process of the benchmark {outcome.explanation}", "try fewer engines at once")
-        failures[culprit] = f"{outcome.failure} at finer settings"
+        failures[culprit] = f"{outcome.failure}, at finer settings"
     result: Benchmark = dataclasses.replace(outcome.value, failures=failures)
     if not failures:
         store.put(_key(case, names), dataclasses.asdict(result))

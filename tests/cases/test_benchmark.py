@@ -165,8 +165,8 @@ def test_an_engine_that_dies_at_finer_settings_is_left_out(tmp_path: Any, monkey
     made = measure(case, Store(tmp_path), names, 1)
     assert made.failures == {
         "mujoco": "killed by SIGSEGV",
-        "exudyn": "killed by SIGABRT at finer settings",
-        "thesis": "raised ZeroDivisionError: a bug at finer settings",
+        "exudyn": "killed by SIGABRT, at finer settings",
+        "thesis": "raised ZeroDivisionError: a bug, at finer settings",
     }
     assert stored(case, Store(tmp_path), names) is None
 

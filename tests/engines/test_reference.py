@@ -10,17 +10,21 @@ from scipy.interpolate import CubicSpline
 
 from engines.accurate import simulate
 from engines.base import EngineFailure, Refusal
+from engines.mujoco.engine import MujocoEngine
+from engines.mujoco.settings import ChainSettings
 from engines.pseudo_coordinate.reference import LADDER, ReferenceEngine, ReferenceSettings
 from engines.pseudo_coordinate.simulation import ExplicitSimulation
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from engines.trajectory import OPTIONAL, REQUIRED, Trajectory, join
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
 from reference_model.natural_modes import frozen_crank_modes
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 
 ENGINE = ReferenceEngine()
 CONVERGED = ReferenceSettings(modes=11, tolerance=1e-9)
+#: What holds the plates alone (run 17 of the thesis).
+NO_PLATES = Tip(mass=0.007180200245105532, inertia=3.1635752127732676e-07)
 OFFSET_TIP = run_24(crank={"length": 5.0 * INCH}, tip={"center_of_mass": 0.0127})
 
 
@@ -211,3 +215,28 @@ def test_frequencies_do_not_depend_on_the_modes_kept() -> None:
     with_inertia = dataclasses.replace(run_24(), slider=Slider(inertia=2e-4))
     found = ENGINE.natural_frequencies(with_inertia, 1.0, 3, ReferenceSettings())
     np.testing.assert_allclose(found, frozen_crank_modes(with_inertia, 1.0, 3).frequencies, rtol=1e-12)
+
+
+def test_the_slider_turns_back_just_before_the_end_and_leaves_a_cycle_later() -> None:
+    """A crank of 6.95 in, no plates: MuJoCo's chain (18 and 40 links) turns back 6.0e-5 and 6.1e-5 of the length before the end."""
+    scene = run_24(crank={"length": 6.95 * INCH}, tip=NO_PLATES)
+    chain = MujocoEngine().prepare(scene, standard_start(scene), ChainSettings(links=18))
+    with pytest.raises(EngineFailure, match="left the follower") as of_chain:
+        chain.advance(1.3, 1e-4)
+    simulation = ENGINE.prepare(scene, standard_start(scene), ReferenceSettings(modes=5, tolerance=1e-7))
+    with pytest.raises(EngineFailure, match="left the follower") as left:
+        simulation.advance(1.3, 1e-4)
+    assert left.value.time == pytest.approx(of_chain.value.time, abs=2e-4)  # the chain's is that of a row
+    assert left.value.partial is not None
+    nearest = 1.0 - left.value.partial["slider_position"][:10000].max() / scene.follower.length
+    assert nearest == pytest.approx(6.1e-5, abs=2e-6)  # 4, 7 and 11 modes lie between 5.97e-5 and 6.17e-5
+
+
+def test_energy_is_kept_near_the_end_of_the_follower() -> None:
+    scene = run_24(crank={"length": 6.9 * INCH}, tip=NO_PLATES)
+    simulation = ENGINE.prepare(scene, standard_start(scene), ReferenceSettings(modes=5, tolerance=1e-8))
+    found = simulation.advance(0.5, 1e-3)
+    balance = found["kinetic_energy"] + found["strain_energy"] + found["dissipated_energy"] - found["drive_work"]
+    assert found["slider_position"].max() > 0.996 * scene.follower.length
+    # 1e-6 measured; tables as coarse as elsewhere lose 2e-3 there
+    assert np.abs(balance - balance[0]).max() < 1e-5 * found["strain_energy"].max()
