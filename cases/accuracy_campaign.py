@@ -22,9 +22,9 @@ import pandas as pd
 
 from cases.case_file import load_case
 from cases.library import case_names
-from cases.progress import with_progress
 from cases.random_scenes import LARGEST_CONDITION, OUTPUT_STEP, Scene, condition_of, random_scenes
-from cases.workers import Job, run_jobs
+from cases.store import Store
+from cases.stored_jobs import Campaign, Result, Work, results
 from engines.accurate import run_once, simulate
 from engines.base import EngineFailure, Refusal
 from engines.mujoco.settings import ChainSettings
@@ -43,6 +43,8 @@ CONFIRMING: Final = ChainSettings(links=40)
 #: The truth must be known this many times better than what is judged by it.
 MARGIN: Final = 3.0
 LONGEST: Final = 2.0  # s
+
+_CAMPAIGN: Final = Campaign("accuracy scene", ("cases.accuracy_campaign", "cases.random_scenes"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,25 +142,36 @@ def _difference(found: Trajectory, truth: Trajectory) -> float:
     return float(np.sqrt(np.mean((a - b) ** 2) / np.mean(b**2)))
 
 
-def campaign(scenes: Iterable[tuple[Scene, Sequence[tuple[str, float]]]], confirm: bool = True, jobs: int | None = None) -> pd.DataFrame:
-    """All rows (`Row`), each scene in a process of its own.
+def campaign(
+    scenes: Iterable[tuple[Scene, Sequence[tuple[str, float]]]], store: Store, confirm: bool = True, jobs: int | None = None
+) -> pd.DataFrame:
+    """All rows (`Row`), each scene in a process of its own and from the store where it is there.
 
     Args:
         scenes: with the requests (engine, accuracy) to make of each.
+        store: what is computed is kept here, scene by scene.
         confirm: whether to run the confirming engine.
         jobs: processes at a time; None: one per core.
 
     Raises:
-        RuntimeError: a scene's process broke down.
+        RuntimeError: a scene's process broke down; the others are done and stored.
+        StoreError: see `cases.store`.
+        KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    work = [Job(scene.name, scene_rows, (scene, tuple(requests), confirm)) for scene, requests in scenes]
-    rows: list[Row] = []
-    for outcome in with_progress(run_jobs(work, jobs), len(work), "scenes"):
-        if not outcome.completed:
-            raise RuntimeError(f"{outcome.job.name}: {outcome.failure}\n{outcome.output}")
-        rows += outcome.value
-    table = pd.DataFrame([asdict(row) for row in rows])
+    work = []
+    for scene, requests in scenes:
+        names = tuple(sorted({"reference", *(name for name, _ in requests), *(("mujoco",) if confirm else ())}))
+        work.append(Work(("scene", scene.name), names, _stored_rows, (scene, tuple(requests), confirm)))
+    found = {name[1]: document for name, (document, _) in results(work, _CAMPAIGN, store, jobs).items()}
+    broken = [f"{name}: {document['failure']}" for name, document in found.items() if "failure" in document]
+    if broken:
+        raise RuntimeError("; ".join(broken))
+    table = pd.DataFrame([row for document in found.values() for row in document["rows"]])
     return table.sort_values(["engine", "asked", "scene"], ascending=[True, False, True], ignore_index=True)
+
+
+def _stored_rows(scene: Scene, requests: Sequence[tuple[str, float]], confirm: bool) -> Result:
+    return {"rows": [asdict(row) for row in scene_rows(scene, requests, confirm)]}, {}
 
 
 def judged(table: pd.DataFrame) -> pd.DataFrame:
@@ -221,7 +234,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     requests = tuple(itertools.product(given.engine or ENGINES, given.accuracy or ACCURACIES))
     scenes = [*(library_scenes() if given.library else ()), *itertools.islice(random_scenes(given.seed), given.random)]
-    table = campaign([(scene, requests) for scene in scenes], not given.no_confirmation, given.jobs)
+    table = campaign([(scene, requests) for scene in scenes], Store(), not given.no_confirmation, given.jobs)
     if given.output:
         table.to_csv(given.output, index=False)
     with pd.option_context("display.width", 250, "display.max_columns", None):

@@ -10,9 +10,10 @@ import numpy as np
 from cases.case import Case
 from cases.conditioning import Conditioning
 from cases.evidence import Columns, Run, Scene, relative_difference
-from cases.hard_results import Work, conditioning_of, conditioning_work, evidence_work, results, run_of
+from cases.hard_results import conditioning_of, conditioning_work, evidence_work, results, run_of
 from cases.spectrum import later_differences
 from cases.store import Store
+from cases.stored_jobs import Work
 from cases.verdicts import ACCURATE, ENDED, LATER, Verdict, compared, judge
 from engines.registry import MAIN
 

@@ -3,13 +3,16 @@
 import dataclasses
 import itertools
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+import cases.accuracy_campaign
 from cases.accuracy_campaign import ACCURACIES, SEED, Row, campaign, chapter, judged, library_scenes, scene_rows, summary
 from cases.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
+from cases.store import Store
 from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
 from engines.start import standard_start
 
@@ -53,7 +56,7 @@ def test_accuracy_asked_is_delivered_on_five_random_scenes() -> None:
 
 @pytest.mark.verify
 def test_accuracy_asked_is_delivered(record_property: Callable[[str, object], None]) -> None:
-    table = campaign(_full())
+    table = campaign(_full(), Store())
     found = summary(table)
     text = (
         "Error of the tip deflection over the accuracy asked for, in runs that say to have reached it; truth, scenes and what is judged: "
@@ -92,6 +95,13 @@ def test_summary_counts_what_is_judged() -> None:
     assert (line["judged"], line["say so"], line["within"]) == (3, 2, 1)
     assert line["worst achieved / asked"] == pytest.approx(2.0)
     assert line["least estimate / achieved"] == pytest.approx(8e-3 / 3e-2)
+
+
+def test_process_that_broke_down_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    documents = {("scene", "a"): ({"rows": [dataclasses.asdict(row())]}, {}), ("scene", "b"): ({"failure": "killed by SIGSEGV"}, {})}
+    monkeypatch.setattr(cases.accuracy_campaign, "results", lambda *_: documents)
+    with pytest.raises(RuntimeError, match=r"^b: killed by SIGSEGV$"):
+        campaign([], Store(tmp_path))
 
 
 def test_chapter_has_a_value_per_column() -> None:

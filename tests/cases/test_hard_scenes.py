@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-import cases.hard_results
+import cases.stored_jobs
 from cases.case_file import load_case, with_times
 from cases.hard_scenes import Matrix, judge_scenes
 from cases.library import catalogue
@@ -53,7 +53,7 @@ def test_what_is_stored_is_not_computed_again(short: Matrix, store: Store, monke
         assert jobs == []
         return []
 
-    monkeypatch.setattr(cases.hard_results, "run_jobs", computed)
+    monkeypatch.setattr(cases.stored_jobs, "run_jobs", computed)
     again = judge_scenes(short.cases, store, ENGINES)
     assert again == replace(short, cases=again.cases)
     elsewhere = judge_scenes([replace(case, duration=0.2) for case in short.cases], store, ENGINES, compute=False)
@@ -62,7 +62,7 @@ def test_what_is_stored_is_not_computed_again(short: Matrix, store: Store, monke
 
 
 def test_a_process_that_dies_is_a_verdict_and_not_a_gap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cases.hard_results, "LIMITS", replace(cases.hard_results.LIMITS, seconds=0.01))
+    monkeypatch.setattr(cases.stored_jobs, "LIMITS", replace(cases.stored_jobs.LIMITS, seconds=0.01))
     matrix = judge_scenes([with_times(load_case("hard-no-tip"), duration=0.1)], Store(tmp_path), ("mujoco",), jobs=2)
     verdict = matrix.cells["hard-no-tip", "mujoco"].verdict
     assert verdict.kind == DIVERGED

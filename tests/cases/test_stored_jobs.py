@@ -1,0 +1,82 @@
+"""A campaign continues where it stopped: what was computed is not computed again, what was stopped from outside is.
+
+The work is done by functions of the standard library, so that every worker can import them.
+"""
+
+import copy
+import operator
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cases.stored_jobs
+from cases.store import Store
+from cases.stored_jobs import Campaign, Result, Work, results
+
+CAMPAIGN = Campaign("trial", ())
+
+
+def work(number: int, function: Any = copy.copy, arguments: tuple[Any, ...] | None = None) -> Work:
+    return Work(("trial", f"{number}"), ("reference",), function, arguments or (({"value": number}, {"row": np.full(3, number)}),))
+
+
+def found(store: Store, *wanted: Work, campaign: Campaign = CAMPAIGN) -> dict[str, Result]:
+    return {name[1]: result for name, result in results(wanted, campaign, store, jobs=2).items()}
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of the functions that workers were started for."""
+    names: list[str] = []
+    run_jobs = cases.stored_jobs.run_jobs
+
+    def watched(jobs: list[Any], *arguments: Any, **options: Any) -> Any:
+        names.extend(job.function.__name__ for job in jobs)
+        return run_jobs(jobs, *arguments, **options)
+
+    monkeypatch.setattr(cases.stored_jobs, "run_jobs", watched)
+    return names
+
+
+def test_only_what_is_missing_is_computed(tmp_path: Path, started: list[str]) -> None:
+    store = Store(tmp_path)
+    assert found(store, work(1))["1"][0] == {"value": 1}
+    both = found(store, work(1), work(2))
+    assert started == ["copy", "copy"]
+    assert [both[name][0]["value"] for name in ("1", "2")] == [1, 2]
+    assert np.array_equal(both["1"][1]["row"], np.full(3, 1))
+
+
+def test_another_kind_of_campaign_shares_nothing(tmp_path: Path, started: list[str]) -> None:
+    store = Store(tmp_path)
+    found(store, work(1))
+    found(store, work(1), campaign=Campaign("other", ()))
+    found(store, work(1), campaign=Campaign("trial", ("cases.progress",)))
+    assert len(started) == 3
+
+
+def test_what_breaks_is_kept_and_takes_nothing_with_it(tmp_path: Path, started: list[str]) -> None:
+    store = Store(tmp_path)
+    for _ in range(2):
+        result = found(store, work(1, operator.truediv, (1, 0)), work(2))
+        assert result["1"] == ({"failure": "raised ZeroDivisionError: division by zero"}, {})
+        assert result["2"][0] == {"value": 2}
+    assert started == ["truediv", "copy"]
+
+
+def test_what_was_stopped_from_outside_is_tried_again(tmp_path: Path, started: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    store = Store(tmp_path)
+    monkeypatch.setattr(cases.stored_jobs, "LIMITS", replace(cases.stored_jobs.LIMITS, seconds=0.1))
+    for _ in range(2):
+        ((document, _),) = found(store, work(1, time.sleep, (60,))).values()
+        assert document["failure"].startswith("stopped at the time limit")
+    assert started == ["sleep", "sleep"]
+
+
+def test_nothing_is_computed_unless_asked(tmp_path: Path, started: list[str]) -> None:
+    assert results([work(1)], CAMPAIGN, Store(tmp_path), jobs=2, compute=False) == {}
+    assert started == []
