@@ -33,6 +33,7 @@ from engines.registry import engine
 from engines.settings import Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
+from reference_model.mechanism import Mechanism
 
 SEED: Final = 1999
 ENGINES: Final = ("reference", "exudyn")
@@ -81,21 +82,22 @@ class Row:
 
 
 def library_scenes() -> Iterator[Scene]:
-    """The library's cases with a flexible follower and a rigid slider joint, over their own durations or two seconds.
+    """The library's cases with a crank, a flexible follower and a rigid slider joint, over their own durations or two seconds.
 
     A compliant joint is another model of `reference`, whose truth would need other settings.
     """
     for name in case_names():
         case = load_case(name)
-        if case.mechanism.follower.is_rigid or math.isfinite(case.mechanism.slider.joint_stiffness):
+        scene = case.scene
+        if not isinstance(scene, Mechanism) or scene.follower.is_rigid or math.isfinite(scene.slider.joint_stiffness):
             continue
         try:
             duration = min(case.duration, LONGEST)
-            condition, motion = condition_of(case.mechanism, duration)
+            condition, motion = condition_of(scene, duration)
         except EngineFailure:
             continue  # a scene that cannot go on has no accuracy
         largest = float(np.abs(motion["tip_deflection"]).max())
-        yield Scene(name, case.mechanism, duration, condition, largest)
+        yield Scene(name, scene, duration, condition, largest)
 
 
 def scene_rows(scene: Scene, requests: Sequence[tuple[str, float]], confirm: bool = True) -> list[Row]:

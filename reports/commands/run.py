@@ -77,6 +77,7 @@ def _check_engines(cases: Sequence[Any], names: Sequence[str], settings: Mapping
     """Refuse before anything runs what an engine asked for by name cannot do, and settings that an engine does not have."""
     from engines.base import Refusal
     from engines.registry import MAIN, engine
+    from engines.settings import SettingError
 
     for name in names or MAIN:
         chosen = engine(name)
@@ -86,7 +87,10 @@ def _check_engines(cases: Sequence[Any], names: Sequence[str], settings: Mapping
             if names:
                 chosen.check(case.mechanism)
             if settings:
-                chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(settings))
+                try:
+                    chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(settings))
+                except SettingError as error:  # several engines share the settings, and one of them may lack one
+                    raise SettingError(f"{error} (engine {name})") from error
 
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:

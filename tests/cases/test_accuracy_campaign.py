@@ -11,6 +11,7 @@ import pytest
 
 import cases.accuracy_campaign
 from cases.accuracy_campaign import ACCURACIES, SEED, Row, campaign, chapter, judged, library_scenes, scene_rows, summary
+from cases.library import case_names
 from cases.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
 from cases.store import Store
 from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
@@ -42,6 +43,14 @@ def test_random_scenes_are_sensible_and_the_same_each_time() -> None:
         # judged with four modes, as here; the tolerance differs
         assert np.abs(motion["tip_deflection"]).max() < 1.001 * LARGEST_DEFLECTION * length
         assert 0.0 < scene.condition < LARGEST_CONDITION
+
+
+def test_scenes_of_the_library_are_those_that_the_truth_can_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    # without a crank, with a soft joint, leaving the follower's end: each has no truth to be judged by
+    names = ("spin-up", "hard-joint-1e5", "hard-speed-x3", "thesis-24")
+    assert set(names) < set(case_names())
+    monkeypatch.setattr(cases.accuracy_campaign, "case_names", lambda: names)
+    assert [scene.name for scene in library_scenes()] == ["thesis-24"]
 
 
 def test_accuracy_asked_is_delivered_on_five_random_scenes() -> None:
