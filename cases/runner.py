@@ -5,15 +5,14 @@ that was killed, a limit of time or memory, a full disk, an engine that is not i
 """
 
 from collections.abc import Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from typing import Any, Final
 
 from cases.engine_run import EngineRun, engine_run, task_key
-from cases.progress import with_progress
 from cases.steady_run import FAILED, UNAVAILABLE, SteadyRun, Task
 from cases.store import Store
-from cases.workers import Job, Limits, Outcome, default_limits, run_jobs
+from cases.stored_jobs import Result, stored
+from cases.workers import Job, Limits, Outcome
 
 #: Slow engines first, so that the last core does not wait for one of them.
 _ORDER: Final = {"reference": 0, "exudyn": 1, "mujoco": 2, "thesis": 9}
@@ -43,38 +42,25 @@ def run_tasks(
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     keys = {named.name: task_key(named.task) for named in tasks}
-    found: dict[str, EngineRun] = {}
-    missing: dict[str, Named] = {}
+    ordered = sorted(tasks, key=lambda named: _ORDER.get(named.task.engine, 5))
+    work = [Job(keys[named.name], engine_run, (named.task,)) for named in ordered]
+    entries, others = stored(work, store, title, at_once=jobs, limits=limits, keep=_kept)
+    found = {key: EngineRun(entry.document, entry.arrays) for key, entry in entries.items()}
     for named in tasks:
-        key = keys[named.name]
-        if key in found or key in missing:
-            continue
-        entry = store.get(key)
-        if entry is None:
-            missing[key] = named
-        else:
-            found[key] = EngineRun(entry.document, entry.arrays)
-    ordered = sorted(missing.items(), key=lambda item: _ORDER.get(item[1].task.engine, 5))
-    if ordered:
-        work = [Job(key, engine_run, (named.task,)) for key, named in ordered]
-        with closing(run_jobs(work, jobs, limits or default_limits())) as outcomes:
-            for outcome in with_progress(outcomes, len(work), title):
-                key = outcome.job.name
-                found[key] = _kept(outcome, missing[key].task, key, store)
+        if (key := keys[named.name]) not in found:
+            found[key] = _of_the_machine(others[key], named.task)
     return {name: found[key] for name, key in keys.items()}
 
 
-def _kept(outcome: Outcome, task: Task, key: str, store: Store) -> EngineRun:
-    """What came of a task, stored if it would come out again."""
-    if not isinstance(outcome.value, SteadyRun):
-        return _failed(task, outcome.explanation)
-    run = EngineRun(outcome.value.document, outcome.value.cycle)
-    if run.status != UNAVAILABLE:
-        try:
-            store.put(key, run.document, run.cycle)
-        except (TypeError, ValueError) as error:  # a third-party engine may hand anything on
-            return _failed(task, f"its result cannot be stored: {error}")
-    return run
+def _kept(outcome: Outcome) -> Result | None:
+    """What would come out again."""
+    run = outcome.value
+    return (run.document, run.cycle) if isinstance(run, SteadyRun) and run.document["status"] != UNAVAILABLE else None
+
+
+def _of_the_machine(outcome: Outcome, task: Task) -> EngineRun:
+    run = outcome.value
+    return EngineRun(run.document, run.cycle) if isinstance(run, SteadyRun) else _failed(task, outcome.explanation)
 
 
 def _failed(task: Task, cause: str) -> EngineRun:

@@ -1,30 +1,77 @@
-"""Results computed in processes of their own and stored as they come, so that an interrupted campaign continues where it stopped.
+"""Results computed in processes of their own and stored as they come, so that an interrupted campaign continues where it stopped."""
 
-A process that died is kept as such: it would only die again. One that was stopped from outside is not: on a less busy machine it may
-go better.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Final
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.fingerprint import SIMULATION, code_fingerprint
 from cases.progress import with_progress
-from cases.store import Store, key_of
-from cases.workers import Job, Limits, run_jobs
+from cases.store import Entry, Store, key_of
+from cases.workers import PRELOAD, Job, Limits, Outcome, default_limits, run_jobs
 from engines.registry import engine
-
-#: What one result may take: what would never end must not hold up the others for ever.
-LIMITS: Final = Limits(seconds=3600.0, memory=8 * 2**30)
-
-#: How the failure of a worker begins that was stopped from outside.
-_FROM_OUTSIDE: Final = ("killed by SIGKILL", "stopped at the time limit")
 
 #: A JSON document and arrays by name.
 Result = tuple[dict[str, Any], Mapping[str, NDArray[np.float64]]]
+
+#: How the failure of a worker begins that was stopped from outside: on a less busy machine it may go better.
+_FROM_OUTSIDE = ("killed by SIGKILL", "stopped at the time limit")
+
+
+def value_of(outcome: Outcome) -> Result | None:
+    """What a job returned, where it completed."""
+    return outcome.value if outcome.completed else None
+
+
+def stored(
+    jobs: Iterable[Job],
+    store: Store,
+    title: str,
+    *,
+    at_once: int | None = None,
+    limits: Limits | None = None,
+    keep: Callable[[Outcome], Result | None] = value_of,
+    preload: Sequence[str] = PRELOAD,
+) -> tuple[dict[str, Entry], dict[str, Outcome]]:
+    """Entries of the store by key, computed where they are missing, and the outcomes of the jobs that left none.
+
+    Args:
+        jobs: named by their keys; of equal keys the first is run. Started in this order.
+        store: results are taken from here and kept here.
+        title: of the progress bar.
+        at_once: how many jobs at a time; None: one per core.
+        limits: of each job; None: `default_limits`.
+        keep: what is stored of an outcome; None: nothing, it is tried again the next time.
+        preload: see `cases.workers.run_jobs`.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+    """
+    entries: dict[str, Entry] = {}
+    missing: dict[str, Job] = {}
+    for job in jobs:
+        if job.name not in entries and job.name not in missing:
+            entry = store.get(job.name)
+            if entry is None:
+                missing[job.name] = job
+            else:
+                entries[job.name] = entry
+    others: dict[str, Outcome] = {}
+    with closing(run_jobs(list(missing.values()), at_once, limits or default_limits(), preload)) as outcomes:
+        for outcome in with_progress(outcomes, len(missing), title):
+            key, kept = outcome.job.name, keep(outcome)
+            if kept is None:
+                others[key] = outcome
+                continue
+            try:
+                store.put(key, *kept)
+                entries[key] = Entry(kept[0], dict(kept[1]))
+            except (TypeError, ValueError) as error:  # a third-party engine may hand anything on
+                others[key] = replace(outcome, value=None, failure=f"its result cannot be stored: {error}", output="")
+    return entries, others
 
 
 @dataclass(frozen=True)
@@ -53,6 +100,8 @@ def results(
 ) -> dict[tuple[str, ...], Result]:
     """Results by name. One whose process ended badly is {"failure": a clause}, without arrays.
 
+    A process that died is stored as such: it would only die again. One that was stopped from outside is not.
+
     Args:
         work: what is wanted.
         campaign: that it belongs to.
@@ -65,25 +114,25 @@ def results(
         StoreError: see `cases.store`.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    found: dict[tuple[str, ...], Result] = {}
-    missing: dict[str, Work] = {}
     code = code_fingerprint((*SIMULATION, *campaign.modules))
+    keys: dict[tuple[str, ...], str] = {}
     for item in work:
         content = {"kind": campaign.kind, "what": item.name[0], "arguments": list(item.arguments), "versions": _versions(item.engines)}
-        key = key_of(content | {"code": code})
-        entry = store.get(key)
-        if entry is not None:
-            found[item.name] = (entry.document, entry.arrays)
-        elif compute:
-            missing[key] = item
-    pending = [Job(key, item.function, item.arguments) for key, item in missing.items()]
-    running = run_jobs(pending, jobs, LIMITS)
-    for outcome in with_progress(running, len(pending), f"{campaign.kind}s"):
-        document, arrays = outcome.value if outcome.completed else ({"failure": outcome.failure}, {})
-        if not outcome.failure.startswith(_FROM_OUTSIDE):
-            store.put(outcome.job.name, document, arrays)
-        found[missing[outcome.job.name].name] = (document, arrays)
-    return found
+        keys[item.name] = key_of(content | {"code": code})
+    wanted = [Job(keys[item.name], item.function, item.arguments) for item in work]
+    if not compute:
+        found = {name: store.get(key) for name, key in keys.items()}
+        return {name: (entry.document, entry.arrays) for name, entry in found.items() if entry is not None}
+    entries, others = stored(wanted, store, f"{campaign.kind}s", at_once=jobs, keep=_kept)
+    return {name: (entries[key].document, entries[key].arrays) if key in entries else _failure(others[key]) for name, key in keys.items()}
+
+
+def _kept(outcome: Outcome) -> Result | None:
+    return None if outcome.failure.startswith(_FROM_OUTSIDE) else value_of(outcome) or _failure(outcome)
+
+
+def _failure(outcome: Outcome) -> Result:
+    return {"failure": outcome.failure}, {}
 
 
 def _versions(names: Sequence[str]) -> list[str]:

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from contextlib import closing
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -17,11 +16,11 @@ from cases.comparison import HALVES
 from cases.engine_run import EngineRun
 from cases.fingerprint import SIMULATION, code_fingerprint
 from cases.measures import CHANNELS
-from cases.progress import with_progress
 from cases.runner import Named, run_tasks
 from cases.steady_run import Task
 from cases.store import Store, key_of
-from cases.workers import PRELOAD, Job, Limits, Outcome, default_limits, run_jobs
+from cases.stored_jobs import Result, stored
+from cases.workers import PRELOAD, Job, Limits, Outcome
 from engines.accurate import ESTIMATED, run_once, simulate
 from engines.base import EngineFailure
 from engines.convergence import convergence_table
@@ -78,45 +77,31 @@ def run_studies(store: Store, jobs: int | None = None, limits: Limits | None = N
         ("convergence",): (_convergence, (case,)),
         **{("default", name): (_trajectory, (case, name, None)) for name in MAIN},
     }
-    found, failures = _stored(work, store, jobs, limits or default_limits())
+    found, failures = _stored(work, store, jobs, limits)
     accuracy, confirmation = _accuracy_tables(found, failures)
     rows = found[("convergence",)][0]["rows"] if ("convergence",) in found else []
     sensitivity = _sensitivity(store, jobs, limits, failures)
     return Studies(accuracy, confirmation, pd.DataFrame(rows), sensitivity, tuple(failures))
 
 
-Found = dict[tuple[str, ...], tuple[dict[str, Any], Mapping[str, NDArray[np.float64]]]]
+Found = dict[tuple[str, ...], Result]
 
 
 def _stored(
-    work: Mapping[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]], store: Store, jobs: int | None, limits: Limits
+    work: Mapping[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]], store: Store, jobs: int | None, limits: Limits | None
 ) -> tuple[Found, list[str]]:
     """Results of the jobs by name, computed where they are not stored, and a sentence for each that failed."""
     code = code_fingerprint((*SIMULATION, "cases.studies"))
     versions = {name: "" if engine(name).unavailable() else engine(name).version() for name in MAIN}
-    found: Found = {}
-    missing: dict[str, tuple[str, ...]] = {}
+    names: dict[str, tuple[str, ...]] = {}
     for name, (_, arguments) in work.items():
         scene = [item.mechanism if isinstance(item, Case) else item for item in arguments]
         times = [(item.duration, item.output_step) for item in arguments if isinstance(item, Case)]
-        key = key_of({"kind": "study", "name": name, "scene": scene, "times": times, "versions": versions, "code": code})
-        entry = store.get(key)
-        if entry is None:
-            missing[key] = name
-        else:
-            found[name] = (entry.document, entry.arrays)
-    failures: list[str] = []
-    pending = [Job(key, *work[name]) for key, name in missing.items()]
-    with closing(run_jobs(pending, jobs, limits, (*PRELOAD, "cases.studies"))) as outcomes:
-        for outcome in with_progress(outcomes, len(pending), "studies"):
-            name = missing[outcome.job.name]
-            if not outcome.completed:
-                failures.append(f"study {' '.join(name)}: {_clause(outcome)}")
-                continue
-            document, arrays = outcome.value
-            store.put(outcome.job.name, document, arrays)
-            found[name] = (document, arrays)
-    return found, failures
+        names[key_of({"kind": "study", "name": name, "scene": scene, "times": times, "versions": versions, "code": code})] = name
+    pending = [Job(key, *work[name]) for key, name in names.items()]
+    entries, others = stored(pending, store, "studies", at_once=jobs, limits=limits, preload=(*PRELOAD, "cases.studies"))
+    failures = [f"study {' '.join(names[key])}: {_clause(outcome)}" for key, outcome in others.items()]
+    return {names[key]: (entry.document, entry.arrays) for key, entry in entries.items()}, failures
 
 
 def _clause(outcome: Outcome) -> str:

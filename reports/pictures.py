@@ -1,7 +1,6 @@
 """All pictures of the report: from the store where they are there, else drawn in processes of their own, one per case."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -11,10 +10,10 @@ import pandas as pd
 from cases.benchmark import Benchmark
 from cases.comparison import CaseResult
 from cases.experiment import AxisLabels, MeasuredCurve, axis_labels
-from cases.progress import with_progress
 from cases.store import Entry, Store
+from cases.stored_jobs import Result, stored
 from cases.studies import Studies
-from cases.workers import PRELOAD, Job, Limits, run_jobs
+from cases.workers import PRELOAD, Job, Limits, Outcome
 from reports.cache import content_of, content_of_curves, page_key
 from reports.findings.runs import run_number
 from reports.plots.picture import Picture
@@ -63,9 +62,7 @@ def draw_pictures(
     Raises:
         KeyboardInterrupt: Ctrl-C; what was drawn is stored.
     """
-    work: dict[str, Job] = {}
-    names: dict[str, str] = {}
-    found: dict[str, Drawn] = {}
+    work: list[Job] = []
     inputs: dict[str, Any]
     everything = [content_of(result) for result in results]
     orders: list[tuple[str, Mapping[str, Any], Job]] = [(_ALL, {"results": everything}, Job(_ALL, draw_all, (list(results),)))]
@@ -80,23 +77,14 @@ def draw_pictures(
         labels, its_curves = _of_run(result, curves)
         inputs = {"result": content, "labels": labels, "curves": content_of_curves(its_curves)}
         orders.append((result.case.name, inputs, Job(result.case.name, draw_case, (result, labels, its_curves))))
+    names = {}
     for name, determined_by, job in orders:
         key = page_key(f"pictures of {name if name in (_ALL, _STUDIES, _METHODS) else 'a case'}", determined_by)
-        entry = store.get(key)
-        if entry is not None:
-            found[name] = _unpacked(entry)
-        else:
-            work[key] = Job(key, job.function, job.arguments)
-            names[key] = name
-    failures = []
-    with closing(run_jobs(work.values(), jobs, _LIMITS, _PRELOAD)) as outcomes:
-        for outcome in with_progress(outcomes, len(work), "pictures"):
-            key = outcome.job.name
-            if not outcome.completed:
-                failures.append(f"pictures of {names[key]}: drawing {outcome.explanation}")
-                continue
-            found[names[key]] = outcome.value
-            store.put(key, *_packed(outcome.value))
+        names[key] = name
+        work.append(Job(key, job.function, job.arguments))
+    entries, others = stored(work, store, "pictures", at_once=jobs, limits=_LIMITS, keep=_kept, preload=_PRELOAD)
+    found = {names[key]: _unpacked(entry) for key, entry in entries.items()}
+    failures = [f"pictures of {names[key]}: drawing {outcome.explanation}" for key, outcome in others.items()]
     of_all = found.pop(_ALL, {}) | found.pop(_STUDIES, {}) | found.pop(_METHODS, {})
     return Pictures(of_all, found, tuple(failures))
 
@@ -152,6 +140,10 @@ def _of_run(result: CaseResult, curves: Sequence[MeasuredCurve]) -> tuple[tuple[
     if number is None:
         return (), []
     return axis_labels(number), [curve for curve in curves if curve.run == number]
+
+
+def _kept(outcome: Outcome) -> Result | None:
+    return _packed(outcome.value) if outcome.completed else None
 
 
 def _packed(drawn: Drawn) -> tuple[dict[str, Any], dict[str, Any]]:

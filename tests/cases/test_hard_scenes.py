@@ -1,6 +1,6 @@
 """The matrix of verdicts: short on two scenes, in full (`make verify`) on all, with every claim checked against a converged solution."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.store import Store
 from cases.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
+from cases.workers import Limits
 from engines.registry import MAIN
 
 SHORT = ("hard-speed-x3", "hard-slider-inertia")
@@ -49,9 +50,9 @@ def test_a_feature_that_an_engine_lacks_is_refused_and_the_other_is_judged(short
 
 
 def test_what_is_stored_is_not_computed_again(short: Matrix, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    def computed(jobs: list[object], *_: object, **__: object) -> list[object]:
+    def computed(jobs: list[object], *_: object, **__: object) -> Generator[object, None, None]:
         assert jobs == []
-        return []
+        return (job for job in jobs)
 
     monkeypatch.setattr(cases.stored_jobs, "run_jobs", computed)
     again = judge_scenes(short.cases, store, ENGINES)
@@ -62,7 +63,7 @@ def test_what_is_stored_is_not_computed_again(short: Matrix, store: Store, monke
 
 
 def test_a_process_that_dies_is_a_verdict_and_not_a_gap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cases.stored_jobs, "LIMITS", replace(cases.stored_jobs.LIMITS, seconds=0.01))
+    monkeypatch.setattr(cases.stored_jobs, "default_limits", lambda: Limits(seconds=0.01))
     matrix = judge_scenes([with_times(load_case("hard-no-tip"), duration=0.1)], Store(tmp_path), ("mujoco",), jobs=2)
     verdict = matrix.cells["hard-no-tip", "mujoco"].verdict
     assert verdict.kind == DIVERGED

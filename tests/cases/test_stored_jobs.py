@@ -6,7 +6,6 @@ The work is done by functions of the standard library, so that every worker can 
 import copy
 import operator
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,8 @@ import pytest
 
 import cases.stored_jobs
 from cases.store import Store
-from cases.stored_jobs import Campaign, Result, Work, results
+from cases.stored_jobs import Campaign, Result, Work, results, stored
+from cases.workers import Job, Limits
 
 CAMPAIGN = Campaign("trial", ())
 
@@ -70,7 +70,7 @@ def test_what_breaks_is_kept_and_takes_nothing_with_it(tmp_path: Path, started: 
 
 def test_what_was_stopped_from_outside_is_tried_again(tmp_path: Path, started: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     store = Store(tmp_path)
-    monkeypatch.setattr(cases.stored_jobs, "LIMITS", replace(cases.stored_jobs.LIMITS, seconds=0.1))
+    monkeypatch.setattr(cases.stored_jobs, "default_limits", lambda: Limits(seconds=0.1))
     for _ in range(2):
         ((document, _),) = found(store, work(1, time.sleep, (60,))).values()
         assert document["failure"].startswith("stopped at the time limit")
@@ -80,3 +80,19 @@ def test_what_was_stopped_from_outside_is_tried_again(tmp_path: Path, started: l
 def test_nothing_is_computed_unless_asked(tmp_path: Path, started: list[str]) -> None:
     assert results([work(1)], CAMPAIGN, Store(tmp_path), jobs=2, compute=False) == {}
     assert started == []
+
+
+def test_what_cannot_be_stored_is_told_and_takes_nothing_with_it(tmp_path: Path) -> None:
+    jobs = [Job("bad", copy.copy, (({"value": {1, 2}}, {}),)), Job("good", copy.copy, (({"value": 1}, {}),))]
+    entries, others = stored(jobs, Store(tmp_path), "trials")
+    assert [entry.document for entry in entries.values()] == [{"value": 1}]
+    assert others["bad"].failure == "its result cannot be stored: Object of type set is not JSON serializable"
+
+
+def test_equal_keys_are_computed_once_and_what_is_not_to_be_kept_is_not(tmp_path: Path, started: list[str]) -> None:
+    jobs = [Job("same", copy.copy, (({"value": number}, {}),)) for number in (1, 2)]
+    for _ in range(2):
+        entries, others = stored(jobs, Store(tmp_path), "trials", keep=lambda _: None)
+        assert entries == {}
+        assert others["same"].value[0] == {"value": 1}
+    assert started == ["copy", "copy"]
