@@ -29,5 +29,6 @@ $(READY): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.[test]'
 	touch $(READY)
 
+# Results stay: hours of computing; remove the folder .quickreturn to start from nothing.
 clean:
-	rm -rf $(VENV) .quickreturn reports/output
+	rm -rf $(VENV) reports/output

@@ -14,7 +14,7 @@ from cases.store import Store
 from cases.stored_jobs import Result, stored
 from cases.workers import Job, Limits, Outcome
 
-#: Slow engines first, so that the last core does not wait for one of them.
+#: The slowest first, so that the last core does not wait for one of them: `reference` where its equations are not yet machine code.
 _ORDER: Final = {"reference": 0, "exudyn": 1, "mujoco": 2, "thesis": 9}
 
 

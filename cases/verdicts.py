@@ -23,7 +23,7 @@ MEANINGS: Final = {
     ACCURATE: "the run's own error estimate is within the error asked, and nothing contradicts it",
     ENDED: "the slider leaves the follower; the time does not depend on the settings, and up to shortly before it the run is accurate",
     NOT_CONVERGED: "a result, but its own estimate says that it is not as accurate as asked: not to be relied on",
-    CONTRADICTED: "its own estimate is satisfied, but other engines that agree with each other find something else",
+    CONTRADICTED: "its own estimate is satisfied, but another engine differs by more than both claim, and no fewer engines bear that out",
     DIVERGED: "the run broke down; time and cause are known",
     REFUSED: "the engine says that it cannot model this scene, and why",
 }

@@ -64,6 +64,26 @@ def about(name: str) -> dict[str, Any]:
     return {"name": name, "version": version, "method": found.method, "available": reason is None, "reason": reason}
 
 
+def settings(name: str) -> dict[str, Any]:
+    """`about`, with the accuracy that the engine works to unless asked, and its settings: name, what is accepted, meaning."""
+    import dataclasses
+
+    from engines.registry import engine
+
+    def accepted(field: dataclasses.Field[Any]) -> str:
+        about = field.metadata
+        if about["choices"]:
+            return ", ".join(about["choices"])
+        return "true or false" if isinstance(field.default, bool) else f"{about['low']:g} to {about['high']:g} {about['unit']}".strip()
+
+    found = engine(name)
+    rows = [
+        {"name": f"engine.{field.name}", "accepted": accepted(field), "meaning": field.metadata["meaning"]}
+        for field in dataclasses.fields(found.settings_type)
+    ]
+    return about(name) | {"default_accuracy": found.default_accuracy, "settings": rows}
+
+
 def model(name: str, scene: "Scene") -> dict[str, Any]:
     """What the engine builds for a scene with its default settings. Raises Refusal if it cannot."""
     from engines.registry import usable_engine

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @click.command(name="benchmark")
 @click.argument("cases", metavar="[CASE]...", nargs=-1)
-@click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all.")
+@click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all eight of ours.")
 @click.option("--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Interleaved repetitions at most.")
 @set_option
 @time_limit_option
@@ -42,7 +42,8 @@ def command(
 ) -> int:
     """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
 
-    Without a CASE: the scenes that the report compares methods on. What all engines gave is kept for the report.
+    Without a CASE: the scenes that the report compares methods on. The report shows a measurement of all eight engines in which none was
+    left out. They share one process: the time limit stands for the sum of all of them.
 
     Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;
     the others are measured all the same. Settings with which an engine says that it cannot go on are listed and no error.

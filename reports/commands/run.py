@@ -131,7 +131,10 @@ def _print(results: Sequence["CaseResult"]) -> None:
                 f"  {check.engine} misses a tolerance: {check.quantity} {place}: {check.tolerance.kind} {check.deviation:.4g}"
                 f" is outside {check.tolerance.low:g} to {check.tolerance.high:g}"
             )
-        click.echo("  all tolerances met" if result.passed else f"  {len(result.missed)} of {len(result.checks)} tolerances missed")
+        if not result.checks:
+            click.echo("  nothing compared: tolerances are relative to `reference`, run with one other engine or more")
+        else:
+            click.echo(f"  {len(result.missed) or 'none'} of {len(result.checks)} tolerances missed")
 
 
 def _row(run: "EngineRun") -> tuple[str, ...]:

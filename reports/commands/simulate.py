@@ -46,7 +46,8 @@ def command(
 ) -> int:
     """Simulate CASE from the standard start and write the trajectory.
 
-    Exit code 3: the engine failed or did not reach the accuracy; what was computed is in the file.
+    Exit code 3: the engine failed or did not reach the accuracy; the rows that it delivered are in the file. One that crashed or was
+    stopped at a limit delivers none.
     """
     from reports import engine_jobs
     from reports.command_line import ENGINE_TROUBLE, GOOD
@@ -68,7 +69,7 @@ def command(
 
 
 def _kept(document: dict[str, Any]) -> str:
-    return f"; {document['rows']} rows are kept in {document['output']}" if document["rows"] else "; nothing was computed"
+    return f"; {document['rows']} rows are kept in {document['output']}" if document["rows"] else "; there is nothing to keep"
 
 
 def _print(document: dict[str, Any]) -> None:

@@ -34,7 +34,7 @@ ASSUMPTIONS: Final = (
 
 
 def provenance(content: Content) -> Chapter:
-    """The last chapter."""
+    """How the page came about."""
     chapter = Chapter("provenance", "Provenance", "Provenance")
     chapter.heading("Failures and statuses", "failures")
     troubles = content.troubles

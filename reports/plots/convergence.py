@@ -36,7 +36,7 @@ def convergence_figure(table: pd.DataFrame) -> Picture | None:
     """Error of each column over the number of modes, at the smallest tolerance of the integration.
 
     Args:
-        table: of `engines.pseudo_coordinate.convergence.convergence_table`.
+        table: of `engines.convergence.convergence_table`.
 
     Returns:
         None where the table has no row but the one that the errors are taken against.

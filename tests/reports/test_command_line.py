@@ -58,6 +58,17 @@ def test_engines_lists_main_and_third_party_ones(call: Call) -> None:
     assert "fake 1.0" in call("engines").output
 
 
+def test_engines_describes_one_with_its_settings(call: Call) -> None:
+    shown = call("engines", "reference").output
+    assert re.search(r"^engine\.modes +1 to 16 +modes of the beam", shown, flags=re.MULTILINE)
+    found = document(call("engines", "fake", "--json"))
+    assert found["default_accuracy"] == 1e-2
+    settings = {row["name"]: row["accepted"] for row in found["settings"]}
+    assert settings["engine.step"] == "0.0001 to 1 s"
+    assert settings["engine.behaviour"].startswith("good, coarse fails")
+    refused(call("engines", "mujco"), '"mujco"', "perhaps mujoco")
+
+
 def test_engine_that_crashes_on_import_is_listed_with_the_reason(call: Call, tmp_path: Path) -> None:
     from tests.engines.fake_package import install
 

@@ -192,7 +192,7 @@ def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, 
         code, _, errors = call("simulate", "small.toml", "--engine", engine, "--output", "out.csv", *limits)
         assert code == 3
         assert f"engine {engine}: {said}" in errors
-        assert errors.endswith("nothing was computed\n")
+        assert errors.endswith("there is nothing to keep\n")
         assert not (place / "out.csv").exists()
 
 
