@@ -12,8 +12,9 @@ well, and not at all on a violent one: where a change of the bending stiffness b
 import argparse
 import itertools
 import math
+import sys
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -146,8 +147,10 @@ def _difference(found: Trajectory, truth: Trajectory) -> float:
 
 def campaign(
     scenes: Iterable[tuple[Scene, Sequence[tuple[str, float]]]], store: Store, confirm: bool = True, jobs: int | None = None
-) -> pd.DataFrame:
-    """All rows (`Row`), each scene in a process of its own and from the store where it is there.
+) -> tuple[pd.DataFrame, list[str]]:
+    """All rows (`Row`), and a clause for each scene whose process broke down.
+
+    Each scene has a process of its own and is taken from the store where it is there.
 
     Args:
         scenes: with the requests (engine, accuracy) to make of each.
@@ -156,7 +159,6 @@ def campaign(
         jobs: processes at a time; None: one per core.
 
     Raises:
-        RuntimeError: a scene's process broke down; the others are done and stored.
         StoreError: see `cases.store`.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
@@ -166,10 +168,9 @@ def campaign(
         work.append(Work(("scene", scene.name), names, _stored_rows, (scene, tuple(requests), confirm)))
     found = {name[1]: document for name, (document, _) in results(work, _CAMPAIGN, store, jobs).items()}
     broken = [f"{name}: {document['failure']}" for name, document in found.items() if "failure" in document]
-    if broken:
-        raise RuntimeError("; ".join(broken))
-    table = pd.DataFrame([row for document in found.values() for row in document["rows"]])
-    return table.sort_values(["engine", "asked", "scene"], ascending=[True, False, True], ignore_index=True)
+    rows = [row for document in found.values() for row in document.get("rows", ())]
+    table = pd.DataFrame(rows, columns=[field.name for field in fields(Row)])
+    return table.sort_values(["engine", "asked", "scene"], ascending=[True, False, True], ignore_index=True), broken
 
 
 def _stored_rows(scene: Scene, requests: Sequence[tuple[str, float]], confirm: bool) -> Result:
@@ -222,26 +223,37 @@ def _plain(value: Any) -> str | float | int | None:
     return int(value) if isinstance(value, np.integer) else value
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Command line; see the top of this file."""
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f'"{text}": give a whole number from 1')
+    return int(text)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line, see the top of this file; 1 if a scene's process broke down."""
     parser = argparse.ArgumentParser(prog="python -m cases.accuracy_campaign", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--random", type=int, default=0, metavar="N", help="number of random scenes")
+    parser.add_argument("--random", type=_count, default=0, metavar="N", help="number of random scenes")
     parser.add_argument("--library", action="store_true", help="the scenes of the library too")
     parser.add_argument("--engine", action="append", help="default: reference and exudyn")
     parser.add_argument("--accuracy", action="append", type=float, help="default: 1e-2, 1e-3 and 1e-4")
     parser.add_argument("--seed", type=int, default=SEED)
-    parser.add_argument("--jobs", type=int, default=None)
+    parser.add_argument("--jobs", type=_count, default=None)
     parser.add_argument("--no-confirmation", action="store_true")
     parser.add_argument("--output", type=Path, help="CSV file of all rows")
     given = parser.parse_args(arguments)
+    if not (given.random or given.library):
+        parser.error("no scenes; give --random N, --library or both")
     requests = tuple(itertools.product(given.engine or ENGINES, given.accuracy or ACCURACIES))
     scenes = [*(library_scenes() if given.library else ()), *itertools.islice(random_scenes(given.seed), given.random)]
-    table = campaign([(scene, requests) for scene in scenes], Store(), not given.no_confirmation, given.jobs)
+    table, broken = campaign([(scene, requests) for scene in scenes], Store(), not given.no_confirmation, given.jobs)
     if given.output:
         table.to_csv(given.output, index=False)
     with pd.option_context("display.width", 250, "display.max_columns", None):
         print(summary(table).to_string(index=False, float_format=lambda value: f"{value:.3g}"))
+    for clause in broken:
+        print(clause, file=sys.stderr)
+    return 1 if broken else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

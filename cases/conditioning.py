@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 CHANGE: Final = 1e-3
 #: A scene whose answer moves by more than this is ill-conditioned: fifty times the change.
 ILL: Final = 0.05
+#: Rows beyond the horizon that are worth a look of their own: of fewer there is no spectrum.
+FEWEST_LATER: Final = 16
 #: Accuracy at which the reference runs. Its error is the same with and without the change, so that it hardly shows in the difference.
 _ACCURACY: Final = 1e-3
 
@@ -38,7 +40,8 @@ class Conditioning:
         changes: parameter ("stiffness", "damping", "speed", "speed at the same crank angle") -> RMS change of the tip deflection over
             its RMS, for `CHANGE` of the parameter, over the duration or until the scene ends.
         horizon: length (s) of the longest stretch from the start on which no change exceeds `ILL`: the duration in a well-conditioned
-            scene. A change of speed counts at the same crank angle: an answer that only comes sooner is not another answer.
+            scene, and where fewer than `FEWEST_LATER` rows are beyond it. A change of speed counts at the same crank angle: an answer
+            that only comes sooner is not another answer.
     """
 
     changes: Mapping[str, float]
@@ -116,4 +119,4 @@ def _horizon(ratios: Sequence[Array], duration: float, output_step: float) -> fl
     """Length of the longest stretch from the start on which no ratio exceeds `ILL`, s; the duration if that is all there is."""
     rows = min(map(len, ratios))
     well = np.flatnonzero(np.max([ratio[:rows] for ratio in ratios], axis=0) <= ILL)
-    return duration if well[-1] == rows - 1 else output_step * float(max(well[-1], 1))
+    return duration if well[-1] >= rows - FEWEST_LATER else output_step * float(max(well[-1], 1))

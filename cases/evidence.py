@@ -143,9 +143,11 @@ class _Request:
         """The evidence with what finer settings and the balances say."""
         rows = round(evidence.stretch / evidence.row) + 1
         shown = {name: values[:rows] for name, values in whole.items()}
-        difference, later, breakdown = None, None, evidence.breakdown
+        difference, later, breakdown, broken = None, None, evidence.breakdown, ""
         if finer is not None and len(finer) >= rows:
             difference = relative_difference(finer["tip_deflection"][:rows], shown["tip_deflection"])
+        elif finer_failure is not None:
+            broken = str(finer_failure)
         if breakdown is not None and finer_failure is not None and self._at_the_end(finer):
             breakdown = replace(breakdown, finer_time=finer_failure.time)
         if breakdown is None and finer is not None and rows < len(whole["time"]) == len(finer):
@@ -154,6 +156,7 @@ class _Request:
             evidence,
             breakdown=breakdown,
             finer_difference=difference,
+            finer_failure=broken,
             later=later,
             energy_residual=energy_residual(whole if breakdown is None else shown),
             constraint_gap=self._gap(shown),

@@ -39,9 +39,12 @@ def run_tasks(
         limits: of each task; None: `cases.workers.default_limits`.
 
     Raises:
+        ValueError: a name is given twice.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     keys = {named.name: task_key(named.task) for named in tasks}
+    if len(keys) < len(tasks):
+        raise ValueError("two tasks have one name")
     ordered = sorted(tasks, key=lambda named: _ORDER.get(named.task.engine, 5))
     work = [Job(keys[named.name], engine_run, (named.task,)) for named in ordered]
     entries, others = stored(work, store, title, at_once=jobs, limits=limits, keep=_kept)

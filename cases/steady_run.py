@@ -120,6 +120,7 @@ def _settle_settings(engine: Engine, task: Task, document: dict[str, Any]) -> tu
     duration = OUTPUT_STEP * round(task.duration / OUTPUT_STEP)
     result = simulate(engine, task.mechanism, start, duration, OUTPUT_STEP, task.settings, task.accuracy)
     document.update(
+        accuracy=result.accuracy,
         settings=result.settings.as_dict(),
         remark=result.remark,
         reached=result.reached,

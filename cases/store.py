@@ -121,7 +121,7 @@ class Store:
             ValueError: an array is called "document" or holds Python objects, or the document holds NaN or infinities.
             TypeError: the document holds what JSON does not know.
         """
-        arrays = dict(arrays or {})
+        arrays = {name: np.asarray(values) for name, values in (arrays or {}).items()}
         if _DOCUMENT in arrays or any(array.dtype.hasobject for array in arrays.values()):
             raise ValueError(f'an array must hold plain numbers and must not be called "{_DOCUMENT}"')
         text = json.dumps(document, allow_nan=False).encode()

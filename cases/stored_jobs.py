@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +12,13 @@ from cases.fingerprint import SIMULATION, code_fingerprint
 from cases.progress import with_progress
 from cases.store import Entry, Store, key_of
 from cases.workers import PRELOAD, Job, Limits, Outcome, default_limits, run_jobs
-from engines.registry import engine
+from engines.registry import MAIN, RIVALS, engine
+
+#: Engines whose code belongs to the simulation's.
+OURS: Final = (*MAIN, *RIVALS)
 
 #: A JSON document and arrays by name.
 Result = tuple[dict[str, Any], Mapping[str, NDArray[np.float64]]]
-
-#: How the failure of a worker begins that was stopped from outside: on a less busy machine it may go better.
-_FROM_OUTSIDE = ("killed by SIGKILL", "stopped at the time limit")
 
 
 def value_of(outcome: Outcome) -> Result | None:
@@ -100,7 +100,8 @@ def results(
 ) -> dict[tuple[str, ...], Result]:
     """Results by name. One whose process ended badly is {"failure": a clause}, without arrays.
 
-    A process that died is stored as such: it would only die again. One that was stopped from outside is not.
+    An exception of the work itself is stored as such: it would only be raised again. A process that died or was stopped at a limit, lack
+    of memory and the like are not: on another day it may go better.
 
     Args:
         work: what is wanted.
@@ -110,6 +111,7 @@ def results(
         compute: False: what is not stored is left out.
 
     Raises:
+        ValueError: a name is given twice.
         UnknownEngine: a name that is no engine's.
         StoreError: see `cases.store`.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
@@ -117,8 +119,10 @@ def results(
     code = code_fingerprint((*SIMULATION, *campaign.modules))
     keys: dict[tuple[str, ...], str] = {}
     for item in work:
-        content = {"kind": campaign.kind, "what": item.name[0], "arguments": list(item.arguments), "versions": _versions(item.engines)}
+        content = {"kind": campaign.kind, "what": item.name[0], "arguments": list(item.arguments), "engines": _versions(item.engines)}
         keys[item.name] = key_of(content | {"code": code})
+    if len(keys) < len(work):
+        raise ValueError("two results have one name")
     wanted = [Job(keys[item.name], item.function, item.arguments) for item in work]
     if not compute:
         found = {name: store.get(key) for name, key in keys.items()}
@@ -128,13 +132,15 @@ def results(
 
 
 def _kept(outcome: Outcome) -> Result | None:
-    return None if outcome.failure.startswith(_FROM_OUTSIDE) else value_of(outcome) or _failure(outcome)
+    own = isinstance(outcome.error, Exception) and not isinstance(outcome.error, (MemoryError, OSError))
+    return _failure(outcome) if own else value_of(outcome)
 
 
 def _failure(outcome: Outcome) -> Result:
     return {"failure": outcome.failure}, {}
 
 
-def _versions(names: Sequence[str]) -> list[str]:
-    chosen = [engine(name) for name in names]
-    return ["" if each.unavailable() else each.version() for each in chosen]
+def _versions(names: Sequence[str]) -> list[list[str]]:
+    """Library and, of an engine from elsewhere, code."""
+    usable = [chosen for chosen in map(engine, names) if not chosen.unavailable()]
+    return [[chosen.name, chosen.version(), "" if chosen.name in OURS else code_fingerprint((), chosen)] for chosen in usable]

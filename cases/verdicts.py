@@ -71,6 +71,7 @@ class Evidence:
         breakdown: if the run did not reach the duration.
         error_estimate: of the tip deflection over `stretch`, from coarser settings; None where unknown.
         finer_difference: RMS difference to finer settings over `stretch`, relative; None where there are none that ran.
+        finer_failure: why finer settings broke down within the stretch, or "".
         remark: what the engine's run says about its estimate, or "".
         energy_residual: largest violation of the energy balance over the largest strain energy, in `stretch`; None where the engine
             has not all the columns.
@@ -87,6 +88,7 @@ class Evidence:
     breakdown: Breakdown | None = None
     error_estimate: float | None = None
     finer_difference: float | None = None
+    finer_failure: str = ""
     remark: str = ""
     energy_residual: float | None = None
     constraint_gap: float | None = None
@@ -158,6 +160,8 @@ def _doubt(evidence: Evidence) -> str:
     claimed, asked = evidence.claimed_error, evidence.requested
     if claimed is None:
         return evidence.remark or "the error cannot be estimated"
+    if evidence.finer_failure:
+        return f"with finer settings it {evidence.finer_failure}"
     if not claimed <= asked:  # also where it is no number
         return f"the estimated error {claimed:.2g} exceeds the {asked:g} asked"
     if evidence.energy_residual is not None and not evidence.energy_residual <= ENERGY_PER_ERROR * asked:

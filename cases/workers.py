@@ -48,6 +48,7 @@ PRELOAD: Final = ("cases.worker_process", "numba", "scipy.integrate", "engines.a
 
 _KEPT_OUTPUT: Final = 4000  # bytes: the last of what a job printed
 _LONGEST_WORDS: Final = 200  # characters of it that are worth repeating in a sentence
+_LONGEST_WAIT: Final = 86400.0  # s: poll takes no more than 24 days
 _GRACE: Final = 2.0  # s: how long a process that is done may take to be gone
 _SIGKILL_HINT: Final = " (by the user, or by the system for lack of memory)"
 
@@ -133,8 +134,11 @@ def run_jobs(
         preload: modules that the fork server imports once; only the first call of a process decides.
 
     Raises:
+        ValueError: `at_once` is below 1.
         KeyboardInterrupt: Ctrl-C; no worker is left.
     """
+    if at_once is not None and at_once < 1:
+        raise ValueError(f"at_once: {at_once} jobs at a time; at least 1 is needed")
     waiting, running = deque(jobs), list[_Worker]()
     limits = limits or Limits()
     try:
@@ -148,7 +152,7 @@ def run_jobs(
             if not running:  # none could be started
                 continue
             deadline = min((worker.deadline for worker in running if worker.deadline is not None), default=None)
-            timeout = None if deadline is None else max(0.0, deadline - time.monotonic())
+            timeout = None if deadline is None else min(max(0.0, deadline - time.monotonic()), _LONGEST_WAIT)
             ready = connection.wait([handle for worker in running for handle in worker.handles()], timeout)
             for worker in list(running):
                 outcome = worker.outcome(ready)

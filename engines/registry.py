@@ -1,10 +1,10 @@
 """Which engines there are: the four main ones, rivals, and third-party ones found by the entry-point group `quickreturn.engines`.
 
 An engine's module is imported when the engine is asked for and not before, so that a library that is missing or broken disables
-its own engine and no other. An entry point maps the engine's name to its class:
+its own engine and no other. An entry point maps the engine's name, which the class carries as `name`, to its class:
 
     [project.entry-points."quickreturn.engines"]
-    my_engine = "my_package.my_module:MyEngine"
+    my-engine = "my_package.my_module:MyEngine"
 """
 
 import difflib

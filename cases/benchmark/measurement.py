@@ -132,13 +132,18 @@ def pinned(case: Case, names: Sequence[str], repetitions: int, longest: float) -
     """The same, with the process held on one processor from now on; its output tells who is at work, see `last_at_work`."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    return benchmark(case, names, repetitions, longest, lambda name: print(f"\n{_AT_WORK}{name}", flush=True))
+    began = time.monotonic()
+
+    def announce(name: str) -> None:
+        print(f"\n{_AT_WORK}{time.monotonic() - began:.3f} {name}", flush=True)
+
+    return benchmark(case, names, repetitions, longest, announce)
 
 
-def last_at_work(output: str) -> str | None:
-    """The engine that was at work when a process in `pinned` ended, by the process' output; None: none yet."""
-    announced = [line.removeprefix(_AT_WORK) for line in output.splitlines() if line.startswith(_AT_WORK)]
-    return announced[-1] if announced else None
+def last_at_work(output: str) -> tuple[str | None, float]:
+    """The engine that was at work when a process in `pinned` ended, by the process' output, and since when (s); (None, 0): none yet."""
+    announced = [line.removeprefix(_AT_WORK).split(" ", 1) for line in output.splitlines() if line.startswith(_AT_WORK)]
+    return (announced[-1][1], float(announced[-1][0])) if announced else (None, 0.0)
 
 
 def _settings(chosen: tuple[str, Mapping[str, str]], case: Case) -> Settings:

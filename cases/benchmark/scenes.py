@@ -57,8 +57,12 @@ def measure(
             break
         if isinstance(outcome.error, (EngineFailure, Refusal)):
             raise outcome.error
-        culprit = last_at_work(outcome.output)
-        if culprit not in sound:
+        culprit, since = last_at_work(outcome.output)
+        overrun = outcome.failure.startswith("stopped at the time limit")
+        if overrun and limits.seconds is not None and outcome.seconds - since < limits.seconds:
+            cause = f"the benchmark of all engines was {outcome.failure}, with none at work for longer than one of them may be"
+            raise EngineFailure(0.0, cause, "try a longer --time-limit, fewer engines or fewer repetitions")
+        if culprit is None or culprit not in sound:
             raise EngineFailure(0.0, f"the process of the benchmark {outcome.explanation}", "try fewer engines at once")
         failures[culprit] = f"{outcome.failure}, at finer settings"
     result: Benchmark = dataclasses.replace(outcome.value, failures=failures)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import Comparison
+from engines.fewer_shapes import fewer_shapes
 from engines.pseudo_coordinate.fixed_shape_model import FixedShapeModelEngine
 from engines.settings import Settings, setting
 from reference_model.frequencies import shape_frequencies
@@ -81,14 +82,10 @@ class FixedShapesEngine(FixedShapeModelEngine):
         return FixedShapesSettings(shapes=shapes, tolerance=tolerance)
 
     def comparisons(self, settings: Settings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
-        """Four shapes fewer, or two fewer and twice the error below eight (two more below three).
-
-        The factor stays a little below those of the ladder.
-        """
+        """Fewer shapes; the factor stays a little below those of the ladder."""
         own = _own(settings)
-        if own.shapes >= 8:
-            return (Comparison(own, own.replaced(shapes=own.shapes - 4), (own.shapes / (own.shapes - 4.0)) ** 2.5),)
-        return (Comparison(own, own.replaced(shapes=own.shapes - 2 if own.shapes > 2 else own.shapes + 2), 2.0),)
+        shapes, factor = fewer_shapes(own.shapes, own.family)
+        return (Comparison(own, own.replaced(shapes=shapes), factor),)
 
     def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> FixedShapesSettings | None:
         """The next rung of the ladder."""

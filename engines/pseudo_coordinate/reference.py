@@ -216,7 +216,13 @@ class ReferenceAlone(FollowerEngine):
         return FollowerSimulation(model, model.state_at_rest(), own.tolerance, "DOP853", time.perf_counter() - began)
 
 
-_COMPLIANT: Final = StiffSpringEngine()
+class _SoftJoint(StiffSpringEngine):
+    """The model of `stiff-spring`, whose refusals name the engine that was asked for."""
+
+    name = "reference"
+
+
+_COMPLIANT: Final = _SoftJoint()
 
 
 def _with_modes(settings: ReferenceSettings, modes: int) -> ReferenceSettings:

@@ -66,17 +66,19 @@ class ExplicitSimulation(Simulation):
         else:
             result = self.model.integrate(self.state, output_step, intervals, self.tolerance, method=self._method, first_step=self._step)
         integrated = time.perf_counter()
+        known = result.end_time
         try:
             columns = self.model.observe(result.states)
         except ObservationFailed as failure:
             columns = self.model.observe(result.states[: failure.row])
+            known = output_step * max(failure.row - 1, 0)
         columns["time"] = self.time + output_step * np.arange(len(columns["tip_x"]), dtype=np.float64)
         done = time.perf_counter()
         statistics = {"right_hand_side_calls": float(result.calls), "integration_seconds": integrated - began}
         trajectory = self.trajectory_type(columns, done - began, statistics)
         if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
             cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
-            raise EngineFailure(self.time + result.end_time, cause, advice, trajectory if len(trajectory) else None)
+            raise EngineFailure(self.time + known, cause, advice, trajectory if len(trajectory) else None)
         self.state, self._step = result.states[-1], result.next_step
         self.time += duration
         return trajectory

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from engines.base import Comparison
+from engines.fewer_shapes import fewer_shapes
 from engines.rivals.rival import RivalEngine, ShapeSettings, shapes_of
 from engines.settings import Settings, setting
 from reference_model.constraints.joint import Joint
@@ -55,13 +56,10 @@ class MultiplierEngine(RivalEngine):
         return MultiplierSettings(shapes=shapes, tolerance=tolerance)
 
     def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Four shapes fewer (two fewer and twice the error, below eight): the method has the errors of its shapes."""
+        """Fewer shapes: the method has the errors of its shapes."""
         own = _own(settings)
-        if own.shapes >= 8:
-            return (Comparison(own, own.replaced(shapes=own.shapes - 4), (own.shapes / (own.shapes - 4.0)) ** 2.5),)
-        if own.shapes == 1:
-            return (Comparison(own, own.replaced(tolerance=min(10.0 * own.tolerance, 1e-4)), 2.0),)
-        return (Comparison(own, own.replaced(shapes=max(1, own.shapes - 2)), 2.0),)
+        shapes, factor = fewer_shapes(own.shapes, own.family)
+        return (Comparison(own, own.replaced(shapes=shapes), factor),)
 
     def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> MultiplierSettings | None:
         """The next rung of the ladder."""

@@ -35,11 +35,12 @@ class OpenLoopSimulation(Simulation):
         intervals = round(duration / output_step)
         began = time.perf_counter()
         result = self.model.integrate(self.state, output_step, intervals, self.tolerance, self._step)
-        states = result.states
+        states, known = result.states, result.end_time
         try:
             columns, joint = self.model.observe(states)
         except ObservationFailed as failure:
             states = states[: failure.row]
+            known = output_step * max(failure.row - 1, 0)
             columns, joint = self.model.observe(states)
         columns["time"] = self.time + output_step * np.arange(len(states), dtype=np.float64)
         statistics = {
@@ -55,7 +56,7 @@ class OpenLoopSimulation(Simulation):
         trajectory = Trajectory(columns, time.perf_counter() - began, statistics)
         if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
             cause, advice = self._reason(result.status)
-            raise EngineFailure(self.time + result.end_time, cause, f"try {advice}", trajectory if len(trajectory) else None)
+            raise EngineFailure(self.time + known, cause, f"try {advice}", trajectory if len(trajectory) else None)
         self.state, self._step = result.states[-1], result.next_step
         self.time += duration
         return trajectory

@@ -58,13 +58,17 @@ class StiffSpringEngine(RivalEngine):
         """A seventh of the shapes fewer on a spring twice as stiff.
 
         Shapes are too stiff, springs too soft: softening the spring along with fewer shapes would let the difference of the runs cancel.
-        Fewer shapes have 1.5 times the error, the stiffer spring half of its own: the difference is half the sum of both errors.
+        Fewer shapes have 1.5 times the error, the stiffer spring half of its own: the difference is half the sum of both errors. A single
+        shape or element leaves nothing coarser to compare with: there twice as many, with half the error at most.
         """
         own = _own(settings)
         stiffer = min(2.0 * own.stiffness, 1e9)
         ratio = stiffer / own.stiffness
-        other = own.replaced(shapes=max(1, round(0.85 * own.shapes)), stiffness=stiffer, damping=min(ratio * own.damping, 1e5))
-        return (Comparison(own, other, 1.5),)
+        each = 2 if own.family == "hermite" else 1  # shapes that come and go together
+        units = max(1, own.shapes // each)
+        other, factor = (min(units - 1, round(0.85 * units)), 1.5) if units > 1 else (2, 0.5)
+        changed = own.replaced(shapes=each * other, stiffness=stiffer, damping=min(ratio * own.damping, 1e5))
+        return (Comparison(own, changed, factor),)
 
     def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> StiffSpringSettings | None:
         """The next rung of the ladder."""

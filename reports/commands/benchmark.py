@@ -14,6 +14,7 @@ from reports.commands.options import (
     opened_store,
     read_assignments,
     refuse_engine_settings,
+    refuse_equal_names,
     set_option,
     tell,
     time_limit_option,
@@ -52,6 +53,7 @@ def command(
 
     from cases.benchmark import SCENES, measure
     from cases.benchmark.scenes import ENGINES
+    from engines.base import EngineFailure
     from engines.registry import engine, usable_engine
     from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
@@ -59,14 +61,21 @@ def command(
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
     loaded = [load(case, overrides) for case in dict.fromkeys(cases or SCENES)]
+    refuse_equal_names(loaded)
     names = list(dict.fromkeys(engines)) or list(ENGINES)
     for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
         usable_engine(name) if engines else engine(name)
     _ = [case.mechanism for case in loaded]  # and so is a scene without crank
     allowed = limits(time_limit, memory_limit)
     store, tables = opened_store(), []
+    failed = False
     for case in loaded:
-        tables.append(measure(case, store, names, repetitions, limits=allowed))
+        try:
+            tables.append(measure(case, store, names, repetitions, limits=allowed))
+        except EngineFailure as failure:  # of the solution to measure against; the other cases have their own
+            tell(f"{case.name}: {failure}")
+            failed = True
+            continue
         if not as_json:
             _print(tables[-1])
     if as_json:
@@ -74,7 +83,7 @@ def command(
     for table in tables:
         for name, reason in table.failures.items():
             tell(f"{table.case}: engine {name} was left out: {reason}")
-    if any(table.failures for table in tables):
+    if failed or any(table.failures for table in tables):
         return ENGINE_TROUBLE
     return BAD_INPUT if store.lost else GOOD
 

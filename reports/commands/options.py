@@ -150,6 +150,14 @@ def load(case: str, overrides: dict[str, str], duration: str | None = None, outp
         raise CaseError(wrong.source, wrong.key, wrong.value if text is None else as_written(text), wrong.problem, wrong.accepted) from None
 
 
+def refuse_equal_names(cases: "Sequence[Case]") -> None:
+    """UsageError if two cases have one name: they could not be told apart in what comes out."""
+    names = [case.name for case in cases]
+    for name in names:
+        if names.count(name) > 1:
+            raise click.UsageError(f'two cases are called "{name}"; give each a name of its own')
+
+
 def opened_store() -> "Store":
     """The store of results; what it has to tell it tells on standard error at once. StoreError if its folder cannot be used."""
     from cases.store import Store

@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from reports.commands.options import jobs_option, limits, load, memory_limit_option, opened_store, path_given, tell, time_limit_option
+from reports.commands.options import (
+    jobs_option,
+    limits,
+    load,
+    memory_limit_option,
+    opened_store,
+    path_given,
+    refuse_equal_names,
+    tell,
+    time_limit_option,
+)
 
 if TYPE_CHECKING:
     from reports.report import Written
@@ -32,7 +42,7 @@ def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str
     from reports.report import write_report
 
     loaded = [load(case, {}) for case in dict.fromkeys(cases or [entry.name for entry in catalogue("thesis")])]
-    _check_names([case.name for case in loaded])
+    refuse_equal_names(loaded)
     allowed = limits(time_limit, memory_limit)
     store = opened_store()
     written = write_report(loaded, Path(output), store, jobs, limits=allowed)
@@ -43,13 +53,6 @@ def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str
     if written.failed:
         return ENGINE_TROUBLE
     return BAD_INPUT if store.lost else GOOD
-
-
-def _check_names(names: Sequence[str]) -> None:
-    """Two cases of one name could not be told apart in the page."""
-    for name in names:
-        if names.count(name) > 1:
-            raise click.UsageError(f'two cases are called "{name}"; give each a name of its own')
 
 
 def _print(written: "Written") -> None:

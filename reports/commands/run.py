@@ -14,6 +14,7 @@ from reports.commands.options import (
     memory_limit_option,
     opened_store,
     read_assignments,
+    refuse_equal_names,
     set_option,
     tell,
     time_limit_option,
@@ -55,6 +56,7 @@ def command(
 
     overrides, settings = read_assignments(assignments)
     loaded = [load(case, overrides) for case in dict.fromkeys(cases)]
+    refuse_equal_names(loaded)
     _check_engines(loaded, engines, settings)
     allowed = limits(time_limit, memory_limit)
     store = opened_store()

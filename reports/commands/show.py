@@ -40,14 +40,14 @@ def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
 
 def _models(scene: Any) -> list[dict[str, Any]]:
     """Per engine what it builds, or in "refused" why it does not."""
-    from cases.workers import Job, run_jobs
+    from cases.workers import Job, default_limits, run_jobs
     from engines.registry import engine_names
     from reports import engine_jobs
 
     names = engine_names()
     found = {}
-    for outcome in run_jobs([Job(name, engine_jobs.model, (name, scene)) for name in names], preload=()):
-        refused = str(outcome.error) if outcome.error else outcome.failure
+    for outcome in run_jobs([Job(name, engine_jobs.model, (name, scene)) for name in names], limits=default_limits(), preload=()):
+        refused = str(outcome.error or "") or outcome.failure
         found[outcome.job.name] = {"engine": outcome.job.name, "refused": refused or None, **(outcome.value or {})}
     return [found[name] for name in names]
 

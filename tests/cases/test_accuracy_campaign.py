@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import cases.accuracy_campaign
-from cases.accuracy_campaign import ACCURACIES, SEED, Row, campaign, chapter, judged, library_scenes, scene_rows, summary
+from cases.accuracy_campaign import ACCURACIES, SEED, Row, campaign, chapter, judged, library_scenes, main, scene_rows, summary
 from cases.library import case_names
 from cases.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
 from cases.store import Store
@@ -65,7 +65,8 @@ def test_accuracy_asked_is_delivered_on_five_random_scenes() -> None:
 
 @pytest.mark.verify
 def test_accuracy_asked_is_delivered(record_property: Callable[[str, object], None]) -> None:
-    table = campaign(_full(), Store())
+    table, broken = campaign(_full(), Store())
+    assert not broken
     found = summary(table)
     text = (
         "Error of the tip deflection over the accuracy asked for, in runs that say to have reached it; truth, scenes and what is judged: "
@@ -106,11 +107,27 @@ def test_summary_counts_what_is_judged() -> None:
     assert line["least estimate / achieved"] == pytest.approx(8e-3 / 3e-2)
 
 
-def test_process_that_broke_down_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_process_that_broke_down_is_named_and_the_others_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     documents = {("scene", "a"): ({"rows": [dataclasses.asdict(row())]}, {}), ("scene", "b"): ({"failure": "killed by SIGSEGV"}, {})}
     monkeypatch.setattr(cases.accuracy_campaign, "results", lambda *_: documents)
-    with pytest.raises(RuntimeError, match=r"^b: killed by SIGSEGV$"):
-        campaign([], Store(tmp_path))
+    table, broken = campaign([], Store(tmp_path))
+    assert broken == ["b: killed by SIGSEGV"]
+    assert table.to_dict("records") == [dataclasses.asdict(row())]
+
+
+@pytest.mark.parametrize("arguments", [[], ["--random", "0"], ["--random", "-3"], ["--library", "--jobs", "-1"]])
+def test_campaign_without_scenes_or_processes_is_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(arguments)
+    assert left.value.code == 2
+    assert "give" in capsys.readouterr().err
+
+
+def test_campaign_without_any_row_has_an_empty_table(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(cases.accuracy_campaign, "results", lambda *_: {("scene", "a"): ({"rows": []}, {})})
+    table, _ = campaign([], Store(tmp_path))
+    assert table.empty
+    assert summary(table).empty
 
 
 def test_chapter_has_a_value_per_column() -> None:

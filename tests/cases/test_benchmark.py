@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import time
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from cases.case_file import load_case
 from cases.store import Store
+from cases.workers import Limits
 from engines.base import EngineFailure
 from engines.registry import RIVALS, UnknownEngine
 from tests.engines.fake_engine import FakeEngine, FakeSettings
@@ -176,13 +178,42 @@ def test_who_is_at_work_is_announced(monkeypatch: pytest.MonkeyPatch, capsys: py
     monkeypatch.setattr(measurement, "CONFIRMING", ("thesis", ({},)))
     monkeypatch.setattr(measurement, "TRUTH", ("thesis", {}))
     measurement.pinned(short(), ("thesis",), 1, 10.0)
-    assert measurement.last_at_work(capsys.readouterr().out) == "thesis"
-    assert measurement.last_at_work("something else") is None
+    assert measurement.last_at_work(capsys.readouterr().out)[0] == "thesis"
+    assert measurement.last_at_work("something else") == (None, 0.0)
+
+
+def test_at_the_time_limit_who_took_longer_than_one_may_is_left_out(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cases.benchmark.scenes.pinned", _slow)
+    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
+    made = measure(short(), Store(tmp_path), ("exudyn", "thesis"), 1, limits=Limits(seconds=1.0))
+    assert made.failures == {"exudyn": "stopped at the time limit of 3 s, at finer settings"}
+
+
+def test_at_the_time_limit_of_all_nobody_is_blamed_who_took_less(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cases.benchmark.scenes.pinned", _slow_at_last)
+    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
+    with pytest.raises(EngineFailure, match="none at work for longer than one of them may be; try a longer --time-limit"):
+        measure(short(), Store(tmp_path), ("exudyn", "thesis"), 1, limits=Limits(seconds=1.0))
+
+
+def _slow(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
+    for name in names:
+        print(f"\nat work: 0.0 {name}", flush=True)
+        if name == "exudyn":
+            time.sleep(60.0)
+    return _quick(case, names, repetitions, longest)
+
+
+def _slow_at_last(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
+    time.sleep(2.5)
+    print("\nat work: 2.5 exudyn", flush=True)
+    time.sleep(60.0)
+    return _quick(case, names, repetitions, longest)
 
 
 def _deadly(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
     for name in names:
-        print(f"\nat work: {name}", flush=True)
+        print(f"\nat work: 0.0 {name}", flush=True)
         if name == "exudyn":
             os.abort()
         if name == "thesis":

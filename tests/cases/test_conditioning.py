@@ -50,6 +50,12 @@ def test_the_horizon_is_where_a_change_exceeds_the_limit() -> None:
     assert found.horizon == pytest.approx(round(found.horizon, 3), abs=1e-9)  # on the grid
 
 
+def test_a_few_rows_beyond_the_horizon_are_not_told_apart() -> None:
+    horizon = conditioning(MECHANISM, 8.0, 1e-3).horizon
+    assert conditioning(MECHANISM, horizon + 5e-3, 1e-3).horizon == horizon + 5e-3
+    assert conditioning(MECHANISM, horizon + 0.1, 1e-3).horizon == horizon
+
+
 def test_what_is_changed() -> None:
     scenes = changed(MECHANISM)
     factor = 1.0 + CHANGE

@@ -91,6 +91,16 @@ class Gaping(Behaving):
         return simulation
 
 
+def test_finer_settings_that_break_down_are_a_doubt() -> None:
+    class Brittle(Behaving):
+        def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> FakeSettings | None:
+            return FakeSettings(step=0.05, behaviour="fails")
+
+    verdict = judge(run(Brittle(step=0.1)).evidence)
+    assert verdict.kind == NOT_CONVERGED
+    assert "with finer settings it failed at t = 0.2 s: the beam snapped" in verdict.reason
+
+
 def test_a_gap_is_a_doubt_unless_the_joint_is_soft() -> None:
     verdict = judge(run(Gaping()).evidence)
     assert verdict.kind == NOT_CONVERGED

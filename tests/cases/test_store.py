@@ -129,6 +129,14 @@ def test_file_where_the_folder_should_be(tmp_path: Path) -> None:
         Store(tmp_path / "store")
 
 
+def test_a_list_of_numbers_is_an_array(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, {}, {"a": [1.0, 2.5]})  # type: ignore[dict-item]
+    entry = store.get(KEY)
+    assert entry is not None
+    assert entry.arrays["a"].tolist() == [1.0, 2.5]
+
+
 def test_nothing_but_plain_data_is_stored(tmp_path: Path) -> None:
     store = Store(tmp_path)
     with pytest.raises(ValueError, match="plain numbers"):

@@ -5,6 +5,8 @@ The work is done by functions of the standard library, so that every worker can 
 
 import copy
 import operator
+import os
+import signal
 import time
 from pathlib import Path
 from typing import Any
@@ -75,6 +77,30 @@ def test_what_was_stopped_from_outside_is_tried_again(tmp_path: Path, started: l
         ((document, _),) = found(store, work(1, time.sleep, (60,))).values()
         assert document["failure"].startswith("stopped at the time limit")
     assert started == ["sleep", "sleep"]
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "failure"),
+    [
+        (operator.mul, ("x", 2**62), "ran out of memory"),
+        (os.rmdir, ("/nowhere",), "raised FileNotFoundError"),
+        (os._exit, (7,), "ended without a result"),
+        (signal.raise_signal, (int(signal.SIGSEGV),), "killed by SIGSEGV"),
+    ],
+)
+def test_what_the_machine_lacked_or_what_died_is_tried_again(
+    tmp_path: Path, started: list[str], function: Any, arguments: tuple[Any, ...], failure: str
+) -> None:
+    store = Store(tmp_path)
+    for _ in range(2):
+        ((document, _),) = found(store, work(1, function, arguments)).values()
+        assert document["failure"].startswith(failure)
+    assert len(started) == 2
+
+
+def test_a_name_given_twice_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="two results have one name"):
+        results([work(1), work(1)], CAMPAIGN, Store(tmp_path), jobs=2)
 
 
 def test_nothing_is_computed_unless_asked(tmp_path: Path, started: list[str]) -> None:

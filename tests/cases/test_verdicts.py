@@ -45,6 +45,7 @@ def test_a_run_without_doubt_is_accurate_and_claims_its_larger_estimate() -> Non
         ({"error_estimate": None, "remark": "the coarser run failed"}, "the coarser run failed"),
         ({"error_estimate": None}, "cannot be estimated"),
         ({"finer_difference": 0.4}, "estimated error 0.8 exceeds"),
+        ({"finer_failure": "failed at t = 1 s: the beam snapped"}, "with finer settings it failed at t = 1 s: the beam snapped"),
         ({"energy_residual": 0.021}, "energy balance"),
         ({"energy_residual": float("nan")}, "energy balance"),
         ({"constraint_gap": 1.1 * LARGEST_GAP}, "centre line"),

@@ -40,6 +40,16 @@ def test_value_comes_back() -> None:
     assert outcome.value == 5
 
 
+def test_a_time_limit_of_years_is_one() -> None:
+    assert done(operator.add, 2, 3, limits=Limits(seconds=1e9)).value == 5
+
+
+@pytest.mark.parametrize("at_once", [0, -1])
+def test_fewer_than_one_at_a_time_is_refused(at_once: int) -> None:
+    with pytest.raises(ValueError, match="at least 1 is needed"):
+        next(run_jobs([Job("job", operator.add, (2, 3))], at_once))
+
+
 def test_large_value_comes_back() -> None:
     # Larger than any pipe's buffer, so that it takes many reads.
     assert len(done(operator.mul, b"x", 5_000_000).value) == 5_000_000

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from engines.accurate import Result, run_once, simulate
-from engines.base import Engine, EngineFailure, Refusal
-from engines.settings import SettingError
+from engines.base import Comparison, Engine, EngineFailure, Refusal
+from engines.settings import SettingError, Settings
 from engines.start import standard_start
 from reference_model.mechanism import Mechanism
 from tests.engines.fake_engine import FakeEngine, FakeSettings, error_of
@@ -73,6 +73,17 @@ def test_explicit_settings_switch_the_ladder_off() -> None:
     assert step_of(result) == pytest.approx(0.2)
     assert not result.reached
     assert run({"step": "0.2"}).reached, "no accuracy was asked"
+
+
+def test_a_comparison_with_the_same_motion_tells_nothing() -> None:
+    class Deceived(FakeEngine):
+        def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+            return (Comparison(settings, settings.replaced(behaviour="prints"), 4.0),)
+
+    result = run(accuracy=1e-2, engine=Deceived())
+    assert result.error_estimate is None
+    assert not result.reached
+    assert "the same to the last digit" in result.remark
 
 
 def test_times_are_of_the_delivered_run_only() -> None:

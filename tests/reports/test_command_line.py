@@ -58,6 +58,21 @@ def test_engines_lists_main_and_third_party_ones(call: Call) -> None:
     assert "fake 1.0" in call("engines").output
 
 
+def test_engine_that_fails_without_a_word_is_shown_as_failed(call: Call, tmp_path: Path) -> None:
+    from tests.engines.fake_package import install
+
+    silent = (
+        "from command_line_fake import FakeEngine\n"
+        "class Engine(FakeEngine):\n"
+        "    name = 'silent'\n"
+        "    def describe(self, *_):\n"
+        "        raise NotImplementedError\n"
+    )
+    install(tmp_path / "packages", "silence", {"command_line_silent": silent}, {"silent": "command_line_silent:Engine"})
+    shown = next(each for each in document(call("show", "thesis-24", "--json"))["engines"] if each["engine"] == "silent")
+    assert shown["refused"] == "raised NotImplementedError"
+
+
 def test_engines_describes_one_with_its_settings(call: Call) -> None:
     shown = call("engines", "reference").output
     assert re.search(r"^engine\.modes +1 to 16 +modes of the beam", shown, flags=re.MULTILINE)
