@@ -215,7 +215,7 @@ TYPED = [
     (f"{MODES} --set crank.length", '--set "crank.length": give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32'),
     (f"{MODES} --set engine.step=x", '--set engine.step: "x" is not accepted; give a plain number from 0.0001 to 1 s'),
     (f"{MODES} --set engine.links=8", "--set engine.links: no such setting of this engine; accepted: engine.step, engine.behaviour"),
-    ("run small.toml ./small.toml --engine fake", 'two cases are called "small"; give each a name of its own'),
+    ("run small.toml ./small.toml --engine fake", 'two cases are called "scene"; give each a name of its own'),
     ("run example --engine reference --engine mujoco --set engine.tolerance=1e-6", "--set engine.tolerance: no such setting of this engine; accepted: engine.links, engine.step, engine.armature (engine mujoco)"),
     ("modes small.toml --engine mujco --crank-angle 0", f'--engine "mujco": no such engine (perhaps mujoco is meant); accepted: {ENGINES}'),
     ("modes small.toml --engine fake --crank-angle north", '--crank-angle "north": give a plain number of degrees, from -1000000 to 1000000, e.g. 180'),
