@@ -35,10 +35,11 @@ class FollowerModel:
         clock: s, the instant at which Exudyn's own clock stands at zero.
     """
 
-    def __init__(self, scene: FollowerAlone, elements: int) -> None:
+    def __init__(self, scene: FollowerAlone, settings: ExudynSettings) -> None:
+        elements = settings.elements
         self.assembly = assembly = Assembly(scene)
         self.clock = 0.0
-        self._scene, self._cable = scene, cable_of(scene.follower, elements)
+        self._scene, self._cable = scene, cable_of(scene.follower, elements, settings.axial_factor)
         state = at_rest(scene.follower.length)
         nodes = add_nodes(assembly, self._cable, state)
         for i in range(elements):
@@ -47,7 +48,7 @@ class FollowerModel:
                     length=self._cable.element_length,
                     massPerLength=scene.follower.mass_per_length,
                     bendingStiffness=scene.follower.bending_stiffness,
-                    axialStiffness=scene.follower.axial_stiffness,
+                    axialStiffness=self._cable.axial_stiffness,
                     nodeNumbers=[nodes[i], nodes[i + 1]],
                 )
             )
@@ -151,7 +152,7 @@ class ExudynAlone(FollowerEngine):
 
     def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""
-        return FollowerModel(scene, own(settings).elements).assembly.describe()
+        return FollowerModel(scene, own(settings)).assembly.describe()
 
     def settings_for(self, accuracy: float, scene: FollowerAlone) -> ExudynSettings:
         """The engine's ladder, its steps in proportion to the slowest period."""
@@ -166,6 +167,6 @@ class ExudynAlone(FollowerEngine):
     def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> Simulation:
         """See `FollowerEngine.prepare`."""
         begun = time.perf_counter()
-        simulation = FollowerSimulation(FollowerModel(scene, own(settings).elements), own(settings))
+        simulation = FollowerSimulation(FollowerModel(scene, own(settings)), own(settings))
         simulation.setup_seconds = time.perf_counter() - begun
         return simulation

@@ -56,13 +56,16 @@ class ExudynEngine(Engine):
         return ladder.settings_for(accuracy)
 
     def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Time and space apart, for their errors have opposite signs; a rigid follower has no elements."""
+        """Time, space and stretch apart, for their errors have different signs; a rigid follower has no elements."""
         chosen = own(settings)
         in_time = ladder.in_time(chosen, output_step)
-        return (in_time,) if mechanism.follower.is_rigid else (in_time, ladder.in_space(chosen, in_time))
+        if mechanism.follower.is_rigid:
+            return (in_time,)
+        in_space = ladder.in_space(chosen, in_time)
+        return (in_time, in_space, ladder.in_stretch(chosen, in_space))
 
     def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
-        """Smaller steps or more elements, as far as each is needed."""
+        """Smaller steps, more elements or a stiffer cable, as far as each is needed."""
         return ladder.finer(own(settings), excess, output_step)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
@@ -83,7 +86,7 @@ class ExudynEngine(Engine):
         state = reconstruct(mechanism, start)
         if mechanism.follower.is_rigid:
             return RigidModel(mechanism, start, state)
-        return FlexibleModel(mechanism, start, state, own(settings).elements)
+        return FlexibleModel(mechanism, start, state, own(settings))
 
     def follower_alone(self) -> ExudynAlone:
         """A cable clamped to a base that is turned."""

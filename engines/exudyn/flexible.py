@@ -10,6 +10,7 @@ from engines.exudyn.assembly import Assembly
 from engines.exudyn.cable import Cable
 from engines.exudyn.damping import Dampers
 from engines.exudyn.record import Record, accumulated, drive_columns, index
+from engines.exudyn.settings import ExudynSettings
 from engines.exudyn.slider import Gap, add_slider, gap
 from engines.start import Start
 from engines.start_state import FollowerState, StartState
@@ -20,9 +21,10 @@ Array = NDArray[np.float64]
 _CLAMPED: Final = [1, 1, 0, 0, 0, 1]  # axes of a generic joint: both places and the rotation in the plane
 
 
-def cable_of(follower: Follower, elements: int) -> Cable:
-    """The follower as a chain of `elements` cable elements."""
-    return Cable(follower.length, elements, follower.mass_per_length, follower.bending_stiffness, follower.axial_stiffness)
+def cable_of(follower: Follower, elements: int, axial_factor: float = 1.0) -> Cable:
+    """The follower as a chain of `elements` cable elements, with `axial_factor` times the section's axial stiffness."""
+    axial_stiffness = axial_factor * follower.axial_stiffness
+    return Cable(follower.length, elements, follower.mass_per_length, follower.bending_stiffness, axial_stiffness)
 
 
 def add_nodes(assembly: Assembly, cable: Cable, state: FollowerState) -> list[Any]:
@@ -111,10 +113,11 @@ def add_weight(assembly: Assembly, cable: Cable, nodes: list[Any]) -> None:
 class FlexibleModel:
     """The assembled system with a flexible follower, in the state `state`."""
 
-    def __init__(self, mechanism: Mechanism, start: Start, state: StartState, elements: int) -> None:
+    def __init__(self, mechanism: Mechanism, start: Start, state: StartState, settings: ExudynSettings) -> None:
+        elements = settings.elements
         self.assembly = assembly = Assembly(mechanism)
         self._mechanism = mechanism
-        self._cable = cable = cable_of(mechanism.follower, elements)
+        self._cable = cable = cable_of(mechanism.follower, elements, settings.axial_factor)
         self._slider_start = state.slider_position
         crank_node, crank, self._speed_constraint = assembly.crank(start)
         nodes = add_nodes(assembly, cable, state)
@@ -133,7 +136,7 @@ class FlexibleModel:
                     length=cable.element_length,
                     massPerLength=follower.mass_per_length,
                     bendingStiffness=follower.bending_stiffness,
-                    axialStiffness=follower.axial_stiffness,
+                    axialStiffness=cable.axial_stiffness,
                     movingMassFactor=0.0,
                     useCouplingTerms=False,
                     addALEvariation=False,

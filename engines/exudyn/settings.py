@@ -9,15 +9,17 @@ from engines.settings import Settings, setting
 
 FEWEST_ELEMENTS: Final = 6
 LARGEST_STEP: Final = 5e-2  # s
+STIFFEST: Final = 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExudynSettings(Settings):
-    """Discretization in space and time; second order in both."""
+    """Discretization in space and time, second order in both, and how near the cable is to one that cannot stretch."""
 
     elements: int = setting(24, "ANCF cable elements along the follower", low=FEWEST_ELEMENTS, high=96)
     step: float = setting(2.5e-4, "largest time step; the output step is divided evenly", unit="s", low=1e-7, high=LARGEST_STEP)
     spectral_radius: float = setting(0.9, "generalized-alpha: damping of the highest frequencies, 1 is none", low=0.5, high=0.95)
+    axial_factor: float = setting(1.0, "axial stiffness over that of the section; more is nearer to no stretch", low=1.0, high=STIFFEST)
     newton_tolerance: float = setting(1e-6, "relative residual at which Newton's iteration stops", low=1e-10, high=1e-4)
 
 
@@ -40,13 +42,21 @@ LADDER: Final = (
 ORDER_IN_TIME: Final = 2
 ORDER_IN_SPACE: Final = 3
 
-#: Finest rung: beyond it a run of two seconds takes minutes.
+#: A scene's follower does not stretch, a cable does. Its section's axial stiffness, 12 EI / thickness^2, falls with EI, and what it
+#: moves the tip by falls with its inverse: with a tenth of run 24's EI by 4.3e-3, with four times the axial stiffness by 1.1e-3.
+#: It is compared with this many times the stiffness, or with as much less of a cable that is stiffer than its section, on the coarsest
+#: run that there is, since it hardly depends on the discretization. Very stiff cables lock: their elements cannot bend.
+STIFFER: Final = 4.0
+
+#: Finest rung: beyond it a run of two seconds takes minutes. Stiffer cables cost Newton iterations, a third with 16 times.
 MOST_ELEMENTS: Final = 96
 SMALLEST_STEP: Final = 2e-5  # s
+MOST_STIFF: Final = 16.0
 
-#: Parts of the accuracy that climbing aims at, so that their sum leaves some room.
-_SHARE_OF_TIME: Final = 0.7
+#: Parts of the accuracy that climbing aims at.
+_SHARE_OF_TIME: Final = 0.65
 _SHARE_OF_SPACE: Final = 0.2
+_SHARE_OF_STRETCH: Final = 0.1
 
 
 def settings_for(accuracy: float) -> ExudynSettings:
@@ -73,10 +83,26 @@ def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
     return Comparison(run, run.replaced(elements=other), (own.elements / other) ** ORDER_IN_SPACE)
 
 
+def in_stretch(own: ExudynSettings, space: Comparison) -> Comparison:
+    """A stiffer cable, or a softer one where it is stiff already, with the fewer ones of the elements compared in space."""
+    run = space.other if space.factor > 1.0 else space.run
+    assert isinstance(run, ExudynSettings)
+    factor = STIFFER if own.axial_factor < STIFFER else 1.0 / STIFFER
+    return Comparison(run, run.replaced(axial_factor=factor * own.axial_factor), 1.0 / factor)
+
+
 def finer(own: ExudynSettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
-    """Steps and elements by the orders, at most four times as many steps and twice the elements; half the step where nothing is known."""
-    in_time, in_space = (*excess, 0.0, 0.0)[:2] if excess else (4.0 * _SHARE_OF_TIME, 0.0)
-    steps, elements = _steps(own, output_step), own.elements
+    """Steps, elements and axial stiffness by their orders; half the step where nothing is known.
+
+    At most four times as many steps and twice the elements at once.
+
+    Args:
+        own: the settings that do not suffice.
+        excess: parts of the error estimate over the accuracy asked for, in time, space and stretch (one, two or all); may be empty.
+        output_step: s.
+    """
+    in_time, in_space, in_stretch = (*excess, 0.0, 0.0, 0.0)[:3] if excess else (4.0 * _SHARE_OF_TIME, 0.0, 0.0)
+    steps, elements, axial_factor = _steps(own, output_step), own.elements, own.axial_factor
     most = max(1, math.floor(output_step / SMALLEST_STEP + 1e-9))
     if in_time > _SHARE_OF_TIME:
         wanted = steps * (in_time / _SHARE_OF_TIME) ** (1.0 / ORDER_IN_TIME)
@@ -84,9 +110,12 @@ def finer(own: ExudynSettings, excess: tuple[float, ...], output_step: float) ->
     if in_space > _SHARE_OF_SPACE:
         wanted = elements * (in_space / _SHARE_OF_SPACE) ** (1.0 / ORDER_IN_SPACE)
         elements = min(max(2 * math.ceil(wanted / 2.0), elements + 2), 2 * elements, max(MOST_ELEMENTS, elements))
-    if (steps, elements) == (_steps(own, output_step), own.elements):
+    if in_stretch > _SHARE_OF_STRETCH:
+        wanted = STIFFER ** math.ceil(math.log(axial_factor * in_stretch / _SHARE_OF_STRETCH, STIFFER))
+        axial_factor = min(max(wanted, axial_factor), max(MOST_STIFF, axial_factor))
+    if (steps, elements, axial_factor) == (_steps(own, output_step), own.elements, own.axial_factor):
         return None
-    return own.replaced(elements=elements, step=output_step / steps)
+    return own.replaced(elements=elements, step=output_step / steps, axial_factor=axial_factor)
 
 
 def _steps(own: ExudynSettings, output_step: float) -> int:

@@ -144,14 +144,15 @@ def _solver_settings(settings: ExudynSettings, scene: Scene) -> exu.SimulationSe
     integration.generalizedAlpha.spectralRadius = settings.spectral_radius
     integration.newton.useModifiedNewton = True
     # Round-off of the places, times EA / h or the stiffness of the slider's joint, is the least residual that an iteration can reach.
-    round_off = 0.0 if follower.is_rigid else follower.axial_stiffness * np.finfo(float).eps * settings.elements
+    axial_stiffness = settings.axial_factor * follower.axial_stiffness
+    round_off = 0.0 if follower.is_rigid else axial_stiffness * np.finfo(float).eps * settings.elements
     if isinstance(scene, Mechanism) and math.isfinite(spring):
         round_off = max(round_off, spring * scene.pivot_distance * np.finfo(float).eps)
     tolerance = settings.newton_tolerance * (1e-3 if follower.is_rigid else 1.0)  # the smaller one serves the drive's torque
     if math.isfinite(spring) and not follower.is_rigid:
         # What the iteration starts from and is relative to grows with the stiffest spring, once that is not the cable itself: at
         # 1e9 N/m the energy would be out of balance by 4e-3 of the strain energy, and is by 1e-4 to 7e-4 so.
-        stretching = follower.axial_stiffness * settings.elements / follower.length
+        stretching = axial_stiffness * settings.elements / follower.length
         tolerance *= min(1.0, 0.3 * stretching / spring)
     integration.newton.relativeTolerance = tolerance
     integration.newton.absoluteTolerance = max(1e-2 * tolerance, 8.0 * round_off)

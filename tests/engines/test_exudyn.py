@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 from scipy.interpolate import PPoly
 
+from cases.case_file import load_case
+from engines import accurate
 from engines.base import EngineFailure, Refusal
 from engines.exudyn import ExudynEngine, simulation
+from engines.exudyn import settings as ladder
 from engines.exudyn.cable import Cable
 from engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
+from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import engine
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
@@ -108,10 +112,29 @@ def test_second_order_in_step_and_elements():
     }
     # second order: 4.2 to 5 against a reference that is itself only a fourth of the step (third of the elements) finer
     assert 3.5 < errors[32, 1e-3] / errors[32, 5e-4] < 5.5
-    in_time, in_space = ENGINE.comparisons(ExudynSettings(elements=32, step=5e-4), run_24(), 1e-3)
+    in_time, in_space, in_stretch = ENGINE.comparisons(ExudynSettings(elements=32, step=5e-4), run_24(), 1e-3)
     assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=1e-3), 4.0)
     assert (in_space.run, in_space.other, in_space.factor) == (in_time.other, ExudynSettings(elements=16, step=1e-3), 8.0)
+    assert (in_stretch.run, in_stretch.factor) == (in_space.other, 0.25)
+    assert in_stretch.other == ExudynSettings(elements=16, step=1e-3, axial_factor=4.0)
     assert errors[8, 1.25e-4] > 2.5 * errors[16, 1.25e-4]
+
+
+def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
+    """A follower ten times as soft as run 24's: a section of that axial stiffness stretches, and the scene's follower does not."""
+    soft = load_case("hard-ei-x0.1").mechanism
+    converged = ReferenceSettings(modes=9, tolerance=1e-8)
+    truth = accurate.run_once(ReferenceEngine(), soft, standard_start(soft), 0.5, 1e-3, converged)[0]["tip_deflection"]
+    found = {}
+    for factor in (1, 4, 16):
+        texts = {"elements": "32", "step": "2.5e-4", "axial_factor": str(factor)}
+        result = accurate.simulate(ENGINE, soft, standard_start(soft), 0.5, 1e-3, texts)
+        found[factor] = relative_rms(result.trajectory["tip_deflection"], truth)
+        assert found[factor] < result.error_estimate
+    assert found[4] < found[1]
+    assert ladder.finer(ExudynSettings(), (0.5, 0.1, 0.3), 1e-3).axial_factor == 4.0
+    assert ladder.finer(ExudynSettings(), (0.5, 0.1, 2.0), 1e-3) == ExudynSettings(axial_factor=ladder.MOST_STIFF)
+    assert ladder.finer(ExudynSettings(axial_factor=ladder.MOST_STIFF), (0.5, 0.1, 2.0), 1e-3) is None
 
 
 def test_energy_balance_with_everything_that_can_be_switched_on():
@@ -335,8 +358,9 @@ def test_runs_compared_differ_on_any_output_grid(output_step):
         own = ExudynSettings(elements=8, step=step)
         for pair in ENGINE.comparisons(own, run_24(), output_step):
             fine, coarse = (math.ceil(output_step / settings.step - 1e-9) for settings in (pair.run, pair.other))
-            assert fine != coarse or pair.run.elements != pair.other.elements
-            assert pair.factor == pytest.approx((coarse / fine) ** -2 * (pair.run.elements / pair.other.elements) ** 3)
+            stiffer = pair.other.axial_factor / pair.run.axial_factor
+            assert fine != coarse or pair.run.elements != pair.other.elements or stiffer != 1.0
+            assert pair.factor == pytest.approx((coarse / fine) ** -2 * (pair.run.elements / pair.other.elements) ** 3 / stiffer)
 
 
 @pytest.mark.parametrize("x", [0.0, 0.02, 0.1, 0.33, 0.5, 0.999, 1.0])
