@@ -113,8 +113,9 @@ def test_second_order_in_step_and_elements():
     # second order: 4.2 to 5 against a reference that is itself only a fourth of the step (third of the elements) finer
     assert 3.5 < errors[32, 1e-3] / errors[32, 5e-4] < 5.5
     in_time, in_space, in_stretch = ENGINE.comparisons(ExudynSettings(elements=32, step=5e-4), run_24(), 1e-3)
-    assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=1e-3), 4.0)
-    assert (in_space.run, in_space.other, in_space.factor) == (in_time.other, ExudynSettings(elements=16, step=1e-3), 8.0)
+    assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=1e-3), 2.0**ladder.SAFE_IN_TIME)
+    assert (in_space.run, in_space.other) == (in_time.other, ExudynSettings(elements=16, step=1e-3))
+    assert in_space.factor == 2.0**ladder.SAFE_IN_SPACE
     assert (in_stretch.run, in_stretch.factor) == (in_space.other, 0.25)
     assert in_stretch.other == ExudynSettings(elements=16, step=1e-3, axial_factor=4.0)
     assert errors[8, 1.25e-4] > 2.5 * errors[16, 1.25e-4]
@@ -360,7 +361,8 @@ def test_runs_compared_differ_on_any_output_grid(output_step):
             fine, coarse = (math.ceil(output_step / settings.step - 1e-9) for settings in (pair.run, pair.other))
             stiffer = pair.other.axial_factor / pair.run.axial_factor
             assert fine != coarse or pair.run.elements != pair.other.elements or stiffer != 1.0
-            assert pair.factor == pytest.approx((coarse / fine) ** -2 * (pair.run.elements / pair.other.elements) ** 3 / stiffer)
+            in_time, in_space = (fine / coarse) ** ladder.SAFE_IN_TIME, (pair.run.elements / pair.other.elements) ** ladder.SAFE_IN_SPACE
+            assert pair.factor == pytest.approx(in_time * in_space / stiffer)
 
 
 @pytest.mark.parametrize("x", [0.0, 0.02, 0.1, 0.33, 0.5, 0.999, 1.0])
