@@ -125,14 +125,14 @@ def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
     """A follower ten times as soft as run 24's: a section of that axial stiffness stretches, and the scene's follower does not."""
     soft = load_case("hard-ei-x0.1").mechanism
     converged = ReferenceSettings(modes=9, tolerance=1e-8)
-    truth = accurate.run_once(ReferenceEngine(), soft, standard_start(soft), 0.5, 1e-3, converged)[0]["tip_deflection"]
+    truth = accurate.run_once(ReferenceEngine(), soft, standard_start(soft), 0.3, 1e-3, converged)[0]["tip_deflection"]
     found = {}
-    for factor in (1, 4, 16):
+    for factor in (1, 16):
         texts = {"elements": "32", "step": "2.5e-4", "axial_factor": str(factor)}
-        result = accurate.simulate(ENGINE, soft, standard_start(soft), 0.5, 1e-3, texts)
+        result = accurate.simulate(ENGINE, soft, standard_start(soft), 0.3, 1e-3, texts)
         found[factor] = relative_rms(result.trajectory["tip_deflection"], truth)
         assert found[factor] < result.error_estimate
-    assert found[4] < found[1]
+    assert found[16] < 0.7 * found[1]
     assert ladder.finer(ExudynSettings(), (0.5, 0.1, 0.3), 1e-3).axial_factor == 4.0
     assert ladder.finer(ExudynSettings(), (0.5, 0.1, 2.0), 1e-3) == ExudynSettings(axial_factor=ladder.MOST_STIFF)
     assert ladder.finer(ExudynSettings(axial_factor=ladder.MOST_STIFF), (0.5, 0.1, 2.0), 1e-3) is None
