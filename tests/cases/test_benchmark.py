@@ -2,7 +2,6 @@
 
 import dataclasses
 import os
-import time
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from cases.case_file import load_case
 from cases.store import Store
-from cases.workers import Limits
+from cases.workers import Job, Limits, Outcome
 from engines.base import EngineFailure
 from engines.registry import RIVALS, UnknownEngine
 from tests.engines.fake_engine import FakeEngine, FakeSettings
@@ -182,33 +181,35 @@ def test_who_is_at_work_is_announced(monkeypatch: pytest.MonkeyPatch, capsys: py
     assert measurement.last_at_work("something else") == (None, 0.0)
 
 
-def test_at_the_time_limit_who_took_longer_than_one_may_is_left_out(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cases.benchmark.scenes.pinned", _slow)
+def overrun(monkeypatch: pytest.MonkeyPatch, since: float) -> list[tuple[str, ...]]:
+    """Makes the first process of a benchmark end at its time limit of 3 s, `exudyn` at work `since` then (s); who was measured, in turn."""
+    measured: list[tuple[str, ...]] = []
+
+    def run_jobs(jobs: list[Job], limits: Limits) -> list[Outcome]:
+        (job,) = jobs
+        measured.append(job.arguments[1])
+        if len(measured) > 1:
+            return [Outcome(job, value=_quick(*job.arguments), seconds=1.0)]
+        failure = f"stopped at the time limit of {limits.seconds:g} s"
+        return [Outcome(job, failure=failure, seconds=3.0, output=f"\nat work: 0.1 thesis\n\nat work: {since} exudyn\n")]
+
+    monkeypatch.setattr("cases.benchmark.scenes.run_jobs", run_jobs)
     monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
+    return measured
+
+
+def test_at_the_time_limit_who_took_longer_than_one_may_is_left_out(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = overrun(monkeypatch, since=1.9)
     made = measure(short(), Store(tmp_path), ("exudyn", "thesis"), 1, limits=Limits(seconds=1.0))
     assert made.failures == {"exudyn": "stopped at the time limit of 3 s, at finer settings"}
+    assert measured == [("exudyn", "thesis"), ("thesis",)]
 
 
 def test_at_the_time_limit_of_all_nobody_is_blamed_who_took_less(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cases.benchmark.scenes.pinned", _slow_at_last)
-    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
+    measured = overrun(monkeypatch, since=2.1)
     with pytest.raises(EngineFailure, match="none at work for longer than one of them may be; try a longer --time-limit"):
         measure(short(), Store(tmp_path), ("exudyn", "thesis"), 1, limits=Limits(seconds=1.0))
-
-
-def _slow(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
-    for name in names:
-        print(f"\nat work: 0.0 {name}", flush=True)
-        if name == "exudyn":
-            time.sleep(60.0)
-    return _quick(case, names, repetitions, longest)
-
-
-def _slow_at_last(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
-    time.sleep(2.5)
-    print("\nat work: 2.5 exudyn", flush=True)
-    time.sleep(60.0)
-    return _quick(case, names, repetitions, longest)
+    assert len(measured) == 1
 
 
 def _deadly(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
