@@ -24,13 +24,14 @@ import pandas as pd
 from cases.case_file import load_case
 from cases.library import case_names
 from cases.random_scenes import LARGEST_CONDITION, OUTPUT_STEP, Scene, condition_of, random_scenes
-from cases.store import Store
+from cases.store import Store, StoreError
 from cases.stored_jobs import Campaign, Result, Work, results
+from cases.units import plain_number
 from engines.accurate import run_once, simulate
 from engines.base import EngineFailure, Refusal
 from engines.mujoco.settings import ChainSettings
 from engines.pseudo_coordinate.reference import ReferenceSettings
-from engines.registry import engine
+from engines.registry import UnknownEngine, engine, usable_engine
 from engines.settings import Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
@@ -223,6 +224,20 @@ def _plain(value: Any) -> str | float | int | None:
     return int(value) if isinstance(value, np.integer) else value
 
 
+def _accuracy(text: str) -> float:
+    value = plain_number(text)
+    if value is None or not 0.0 < value < 1.0:
+        raise argparse.ArgumentTypeError(f'"{text}": give a plain number between 0 and 1, e.g. 1e-3')
+    return value
+
+
+def _engine(text: str) -> str:
+    try:
+        return usable_engine(text).name
+    except (UnknownEngine, Refusal) as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
 def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f'"{text}": give a whole number from 1')
@@ -234,8 +249,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m cases.accuracy_campaign", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--random", type=_count, default=0, metavar="N", help="number of random scenes")
     parser.add_argument("--library", action="store_true", help="the scenes of the library too")
-    parser.add_argument("--engine", action="append", help="default: reference and exudyn")
-    parser.add_argument("--accuracy", action="append", type=float, help="default: 1e-2, 1e-3 and 1e-4")
+    parser.add_argument("--engine", action="append", type=_engine, help="default: reference and exudyn")
+    parser.add_argument("--accuracy", action="append", type=_accuracy, help="default: 1e-2, 1e-3 and 1e-4")
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--jobs", type=_count, default=None)
     parser.add_argument("--no-confirmation", action="store_true")
@@ -243,9 +258,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     if not (given.random or given.library):
         parser.error("no scenes; give --random N, --library or both")
+    try:
+        store = Store()
+    except StoreError as error:
+        parser.error(str(error))
     requests = tuple(itertools.product(given.engine or ENGINES, given.accuracy or ACCURACIES))
     scenes = [*(library_scenes() if given.library else ()), *itertools.islice(random_scenes(given.seed), given.random)]
-    table, broken = campaign([(scene, requests) for scene in scenes], Store(), not given.no_confirmation, given.jobs)
+    table, broken = campaign([(scene, requests) for scene in scenes], store, not given.no_confirmation, given.jobs)
     if given.output:
         table.to_csv(given.output, index=False)
     with pd.option_context("display.width", 250, "display.max_columns", None):

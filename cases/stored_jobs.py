@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,6 @@ from cases.progress import with_progress
 from cases.store import Entry, Store, key_of
 from cases.workers import PRELOAD, Job, Limits, Outcome, default_limits, run_jobs
 from engines.registry import MAIN, RIVALS, engine
-
-#: Engines whose code belongs to the simulation's.
-OURS: Final = (*MAIN, *RIVALS)
 
 #: A JSON document and arrays by name.
 Result = tuple[dict[str, Any], Mapping[str, NDArray[np.float64]]]
@@ -143,4 +140,4 @@ def _failure(outcome: Outcome) -> Result:
 def _versions(names: Sequence[str]) -> list[list[str]]:
     """Library and, of an engine from elsewhere, code."""
     usable = [chosen for chosen in map(engine, names) if not chosen.unavailable()]
-    return [[chosen.name, chosen.version(), "" if chosen.name in OURS else code_fingerprint((), chosen)] for chosen in usable]
+    return [[chosen.name, chosen.version(), "" if chosen.name in (*MAIN, *RIVALS) else code_fingerprint((), chosen)] for chosen in usable]

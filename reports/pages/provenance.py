@@ -27,7 +27,8 @@ ASSUMPTIONS: Final = (
     " share it.",
     "Crank damping of run 24: torque over printed speed, because the printed damping contradicts the printed speed.",
     "Printed strain: percent of surface strain.",
-    "Axial stiffness, where an engine needs one: EI·A/I of the rectangular section, next to inextensible.",
+    "Axial stiffness, where an engine needs one: EI·A/I of the rectangular section, and up to 16 times that where the stretch would"
+    " count: the follower of a scene does not stretch.",
     "Start: crank at 180° with its mean speed, follower straight and moving as in the rigid mechanism. The steady state is taken not"
     " to depend on it.",
 )

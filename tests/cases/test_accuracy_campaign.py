@@ -17,6 +17,7 @@ from cases.store import Store
 from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
 from engines.start import standard_start
 
+BAD = [[], ["--random", "0"], ["--random", "-3"], ["--library", "--jobs", "-1"], ["--random", "1", "--accuracy", "1,5"]]
 REFERENCE = tuple(itertools.product(["reference"], ACCURACIES))
 
 
@@ -115,12 +116,33 @@ def test_process_that_broke_down_is_named_and_the_others_are_kept(monkeypatch: p
     assert table.to_dict("records") == [dataclasses.asdict(row())]
 
 
-@pytest.mark.parametrize("arguments", [[], ["--random", "0"], ["--random", "-3"], ["--library", "--jobs", "-1"]])
-def test_campaign_without_scenes_or_processes_is_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("arguments", BAD)
+def test_bad_arguments_are_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as left:
         main(arguments)
     assert left.value.code == 2
     assert "give" in capsys.readouterr().err
+
+
+def test_an_engine_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["--random", "1", "--engine", "exudin"])
+    assert left.value.code == 2
+    assert '"exudin": no such engine (perhaps exudyn is meant)' in capsys.readouterr().err
+
+
+def test_command_line_writes_what_it_computed_and_continues(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "store"))
+    arguments = ["--random", "1", "--engine", "reference", "--accuracy", "1e-2", "--no-confirmation", "--output", str(tmp_path / "a.csv")]
+    assert main(arguments) == 0
+    first = (tmp_path / "a.csv").read_bytes()
+    assert pd.read_csv(tmp_path / "a.csv")["achieved"].item() < 1e-2
+    assert "reference" in capsys.readouterr().out
+    monkeypatch.setattr("cases.stored_jobs.run_jobs", lambda jobs, *_: (pytest.fail("computed again") for _ in jobs))
+    assert main(arguments) == 0
+    assert (tmp_path / "a.csv").read_bytes() == first
 
 
 def test_campaign_without_any_row_has_an_empty_table(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

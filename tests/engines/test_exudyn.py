@@ -122,8 +122,9 @@ def test_second_order_in_step_and_elements():
 
 
 def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
-    """A follower ten times as soft as run 24's: a section of that axial stiffness stretches, and the scene's follower does not."""
+    """A section three times as thick as run 24's at a tenth of its bending stiffness stretches; the scene's follower does not."""
     soft = load_case("hard-ei-x0.1").mechanism
+    soft = dataclasses.replace(soft, follower=dataclasses.replace(soft.follower, thickness=3.0 * soft.follower.thickness))
     converged = ReferenceSettings(modes=9, tolerance=1e-8)
     truth = accurate.run_once(ReferenceEngine(), soft, standard_start(soft), 0.3, 1e-3, converged)[0]["tip_deflection"]
     found = {}
@@ -132,7 +133,7 @@ def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
         result = accurate.simulate(ENGINE, soft, standard_start(soft), 0.3, 1e-3, texts)
         found[factor] = relative_rms(result.trajectory["tip_deflection"], truth)
         assert found[factor] < result.error_estimate
-    assert found[16] < 0.7 * found[1]
+    assert found[16] < 0.3 * found[1]  # measured 1.0e-4 and 4.7e-4; steps and elements leave 7e-5
     assert ladder.finer(ExudynSettings(), (0.5, 0.1, 0.3), 1e-3).axial_factor == 4.0
     assert ladder.finer(ExudynSettings(), (0.5, 0.1, 2.0), 1e-3) == ExudynSettings(axial_factor=ladder.MOST_STIFF)
     assert ladder.finer(ExudynSettings(axial_factor=ladder.MOST_STIFF), (0.5, 0.1, 2.0), 1e-3) is None

@@ -15,7 +15,7 @@ from engines.settings import Settings
 from engines.start import Field, Start, standard_start
 from engines.trajectory import join
 from reference_model.mechanism import Mechanism, PrescribedSpeed, Tip, TorqueDrive
-from reference_model.model import ExplicitModel
+from reference_model.model import ExplicitModel, ObservationFailed
 from reference_model.natural_modes import frozen_crank_modes
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 
@@ -108,6 +108,22 @@ def test_a_follower_bent_beyond_description_fails_with_what_was_computed() -> No
         assert partial is not None
         assert all(np.all(np.isfinite(column)) for column in partial.columns.values())
         assert caught.value.time >= partial["time"][-1] - 1e-9
+
+
+def test_a_row_that_cannot_be_observed_ends_the_run_at_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    observe = ExplicitModel.observe
+
+    def up_to_row_4(model: ExplicitModel, states: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        if len(states) > 5:
+            raise ObservationFailed(5)
+        return observe(model, states)
+
+    monkeypatch.setattr(ExplicitModel, "observe", up_to_row_4)
+    simulation = ThesisEngine().prepare(run_24(), standard_start(run_24()), ThesisSettings())
+    with pytest.raises(EngineFailure) as failure:
+        simulation.advance(0.01, 1e-3)
+    assert failure.value.partial is not None
+    assert failure.value.time == failure.value.partial["time"][-1] == pytest.approx(4e-3)
 
 
 @pytest.mark.parametrize("settings", [FixedShapesSettings(shapes=8), FixedShapesSettings(shapes=8, family="hermite")])

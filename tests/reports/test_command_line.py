@@ -66,11 +66,11 @@ def test_engine_that_fails_without_a_word_is_shown_as_failed(call: Call, tmp_pat
         "class Engine(FakeEngine):\n"
         "    name = 'silent'\n"
         "    def describe(self, *_):\n"
-        "        raise NotImplementedError\n"
+        "        raise ValueError\n"
     )
     install(tmp_path / "packages", "silence", {"command_line_silent": silent}, {"silent": "command_line_silent:Engine"})
     shown = next(each for each in document(call("show", "thesis-24", "--json"))["engines"] if each["engine"] == "silent")
-    assert shown["refused"] == "raised NotImplementedError"
+    assert shown["refused"] == "raised ValueError"
 
 
 def test_engines_describes_one_with_its_settings(call: Call) -> None:
