@@ -15,32 +15,50 @@ numba.config.CACHE_DIR = os.environ.get(VARIABLE, numba.config.CACHE_DIR)  # typ
 #: Reordering of sums and fused multiply-add, but no assumption that nan and infinity are absent: they mark states that cannot be.
 FASTMATH: Final = {"reassoc", "contract", "nsz", "arcp"}
 
+_njit: Any = njit  # its type hints lack some of its options
+#: For all compiled code: division as in numpy, and no entry for C callers, for there are none.
+_OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "fastmath": FASTMATH, "no_cfunc_wrapper": True}
+#: For code that compiled code alone calls: without the entry from Python, which unpacks tuples of 200 numbers.
+_INSIDE: Final[dict[str, Any]] = {**_OPTIONS, "no_cpython_wrapper": True}
+#: For `numba.extending.overload`, with machine code that becomes part of every caller's.
+OVERLOADED: Final[Any] = {**_INSIDE, "forceinline": True}
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
     """Compile on first use and cache on disk."""
-    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH)(function))
+    return cast(Function, _njit(cache=True, **_OPTIONS)(function))
+
+
+def inside(function: Function) -> Function:
+    """Like `compiled`, for functions that compiled code alone calls: less to compile."""
+    return cast(Function, _njit(cache=True, **_INSIDE)(function))
 
 
 def borrowing(function: Function) -> Function:
     """Like `compiled`, for functions that neither make nor keep arrays: without numba's reference counts (and refused with any array)."""
-    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, _nrt=False)(function))  # type: ignore[call-overload]
+    return cast(Function, _njit(cache=True, **_OPTIONS, _nrt=False)(function))
 
 
 def merged(function: Function) -> Function:
-    """Like `borrowing`, for a large function inside a loop: its machine code becomes part of the caller's, without passing arguments.
+    """Like `borrowing` and `inside`, for a large function in a loop: its machine code becomes part of the caller's.
 
-    The tuples travel by value, some 200 numbers: a third of the time that a right-hand side with two modes takes.
+    The tuples do not travel by value then, some 200 numbers: a third of the time that a right-hand side with two modes takes.
     """
-    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, _nrt=False, forceinline=True)(function))  # type: ignore[call-overload]
+    return cast(Function, _njit(cache=True, **_INSIDE, _nrt=False, forceinline=True)(function))
+
+
+def merged_and_callable(function: Function) -> Function:
+    """Like `merged`, with an entry from Python too."""
+    return cast(Function, _njit(cache=True, **_OPTIONS, _nrt=False, forceinline=True)(function))
 
 
 def embedded(function: Function) -> Function:
     """Like `compiled`, its machine code part of every caller's: with several callers less to compile than `inlined`."""
-    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, forceinline=True)(function))
+    return cast(Function, _njit(cache=True, **_OPTIONS, forceinline=True)(function))
 
 
 def inlined(function: Function) -> Function:
     """Compile into each caller: passing the tuples of arrays between functions would cost more than most of these do."""
-    return cast(Function, njit(cache=True, error_model="numpy", fastmath=FASTMATH, inline="always")(function))
+    return cast(Function, _njit(cache=True, **_OPTIONS, inline="always")(function))

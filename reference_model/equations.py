@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from reference_model import dynamics
 from reference_model.clamped_dynamics import clamped_right_hand_side
 from reference_model.clamped_parameters import ClampedParameters, ClampedWorkspace
+from reference_model.compilation import OVERLOADED
 from reference_model.moving_dynamics import moving_right_hand_side
 from reference_model.moving_parameters import MovingParameters, MovingWorkspace
 from reference_model.parameters import Parameters, Workspace
@@ -30,7 +31,7 @@ def right_hand_side(p: Any, w: Any, y: NDArray[np.float64], rate: NDArray[np.flo
     return _FUNCTIONS[type(p)](p, w, y, rate)
 
 
-@overload(right_hand_side, jit_options={"forceinline": True})
+@overload(right_hand_side, jit_options=OVERLOADED)
 def _compiled_right_hand_side(p: Any, w: Any, y: Any, rate: Any) -> Any:
     function = _FUNCTIONS.get(getattr(p, "instance_class", object))
     if function is None:

@@ -7,8 +7,9 @@ loop cannot close is rejected like one with too large an error.
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,9 @@ _A = np.vstack([np.hstack([DOP853.A, np.zeros((STAGES, 4))]), np.zeros((1, 16)),
 _A[STAGES, :STAGES] = DOP853.B
 _E3, _E5, _D = (np.ascontiguousarray(a) for a in (DOP853.E3, DOP853.E5, DOP853.D))
 
+#: A right-hand side: writes dy/dt of a state to its last argument; False where the state cannot be.
+Equations = Callable[[Any, Any, NDArray[np.float64], NDArray[np.float64]], bool]
+
 REACHED_END, LEFT_FOLLOWER, STEP_TOO_SMALL, TOO_MANY_CALLS, NOT_A_NUMBER = range(5)
 MAX_CALLS: Final = 200_000_000
 
@@ -37,7 +41,7 @@ class Integration:
         status: one of the module's constants.
         end_time: s since the start of this integration, the last instant reached.
         calls: right-hand sides evaluated.
-        next_step: step size (s) to continue with (0 for LSODA).
+        next_step: step size (s) to continue with where the end was reached (0 for LSODA).
     """
 
     states: NDArray[np.float64]
@@ -79,14 +83,64 @@ def integrate_dop853(
         tolerance: local error relative to `error_scales`.
         first_step: step size to begin with, s; 0 chooses one.
     """
-    size = len(y)
-    states = np.empty((intervals + 1, size))
-    scales = error_scales(p, _crank_speed(p, y)) * tolerance
     limit = p.reach if isinstance(p, MovingParameters) else p.L
-    status, rows, end_time, calls, step = _dop853(
-        p, w, y.copy(), output_step, intervals, scales, limit, first_step, states, np.empty((16, size)), np.empty((9, size))
-    )
-    return Integration(states[:rows], status, end_time, calls, step)
+    scales = error_scales(p, _crank_speed(p, y)) * tolerance
+    return dop853(right_hand_side, p, w, y, output_step, intervals, scales, limit, first_step)
+
+
+def dop853(
+    equations: Equations,
+    p: Any,
+    w: Any,
+    y: NDArray[np.float64],
+    output_step: float,
+    intervals: int,
+    scales: NDArray[np.float64],
+    limit: float,
+    first_step: float,
+) -> Integration:
+    """The same with any equations, absolute local errors and limit of the slider.
+
+    Args:
+        equations: the right-hand side of `p` and `w` in Python.
+        p: parameters of a model whose equations `right_hand_side` knows in compiled code.
+        w: its workspace; `w.slider[0]` is where the slider is in the state evaluated last, m.
+        y: state at the start; not changed.
+        output_step: grid of the output, s.
+        intervals: number of output steps.
+        scales: local error of each state that is controlled, shape (number of them,).
+        limit: slider position at which the integration ends, m.
+        first_step: step size to begin with, s; 0 chooses one.
+    """
+    size, y = len(y), y.copy()
+    states, scratch = np.empty((intervals + 1, size)), np.empty((9, size))
+    loop = (p, w, y, output_step, intervals, scales, limit, first_step, states, np.empty((16, size)), scratch)
+    status, rows, time, calls, step = _dop853(*loop)
+    if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose interpolation is left in the scratch
+        F = scratch[2:]
+        time_left = step * _leaving_time(equations, p, w, y, F, limit)
+        while rows <= intervals and rows * output_step <= time + time_left * (1.0 + 1e-12):
+            _interpolate(y, F, min((rows * output_step - time) / step, 1.0), states[rows])
+            rows += 1
+        time += time_left
+    return Integration(states[:rows], status, time, calls, step)
+
+
+def _leaving_time(equations: Equations, p: Any, w: Any, y: NDArray[np.float64], F: NDArray[np.float64], limit: float) -> float:
+    """Fraction of the step at which the slider passes `limit`, by bisection.
+
+    In Python: compiled, it would bring the equations into the loop a second time, a tenth of all there is to compile.
+    """
+    state, rate = np.empty(len(y)), np.empty(len(y))
+    low, high = 0.0, 1.0
+    for _ in range(45):
+        middle = 0.5 * (low + high)
+        _interpolate(y, F, middle, state)
+        if equations(p, w, state, rate) and w.slider[0] <= limit:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 @borrowing
@@ -142,12 +196,11 @@ def _dop853(
             continue
         if shown:
             _dense_coefficients(y, new, K, h, F)
-            span = _leaving_time(p, w, y, F, limit, trial, K) * h if left else h
-            while rows <= intervals and rows * output_step <= t + span * (1.0 + 1e-12):
+            if left:
+                return LEFT_FOLLOWER, rows, t, calls, h
+            while rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12):
                 _interpolate(y, F, min((rows * output_step - t) / h, 1.0), states[rows])
                 rows += 1
-            if left:
-                return LEFT_FOLLOWER, rows, t + span, calls, step
         t = end if last else t + h
         _copy(new, y)
         _copy(K[STAGES], K[0])
@@ -211,28 +264,6 @@ def _interpolate(y: NDArray[np.float64], F: NDArray[np.float64], u: float, out: 
         for m in range(7):
             value = (value + F[6 - m, i]) * (u if m % 2 == 0 else 1.0 - u)
         out[i] = y[i] + value
-
-
-@borrowing
-def _leaving_time(
-    p: AnyParameters,
-    w: AnyWorkspace,
-    y: NDArray[np.float64],
-    F: NDArray[np.float64],
-    limit: float,
-    trial: NDArray[np.float64],
-    K: NDArray[np.float64],
-) -> float:
-    """Fraction of the step at which the slider passes the follower's end, by bisection; K[15] is scratch."""
-    low, high = 0.0, 1.0
-    for _ in range(45):
-        middle = 0.5 * (low + high)
-        _interpolate(y, F, middle, trial)
-        if right_hand_side(p, w, trial, K[15]) and w.slider[0] <= limit:
-            low = middle
-        else:
-            high = middle
-    return low
 
 
 def integrate_lsoda(

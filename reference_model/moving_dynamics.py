@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import borrowing, inlined, merged
+from reference_model.compilation import borrowing, inlined, merged, merged_and_callable
 from reference_model.moving_parameters import (
     ACROSS,
     ALONG,
@@ -441,7 +441,7 @@ def slider_force(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Arra
     return normal, tangential, slider_moment, p.LA * (-across * F1 + along * F2) - p.crank_moment * weight
 
 
-@merged
+@merged_and_callable
 def moving_right_hand_side(p: MovingParameters, w: MovingWorkspace, y: Array, rate: Array) -> bool:
     """dy/dt, written to `rate`; False and all nan where the state cannot be (a rejected step)."""
     n, t = p.n, p.tables

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled, inlined
+from reference_model.compilation import compiled, inlined, inside
 from reference_model.dynamics import evaluate, reactions
 from reference_model.kinematics import Contact, Slider, centre_line, tangent_angle
 from reference_model.parameters import Parameters, Workspace
@@ -74,7 +74,7 @@ def observe(
     return len(states)
 
 
-@compiled
+@inside
 def observe_row(
     p: Parameters,
     w: Workspace,
@@ -137,7 +137,7 @@ def curvature_of_shape(p: Parameters, i: int, x: float) -> float:
     return value / length**2
 
 
-@compiled
+@inside
 def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> float:
     """Absolute acceleration of x = L along the beam's normal there (equation 6.3)."""
     t, end = p.tables, len(p.tables.edges) - 1
@@ -221,7 +221,7 @@ def _lay_mesh(p: Parameters, s: float, mesh: Tables) -> None:
             mesh.ddphi[point, i] /= size**2
 
 
-@compiled
+@inside
 def recover_shape(
     p: Parameters,
     c: Slider,

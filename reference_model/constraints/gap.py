@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled, inlined
+from reference_model.compilation import inlined, inside
 from reference_model.kinematics import (
     CLOSURE_STEPS,
     Slider,
@@ -52,7 +52,7 @@ def crank_tip(p: Parameters, q1: float, q2: float) -> tuple[float, float]:
     return cosine * v1 + sine * v2, -sine * v1 + cosine * v2
 
 
-@compiled
+@inside
 def smooth_gap(p: Parameters, y: Speeds, w: Workspace, row: Array) -> tuple[Slider, Gap]:
     """The slider at the foot of the crank tip on the centre line, and the gap; fills `row` (n + 2,), equations R1.1 to R1.5."""
     C1, C2 = crank_tip(p, y.q1, y.q2)

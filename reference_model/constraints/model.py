@@ -10,9 +10,9 @@ from scipy.linalg import eig, null_space
 
 from reference_model.constraints.gap import Speeds
 from reference_model.constraints.joint import Joint
-from reference_model.constraints.open_loop import close_loop, observe_open, open_right_hand_side
+from reference_model.constraints.open_loop import close_loop, observe_open, open_equations, open_right_hand_side
 from reference_model.constraints.workspace import OpenWorkspace, open_workspace
-from reference_model.integrate import Integration, _dop853
+from reference_model.integrate import Integration, dop853
 from reference_model.mechanism import Mechanism
 from reference_model.model import ExplicitModel, ObservationFailed
 from reference_model.observables import COLUMNS
@@ -71,24 +71,10 @@ class OpenLoopModel:
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.integrate_dop853`."""
-        p, size = self.closed.parameters, len(y)
+        p = self.closed.parameters
         parameters: Any = (p, self.joint)  # a plain tuple chooses the equations of the open loop
-        workspace: Any = self._workspace
-        states = np.empty((intervals + 1, size))
-        status, rows, end_time, calls, step = _dop853(
-            parameters,
-            workspace,
-            y.copy(),
-            output_step,
-            intervals,
-            self._error_scales(y) * tolerance,
-            p.L,
-            first_step,
-            states,
-            np.empty((16, size)),
-            np.empty((9, size)),
-        )
-        return Integration(states[:rows], status, end_time, calls, step)
+        scales = self._error_scales(y) * tolerance
+        return dop853(open_equations, parameters, self._workspace, y, output_step, intervals, scales, p.L, first_step)
 
     def _error_scales(self, y: Array) -> Array:
         """As `reference_model.integrate.error_scales`; a hundredth of a radian for q2 goes with a hundredth of L."""

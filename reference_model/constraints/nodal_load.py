@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled, inlined
+from reference_model.compilation import inlined, inside
 from reference_model.constraints.gap import Gap, Speeds, crank_tip, smooth_gap
 from reference_model.constraints.joint import BOTH_LINEAR, LEVER, Joint
 from reference_model.constraints.workspace import OpenWorkspace
@@ -68,7 +68,7 @@ def _node(p: Parameters, y: Speeds, node: int, w: Workspace) -> Node:
     return Node(x, W, -F_rate, W_rate, a1, -(y.q2_rate**2) * W - 2.0 * y.q2_rate * F_rate)
 
 
-@compiled
+@inside
 def _share_force(p: Parameters, y: Speeds, left: int, share: float, n1: float, n2: float, w: Workspace, out: Array) -> None:
     """Follower's part of `out` for 1 - share of the force on node `left` and share on the next (equation R5.1)."""
     for a in range(1, p.n + 2):
@@ -85,7 +85,7 @@ def _share_force(p: Parameters, y: Speeds, left: int, share: float, n1: float, n
             out[2 * node] -= weight * n2
 
 
-@compiled
+@inside
 def _chord_gap(p: Parameters, y: Speeds, w: Workspace, row: Array) -> tuple[Slider, Gap]:
     """The slider on the chord between the two nodes of its element, and the gap to the chord (equations R5.2 to R5.5)."""
     edges = p.tables.edges

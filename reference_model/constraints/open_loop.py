@@ -12,7 +12,7 @@ from numba import types
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled, embedded
+from reference_model.compilation import OVERLOADED, compiled, embedded
 from reference_model.constraints.gap import Gap, Speeds
 from reference_model.constraints.joint import Joint
 from reference_model.constraints.multiplier import multiplier_force
@@ -93,7 +93,12 @@ def open_right_hand_side(p: Parameters, joint: Joint, w: OpenWorkspace, y: Array
     return True
 
 
-@overload(right_hand_side)
+def open_equations(p: OpenParameters, w: OpenWorkspace, y: Array, rate: Array) -> bool:
+    """`open_right_hand_side` with parameters and joint in one, as the time loop takes it."""
+    return open_right_hand_side(p[0], p[1], w, y, rate)
+
+
+@overload(right_hand_side, jit_options=OVERLOADED)
 def _compiled_open_right_hand_side(p: Any, w: Any, y: Any, rate: Any) -> Any:
     """The pair (parameters, joint) is a plain tuple, the parameters of the other models are named ones."""
     if not isinstance(p, types.Tuple):

@@ -34,11 +34,11 @@ def periodic_start(case: Case) -> Start:
 
 
 def two_cycles_from(case: Case, name: str, start: Start) -> EngineRun:
-    """The second of two whole cycles, measured like a steady one."""
+    """The second of two cycles, measured like a steady one; `start` is where a cycle begins."""
     chosen = engine(name)
     simulation = chosen.prepare(case.mechanism, start, chosen.settings_for(chosen.default_accuracy, case.mechanism))
-    # a start anywhere in a cycle needs up to three turns for two whole ones
-    duration = OUTPUT_STEP * math.ceil(3.1 * 2.0 * math.pi / start.crank_speed / OUTPUT_STEP)
+    # it begins where a cycle does; a twentieth more for a crank that turns slower than there
+    duration = OUTPUT_STEP * math.ceil(2.1 * 2.0 * math.pi / start.crank_speed / OUTPUT_STEP)
     cycle = whole_cycles(simulation.advance(duration, OUTPUT_STEP))[1]
     columns = {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
     channels = {channel: columns[channel] for channel in CHANNELS}

@@ -188,7 +188,7 @@ def _unchanged(name: str) -> CodeType:
 
 def _execute(codes: Mapping[str, CodeType], probe: Callable[[str], Callable[[int, Any], Any]] | None = None) -> Equations:
     """The modules as plain Python, one after the other; what they define replaces what the next ones would import."""
-    defined: dict[str, Any] = {"compiled": _plain, "embedded": _plain, "inlined": _plain}
+    defined: dict[str, Any] = dict.fromkeys(("compiled", "embedded", "inlined", "inside"), _plain)
     for name, module in MODULES.items():
         imported = {key: getattr(value, "py_func", value) for key, value in vars(module).items() if not key.startswith("__")}
         space = imported | defined | {"__name__": name}
