@@ -172,8 +172,10 @@ def _fork_server(preload: Sequence[str]) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # if the tracker was killed: it says so, but nothing here uses what it tracks
         resource_tracker.ensure_running()  # it lifts the block when it starts, so it must run before
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
+    # nor does it look for modules where the user stands: a folder `cases` there is not ours
+    environment = {**dict.fromkeys(THREADS, "1"), "PYTHONSAFEPATH": "1"}
+    before = {name: os.environ.get(name) for name in environment}
+    os.environ.update(environment)
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # this process gets a Ctrl-C afterwards
     try:
         forkserver.ensure_running()

@@ -62,6 +62,11 @@ def test_commands_run(line: str, folder: Path) -> None:
     done = subprocess.run(shlex.split(line), cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=500)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
+    if " report " in line:
+        (page,) = folder.glob("*/index.html")
+        text = page.read_text("utf-8")
+        assert "could not be drawn" not in text
+        assert "<img" in text
 
 
 @pytest.mark.parametrize("example", blocks("python"))

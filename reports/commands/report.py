@@ -61,8 +61,7 @@ def _print(written: "Written") -> None:
     runs = sum(len(result.runs) for result in content.results)
     failures = [trouble for trouble in content.troubles if trouble.is_failure]
     click.echo(str(written.page))
-    click.echo(
-        f"{len(content.results)} cases, {runs} simulations: {runs - len(content.troubles)} settled, {len(failures)} did not complete"
-    )
+    cases = "1 case" if len(content.results) == 1 else f"{len(content.results)} cases"
+    click.echo(f"{cases}, {runs} simulations: {runs - len(content.troubles)} settled, {len(failures)} did not complete")
     click.echo(f"{sum(not check.passed for check in checks)} of {len(checks)} tolerances missed")
     click.echo(f"{len(written.tables)} tables as CSV beside the page")

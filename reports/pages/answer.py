@@ -130,6 +130,8 @@ def _cubic_amplitudes(results: Sequence[CaseResult]) -> str:
 
 
 def _statements(content: Content) -> str:
+    if not content.thesis_results:
+        return ""
     found = content.verdicts
     counts = [(verdict, sum(item.verdict == verdict for item in found)) for verdict in (HOLDS, IN_PART, NOT, CANNOT_FOLLOW, UNCHECKABLE)]
     words = [f"{count} {verdict.replace('holds', 'hold').replace('does', 'do')}" for verdict, count in counts if count]

@@ -12,6 +12,7 @@ from reports.findings.axes import AxisComparison, axis_comparisons
 from reports.findings.evidence import Evidence
 from reports.findings.failures import Trouble, troubles
 from reports.findings.measured import Comparison, statement_values
+from reports.findings.runs import thesis_runs
 from reports.findings.verdicts import MODEL, Basis, Verdict, verdicts
 from reports.pictures import Pictures
 from reports.verification import Verification
@@ -50,9 +51,14 @@ class Content:
     notices: Sequence[str] = ()
 
     @property
+    def thesis_results(self) -> list[CaseResult]:
+        """Those of the runs of the thesis, which is all that its statements are about."""
+        return list(thesis_runs(self.results).values())
+
+    @property
     def verdicts(self) -> list[Verdict]:
         """On the thesis' statements."""
-        return verdicts(Basis(self.results, self.evidence, statement_values(self.comparisons, MODEL)))
+        return verdicts(Basis(self.thesis_results, self.evidence, statement_values(self.comparisons, MODEL)))
 
     @property
     def axes(self) -> list[AxisComparison]:

@@ -34,13 +34,16 @@ EQUAL: Final = 0.01
 def thesis_view(content: Content) -> Chapter:
     """The chapter."""
     chapter = Chapter("thesis", "What the thesis saw", "Thesis")
+    if not content.thesis_results:
+        chapter.text("This belongs to the runs of the thesis and is shown when one is among the cases.", "note")
+        return chapter
     chapter.text(
         f"The engine {MODEL} is the thesis' model as published: one cubic for the whole follower. The reference is the same approach,"
         " converged. Their difference is the model error of the single cubic, as the thesis' author would have met it with a perfect"
         " experiment."
     )
     chapter.text(_halves(content))
-    chapter.table(tables.ratios(content.results))
+    chapter.table(tables.ratios(content.thesis_results))
     _statements(chapter, content)
     _counted(chapter, content)
     _joint(chapter, content)
@@ -51,7 +54,7 @@ def thesis_view(content: Content) -> Chapter:
 def _halves(content: Content) -> str:
     medians = {}
     for half in HALF:
-        ratios = [difference.ratio for difference in differences(content.results, MODEL, "frequency", half=half)]
+        ratios = [difference.ratio for difference in differences(content.thesis_results, MODEL, "frequency", half=half)]
         if ratios:
             medians[half] = float(np.median(ratios))
     if len(medians) < 2:
@@ -76,13 +79,13 @@ def _statements(chapter: Chapter, content: Content) -> None:
 
 
 def _counted(chapter: Chapter, content: Content) -> None:
-    excesses = counted_excess(content.results)
+    excesses = counted_excess(content.thesis_results)
     if not excesses:
         return
     chapter.heading("A possible explanation: frequencies counted off plots", "counted")
     strains = {half: [found.median for found in excesses if found.half == half and found.channel != "tip_acceleration"] for half in HALF}
     told = [f"{HALF[half]} {percents(min(found), max(found), '+.1f')}" for half, found in strains.items() if found]
-    fitted = [difference.relative for difference in differences(content.results, MODEL, "frequency")]
+    fitted = [difference.relative for difference in differences(content.thesis_results, MODEL, "frequency")]
     chapter.text(
         "How the thesis took frequencies from its curves it does not say; counting extremes by eye is the obvious way. Counted so, the"
         f" single cubic's excess over the converged model in the three strains is {listed(told)} (medians over the runs, range over"
@@ -152,7 +155,7 @@ def _stiffness(chapter: Chapter, content: Content) -> None:
         f" {percents(min(below), max(below), '.0f')} below ordinary aluminium"
         f" ({span(ALUMINIUM[0] / 1e9, ALUMINIUM[1] / 1e9, '.0f')} GPa)."
     )
-    excess = [difference.relative for difference in differences(content.results, MODEL, "frequency")]
+    excess = [difference.relative for difference in differences(content.thesis_results, MODEL, "frequency")]
     if excess and min(below) > 0.0:
         needed = 1.0 - (1.0 + float(np.median(excess))) ** -2.0
         text += (

@@ -26,6 +26,7 @@ PERCENT: Final = 100.0
 SHADES: Final = (0.1, 100.0)  # %, ends of the scale
 DARK: Final = 0.45  # of lightness: below, numbers are white
 ROW: Final = 0.19  # in
+BAR: Final = 0.14  # in, height of the scale, of however few rows
 NUMBER: Final = 6.5  # pt
 COLOURS: Final = 64  # of the picture
 
@@ -58,7 +59,7 @@ def draw_heat_map(results: Sequence[CaseResult]) -> Figure | None:
         axes.set_yticks(range(len(results)), run_labels(results), fontsize=SMALL)
         axes.tick_params(length=0.0)
     panels[0].set_ylabel(row_title(results), fontsize=FONT_SIZE)
-    bar = figure.colorbar(image, ax=panels, location="bottom", fraction=0.03, pad=0.02, aspect=40)
+    bar = figure.colorbar(image, ax=panels, location="bottom", fraction=BAR / (ROW * len(results)), pad=0.02, aspect=40)
     bar.set_label("largest difference over halves and channels (%)", fontsize=FONT_SIZE)
     bar.ax.tick_params(labelsize=SMALL)
     bar.ax.set_xticks([0.1, 1.0, 10.0, 100.0], ["≤ 0.1", "1", "10", "≥ 100"])

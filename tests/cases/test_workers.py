@@ -136,6 +136,26 @@ def test_workers_compute_with_one_thread() -> None:
     assert done(os.getenv, "NUMBA_NUM_THREADS").value == "1"
 
 
+def test_folders_where_the_user_stands_are_not_taken_for_packages(tmp_path: Path) -> None:
+    """Not even one that is called `cases` and has a folder `library` in it."""
+    (tmp_path / "cases/library").mkdir(parents=True)
+    (tmp_path / "elsewhere").mkdir()
+    script = tmp_path / "elsewhere/runner.py"
+    script.write_text(
+        textwrap.dedent(
+            """
+            import pkgutil
+            from cases.workers import Job, run_jobs
+            if __name__ == "__main__":
+                (outcome,) = run_jobs([Job("job", pkgutil.resolve_name, ("cases.library.thesis:run_name",))])
+                print(outcome.failure or outcome.value(24))
+            """
+        )
+    )
+    told = subprocess.run([sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert told.stdout == "thesis-24\n", told.stderr
+
+
 def test_cores() -> None:
     assert available_cores() >= 1
 

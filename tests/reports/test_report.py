@@ -151,6 +151,18 @@ def test_the_chapters_stand_in_their_order(read: PageReader) -> None:
     assert len(set(read.anchors)) == len(read.anchors)
 
 
+def test_nothing_is_said_on_the_thesis_from_cases_that_are_not_its_runs(tmp_path: Path) -> None:
+    own = Content(results=[reported_result("example")], facts=machine_facts())
+    (chapter,) = (chapter for chapter in chapters_of(own) if chapter.anchor == "thesis")
+    assert not list(chapter.tables)
+    write(own, tmp_path)
+    text = PageReader((tmp_path / "index.html").read_text("utf-8")).text
+    assert "This belongs to the runs of the thesis" in text
+    assert "statements on frequency" not in text
+    both = Content(results=[reported_result("thesis-24"), reported_result("example")])
+    assert [result.case.name for result in both.thesis_results] == ["thesis-24"]
+
+
 def test_a_later_report_removes_the_tables_of_an_earlier_one_and_nothing_else(tmp_path: Path) -> None:
     write(Content(results=[reported_result("thesis-24"), reported_result("thesis-06")]), tmp_path)
     (tmp_path / "mine.csv").write_text("kept")
