@@ -23,7 +23,7 @@ def _list(as_json: bool) -> None:
     from reports.output import print_json, print_table
 
     names = engine_names()
-    asked = run_jobs([Job(name, engine_jobs.about, (name,)) for name in names], limits=default_limits(), preload=())
+    asked = run_jobs([Job(name, engine_jobs.about, (name,)) for name in names], limits=default_limits())
     outcomes = {outcome.job.name: outcome for outcome in asked}
     rows = [
         outcomes[name].value

@@ -46,7 +46,7 @@ def _models(scene: Any) -> list[dict[str, Any]]:
 
     names = engine_names()
     found = {}
-    for outcome in run_jobs([Job(name, engine_jobs.model, (name, scene)) for name in names], limits=default_limits(), preload=()):
+    for outcome in run_jobs([Job(name, engine_jobs.model, (name, scene)) for name in names], limits=default_limits()):
         refused = str(outcome.error or "") or outcome.failure
         found[outcome.job.name] = {"engine": outcome.job.name, "refused": refused or None, **(outcome.value or {})}
     return [found[name] for name in names]
