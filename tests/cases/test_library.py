@@ -77,7 +77,7 @@ def test_every_case_can_be_read_and_is_listed_as_it_is(name: str) -> None:
     assert case.scene == parse_case(case_text(name), name).scene
     (entry,) = (entry for entry in catalogue() if entry.name == name)
     assert (entry.tags, entry.title) == (case.tags, case.title)
-    times = {"hard-undamped": (38.0, 0.001), "spin-up": (30.0, 0.02)}
+    times = {"example": (1.0, 0.001), "hard-undamped": (38.0, 0.001), "spin-up": (30.0, 0.02)}
     assert (case.duration, case.output_step) == times.get(name, (2.0, 0.001))
 
 
