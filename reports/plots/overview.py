@@ -141,7 +141,7 @@ def _score(name: str, results: Sequence[CaseResult]) -> str:
     """How many frequencies of an engine lie within their tolerance."""
     checks = [check for result in results for check in result.checks if check.engine == name and check.quantity == "consensus_frequency"]
     if not checks:
-        return f"{name}: no tolerance of a frequency"
+        return f"{name}: no tolerance on its frequency"
     return f"{name}: {sum(check.passed for check in checks)} of {len(checks)} frequencies within tolerance"
 
 
