@@ -203,8 +203,7 @@ class FlexibleModel:
             "tip_deflection": dot(turned(b1), q[:, -1, :2] - q[:, 0, :2]),
             "tip_acceleration": dot(turned(tip_tangent), accelerations[:, -1, :2]),
             **{
-                f"strain_{i}": cable.curvature(q, x, kink) * follower.thickness / 2.0
-                for i, x in enumerate(follower.strain_gauges, start=1)
+                f"strain_{i}": cable.curvature(q, x, kink) * follower.thickness / 2.0 for i, x in enumerate(follower.strain_gauges, start=1)
             },
             "slider_force": slider_force,
             **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),

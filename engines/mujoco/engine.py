@@ -79,7 +79,7 @@ class MujocoEngine(Engine):
 
     def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
         """See `Engine.finer`."""
-        return ladder.finer(own(settings))
+        return ladder.finer(own(settings), excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """See `Engine.prepare`."""

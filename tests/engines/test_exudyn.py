@@ -112,12 +112,13 @@ def test_second_order_in_step_and_elements():
     }
     # second order: 4.2 to 5 against a reference that is itself only a fourth of the step (third of the elements) finer
     assert 3.5 < errors[32, 1e-3] / errors[32, 5e-4] < 5.5
-    in_time, in_space, in_stretch = ENGINE.comparisons(ExudynSettings(elements=32, step=5e-4), run_24(), 1e-3)
-    assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=1e-3), 2.0**ladder.SAFE_IN_TIME)
-    assert (in_space.run, in_space.other) == (in_time.other, ExudynSettings(elements=16, step=1e-3))
+    in_time, in_space, in_stretch = ENGINE.comparisons(ExudynSettings(elements=32, step=2.5e-4), run_24(), 1e-3)
+    assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=5e-4), 2.0**ladder.SAFE_IN_TIME)
+    assert in_time.before == Comparison(in_time.other, ExudynSettings(elements=32, step=1e-3), in_time.factor)
+    assert (in_space.run, in_space.other) == (in_time.other, ExudynSettings(elements=16, step=5e-4))
     assert in_space.factor == 2.0**ladder.SAFE_IN_SPACE
     assert (in_stretch.run, in_stretch.factor) == (in_space.run, 0.25)
-    assert in_stretch.other == ExudynSettings(elements=32, step=1e-3, axial_factor=4.0)
+    assert in_stretch.other == ExudynSettings(elements=32, step=5e-4, axial_factor=4.0)
     assert errors[8, 1.25e-4] > 2.5 * errors[16, 1.25e-4]
 
 
