@@ -14,6 +14,7 @@ from reports.commands.options import (
     load,
     read_assignments,
     set_option,
+    single_option,
 )
 
 
@@ -21,7 +22,7 @@ from reports.commands.options import (
 @case_argument
 @engine_option
 @crank_angle_option
-@click.option("--count", metavar="N", type=WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
+@single_option("--count", metavar="N", type=WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
 @set_option
 @json_option
 def command(case: str, engine: str, crank_angle: float, count: int, assignments: Sequence[str], as_json: bool) -> None:

@@ -17,6 +17,7 @@ from reports.commands.options import (
     path_given,
     read_assignments,
     set_option,
+    single_option,
     time_limit_option,
 )
 
@@ -24,11 +25,11 @@ from reports.commands.options import (
 @click.command(name="simulate")
 @case_argument
 @engine_option
-@click.option("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
-@click.option("--output-step", metavar="S", help='Time between rows, "1 ms" or a number of seconds.')
+@single_option("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
+@single_option("--output-step", metavar="S", help='Time between rows, "1 ms" or a number of seconds.')
 @accuracy_option
 @set_option
-@click.option("--output", metavar="FILE.csv", required=True, callback=path_given, help="Where the trajectory goes.")
+@single_option("--output", metavar="FILE.csv", required=True, callback=path_given, help="Where the trajectory goes, as CSV.")
 @time_limit_option
 @memory_limit_option
 @json_option
@@ -56,7 +57,7 @@ def command(
     overrides, settings = read_assignments(assignments)
     loaded = load(case, overrides, duration, output_step)
     allowed = limits(time_limit, memory_limit)
-    check_writable(Path(output), keep="" if loaded.source == "library" else case)
+    check_writable(Path(output), keep="" if loaded.source == "library" else case, ending=".csv")
     document = engine_jobs.simulate(engine, loaded, settings, accuracy, output, allowed)
     if as_json:
         print_json(document)
