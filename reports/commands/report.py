@@ -41,7 +41,12 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
 @click.command(name="report")
 @click.argument("cases", metavar="[CASE]...", nargs=-1)
 @single_option(
-    "--output", metavar="DIR", default="reports/output", show_default=True, callback=_folder_given, help="Folder of the page and its tables."
+    "--output",
+    metavar="DIR",
+    default="reports/output",
+    show_default=True,
+    callback=_folder_given,
+    help="Folder of the page and its tables.",
 )
 @jobs_option
 @time_limit_option
