@@ -118,7 +118,7 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
 
 @cache
 def stiffness_ratio(mechanism: Mechanism) -> float:
-    """Lowest natural frequency with the crank held anywhere over that of the crank's turns (`rigid.crank_pace`); infinite if nothing bends."""
+    """Lowest natural frequency with the crank held anywhere over the crank's (`rigid.crank_pace`); infinite if nothing bends."""
     pace = crank_pace(mechanism)
     if mechanism.follower.is_rigid or pace == 0.0:
         return math.inf

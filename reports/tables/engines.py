@@ -136,7 +136,7 @@ def settings(results: Sequence[CaseResult]) -> Table:
     builder = TableBuilder(
         "settings",
         "Settings per run and engine. They follow from the accuracy asked; the estimate is the engine's own, of the tip deflection over the"
-        " case's duration from the standard start.",
+        " case's duration from the standard start; that of thesis is of the integration of its own equations alone.",
         (
             Column("case", "run"),
             Column("engine", "engine"),
