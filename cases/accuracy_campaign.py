@@ -55,7 +55,7 @@ TRUTH_TOLERANCE: Final = 1e-9
 #: Runs that confirm the truth: links of a chain, the first whose steps times links are affordable, else a cable.
 CHAINS: Final = (60, 40, 27, 18)
 CABLE: Final = ExudynSettings(elements=32, step=1.25e-4)
-AFFORDABLE: Final = 1e7  # some twenty seconds
+AFFORDABLE: Final = 4e6  # some ten seconds
 LONGEST: Final = 2.0  # s
 
 _CAMPAIGN: Final = Campaign("accuracy scene", ("cases.accuracy_campaign", "cases.random_scenes"))
