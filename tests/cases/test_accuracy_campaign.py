@@ -59,11 +59,11 @@ def test_claims_hold_on_two_random_scenes(monkeypatch: pytest.MonkeyPatch) -> No
     """A quarter of a second of each, and a chain that leaves some 1e-3 to confirm the truth."""
     monkeypatch.setattr(cases.accuracy_campaign, "CHAINS", (27,))
     scenes = [dataclasses.replace(scene, duration=0.25) for scene in itertools.islice(random_scenes(SEED), 2)]
-    requests = (("reference", 1e-2), ("mujoco", None), ("exudyn", 1e-2))
+    requests = (("mujoco", None), ("exudyn", 1e-2))
     table = as_table(*(row for scene in scenes for row in scene_rows(scene, requests)))
     check(table)
     assert table["claim"].notna().all()
-    assert len(judged(table)) > 0.7 * len(table) == 0.7 * 36
+    assert len(judged(table)) > 0.7 * len(table) == 0.7 * 24
 
 
 @pytest.mark.verify
