@@ -1,4 +1,4 @@
-"""Asking for an accuracy delivers it, on scenes that no table of settings was made for."""
+"""Claims hold, on scenes that no table of settings was made for."""
 
 import dataclasses
 import itertools
@@ -10,25 +10,26 @@ import pandas as pd
 import pytest
 
 import cases.accuracy_campaign
-from cases.accuracy_campaign import ACCURACIES, SEED, Row, campaign, chapter, judged, library_scenes, main, scene_rows, summary
+from cases.accuracy_campaign import ACCURACIES, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
+from cases.claims import chapter, deliveries, judged, left_out, summary
 from cases.library import case_names
-from cases.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
+from cases.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes, sensible_machines
 from cases.store import Store
+from engines.accurate import ESTIMATED
 from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
 from engines.start import standard_start
 
-BAD = [[], ["--random", "0"], ["--random", "-3"], ["--library", "--jobs", "-1"], ["--random", "1", "--accuracy", "1,5"]]
-REFERENCE = tuple(itertools.product(["reference"], ACCURACIES))
+BAD = [[], ["--random", "0"], ["--machines", "-3"], ["--library", "--jobs", "-1"], ["--random", "1", "--accuracy", "1,5"]]
 
 
 def check(table: pd.DataFrame) -> None:
-    """Who says to have reached an accuracy is within it in 95 % of the requests, and within three times in all; who has not, says why."""
-    found = judged(table)
-    for name, group in found[found["reached"]].groupby("engine"):
+    """95 % of an engine's claims hold, all within 1.5 times; who has not reached what was asked, or claims nothing, says why."""
+    for name, group in judged(table).groupby("engine"):
         outside = group[group["ratio"] > 1.0]
         assert len(outside) <= 0.05 * len(group), f"{name}:\n{outside.to_string()}"
-        assert (group["ratio"] <= 3.0).all(), f"{name}:\n{outside.to_string()}"
-    assert (table[~table["reached"]]["remark"] != "").all()
+        assert (group["ratio"] <= 1.5).all(), f"{name}:\n{outside.to_string()}"
+    assert (table[~table["reached"] | table["claim"].isna()]["remark"] != "").all()
+    assert not (table["claim"].isna() & table["reached"] & (table["asked"] != "default")).any()
 
 
 def test_random_scenes_are_sensible_and_the_same_each_time() -> None:
@@ -54,58 +55,102 @@ def test_scenes_of_the_library_are_those_that_the_truth_can_model(monkeypatch: p
     assert [scene.name for scene in library_scenes()] == ["thesis-24"]
 
 
-def test_accuracy_asked_is_delivered_on_five_random_scenes() -> None:
-    requests = (("reference", 1e-2), ("reference", 1e-3), ("exudyn", 1e-2))
-    rows = [row for scene in itertools.islice(random_scenes(SEED), 5) for row in scene_rows(scene, requests, confirm=False)]
-    table = pd.DataFrame([dataclasses.asdict(row) for row in rows])
+def test_claims_hold_on_two_random_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A quarter of a second of each, and a chain that leaves some 1e-3 to confirm the truth."""
+    monkeypatch.setattr(cases.accuracy_campaign, "CHAINS", (27,))
+    scenes = [dataclasses.replace(scene, duration=0.25) for scene in itertools.islice(random_scenes(SEED), 2)]
+    requests = (("reference", 1e-2), ("mujoco", None), ("exudyn", 1e-2))
+    table = as_table(*(row for scene in scenes for row in scene_rows(scene, requests)))
     check(table)
-    coarse = table[table["asked"] == 1e-2]
-    assert coarse["reached"].all()
-    assert len(judged(coarse)) == len(coarse) == 10
+    assert table["claim"].notna().all()
+    assert len(judged(table)) > 0.7 * len(table) == 0.7 * 36
 
 
 @pytest.mark.verify
-def test_accuracy_asked_is_delivered(record_property: Callable[[str, object], None]) -> None:
+def test_claims_hold(record_property: Callable[[str, object], None]) -> None:
     table, broken = campaign(_full(), Store())
-    assert not broken
-    found = summary(table)
+    found, delivered, unknown = summary(table), deliveries(table), left_out(table)
     text = (
-        "Error of the tip deflection over the accuracy asked for, in runs that say to have reached it; truth, scenes and what is judged: "
-        "cases/accuracy_campaign.py."
+        "Errors over what the engines claim, column by column; truth, scenes and what is judged: cases/accuracy_campaign.py and"
+        " cases/claims.py."
     )
-    record_property("chapter", chapter(found, "Asked and achieved", text))
-    record_property("chapter", chapter(table.drop(columns="confirmation"), "Asked and achieved, request by request", ""))
+    record_property("chapter", chapter(found, "Claims and errors", text))
+    record_property("chapter", chapter(delivered, "What is claimed, and what it takes", "Scenes that are not violent."))
+    record_property("chapter", chapter(unknown, "Columns that cannot be judged", "Violent scenes, and truths not known well enough."))
+    assert not broken
     check(table)
-    # an engine that never says to have reached anything would pass the above
-    coarse = judged(table).query("asked >= 1e-3")
-    assert coarse["reached"].mean() > 0.95
-    # a second formulation meets the truth within its own error, some 1e-4 in run 24 and up to tenfold in scenes as stiff or as wild
-    confirmed = table.drop_duplicates("scene")["confirmation"].dropna()
-    assert confirmed.median() < 3e-4
-    assert (confirmed < 0.01).mean() > 0.9
+    assert set(found["engine"]) == set(ENGINES)
+    assert (delivered[delivered["asked"] == "default"]["claimed"] >= 0.9).all()
+    # what could be judged is most of it
+    assert len(judged(table)) > 0.7 * len(table)
 
 
-def _full() -> list[tuple[Scene, tuple[tuple[str, float], ...]]]:
-    """The library and fifty random scenes; the finest accuracy is asked of `exudyn` in every fourth, a run there takes half a minute."""
-    scenes = [*library_scenes(), *itertools.islice(random_scenes(SEED), 50)]
-    asked = []
-    for number, scene in enumerate(scenes):
-        finest = ACCURACIES if number % 4 == 3 else ACCURACIES[:-1]
-        asked.append((scene, (*REFERENCE, *itertools.product(["exudyn"], finest))))
-    return asked
+def _full() -> list[tuple[Scene, tuple[tuple[str, float | None], ...]]]:
+    scenes = itertools.chain(library_scenes(), itertools.islice(sensible_machines(SEED), 40))
+    return [(scene, tuple(itertools.product(ENGINES, ACCURACIES))) for scene in scenes]
 
 
 def row(**changes: object) -> Row:
-    known = Row(scene="a", condition=1.0, engine="reference", asked=1e-2, truth_error=1e-5, confirmation=None)
-    return dataclasses.replace(known, **({"estimate": 8e-3, "achieved": 5e-3, "reached": True} | changes))  # type: ignore[arg-type]
+    known = Row(
+        scene="a",
+        condition=1.0,
+        engine="reference",
+        asked="0.01",
+        column="strain_1",
+        claim=8e-3,
+        error=4e-3,
+        reached=True,
+        truth_error=1e-5,
+        confirmation=2e-3,
+        confirmed_by="mujoco",
+    )
+    return dataclasses.replace(known, **changes)  # type: ignore[arg-type]
 
 
-def test_summary_counts_what_is_judged() -> None:
-    rows = [row(), row(achieved=2e-2), row(achieved=3e-2, reached=False, remark="no"), row(truth_error=4e-3), row(achieved=None)]
-    (line,) = summary(pd.DataFrame([dataclasses.asdict(each) for each in rows])).to_dict("records")
-    assert (line["judged"], line["say so"], line["within"]) == (3, 2, 1)
-    assert line["worst achieved / asked"] == pytest.approx(2.0)
-    assert line["least estimate / achieved"] == pytest.approx(8e-3 / 3e-2)
+def as_table(*rows: Row) -> pd.DataFrame:
+    return pd.DataFrame([dataclasses.asdict(each) for each in rows])
+
+
+def test_summary_counts_the_claims_whose_truth_is_known_and_confirmed() -> None:
+    unknown = (
+        row(claim=None, remark="no claim"),
+        row(error=None, remark="no run"),
+        row(truth_error=4e-3),
+        row(condition=2.0 * LARGEST_CONDITION),
+        row(confirmation=0.1),
+        row(confirmation=None),
+    )
+    # a claim below what is known of the truth is judged where the error is above it
+    table = as_table(row(), row(error=1.2e-2), row(claim=1e-6, error=5e-6, truth_error=1e-6), *unknown)
+    (line,) = summary(table).to_dict("records")
+    assert (line["claims"], line["hold"]) == (3, pytest.approx(1 / 3))
+    assert line["worst error / claim"] == pytest.approx(5.0)
+    assert line["median claim / error"] == pytest.approx(2.0 / 3.0)
+    with pytest.raises(AssertionError):
+        check(table)
+
+
+def test_deliveries_count_scenes_with_a_claim_in_every_column() -> None:
+    rows = [row(scene=scene, column=column, solve_seconds=1.0, total_seconds=3.0) for scene in "ab" for column in ESTIMATED]
+    rows[-1] = dataclasses.replace(rows[-1], claim=None, reached=False)
+    (line,) = deliveries(as_table(*rows)).to_dict("records")
+    assert (line["scenes"], line["ran"], line["claimed"], line["reached"]) == (2, 2, 0.5, 0.5)
+    assert (line["median solve [s]"], line["median total [s]"]) == (1.0, 3.0)
+
+
+def test_what_is_not_judged_is_listed_once() -> None:
+    table = as_table(
+        row(), row(engine="exudyn", truth_error=1e-3), row(column="strain_2", confirmation=0.5), row(scene="b", condition=99.0)
+    )
+    listed = left_out(table)
+    assert list(zip(listed["scene"], listed["column"], strict=True)) == [("a", "strain_2"), ("b", "strain_1")]
+
+
+def test_claim_that_is_missing_must_say_why_and_must_not_be_reached() -> None:
+    check(as_table(row(claim=None, asked="default", remark="because")))
+    for bad in (row(claim=None, reached=False), row(claim=None, remark="because")):
+        with pytest.raises(AssertionError):
+            check(as_table(bad))
 
 
 def test_process_that_broke_down_is_named_and_the_others_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -113,7 +158,7 @@ def test_process_that_broke_down_is_named_and_the_others_are_kept(monkeypatch: p
     monkeypatch.setattr(cases.accuracy_campaign, "results", lambda *_: documents)
     table, broken = campaign([], Store(tmp_path))
     assert broken == ["b: killed by SIGSEGV"]
-    assert table.to_dict("records") == [dataclasses.asdict(row())]
+    assert Row(**table.to_dict("records")[0]) == row()  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("arguments", BAD)
@@ -138,7 +183,9 @@ def test_command_line_writes_what_it_computed_and_continues(
     arguments = ["--random", "1", "--engine", "reference", "--accuracy", "1e-2", "--no-confirmation", "--output", str(tmp_path / "a.csv")]
     assert main(arguments) == 0
     first = (tmp_path / "a.csv").read_bytes()
-    assert pd.read_csv(tmp_path / "a.csv")["achieved"].item() < 1e-2
+    written = pd.read_csv(tmp_path / "a.csv")
+    assert list(written["column"]) == list(ESTIMATED)
+    assert (written["error"] < 1e-2)[0]
     assert "reference" in capsys.readouterr().out
     monkeypatch.setattr("cases.stored_jobs.run_jobs", lambda jobs, *_: (pytest.fail("computed again") for _ in jobs))
     assert main(arguments) == 0
@@ -147,13 +194,15 @@ def test_command_line_writes_what_it_computed_and_continues(
 
 def test_campaign_without_any_row_has_an_empty_table(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(cases.accuracy_campaign, "results", lambda *_: {("scene", "a"): ({"rows": []}, {})})
-    table, _ = campaign([], Store(tmp_path))
+    table, broken = campaign([], Store(tmp_path))
+    assert broken == ["a: no truth"]
     assert table.empty
     assert summary(table).empty
+    assert left_out(table).empty
 
 
 def test_chapter_has_a_value_per_column() -> None:
-    found = chapter(pd.DataFrame([dataclasses.asdict(row(remark="x"))]), "title", "text")
+    found = chapter(as_table(row(remark="x", confirmation=None)), "title", "text")
     (line,) = found["rows"]
     assert len(line) == len(found["columns"])
     assert line[found["columns"].index("reached")] == "yes"
