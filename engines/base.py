@@ -8,7 +8,7 @@ time, the cause and what to try, and carries what was computed up to then.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,12 @@ from reference_model.mechanism import Mechanism
 LADDER_ACCURACIES: Final = tuple(float(accuracy) for accuracy in np.geomspace(0.5, 2e-5, 45))
 if TYPE_CHECKING:
     from engines.follower import FollowerEngine
+
+#: What an engine's error estimate is an estimate of. "total": of the whole distance from the solution of the scene, so that it can be
+#: held against other engines. "integration": of the distance from the solution of the engine's own equations, whose discretization is
+#: its model; how far that model is off is not estimated. "unverified": of the whole distance, but nobody has measured that it holds.
+EstimateOf = Literal["total", "integration", "unverified"]
+ESTIMATES: Final[tuple[EstimateOf, ...]] = get_args(EstimateOf)
 
 
 class Refusal(Exception):
@@ -135,6 +141,7 @@ class Engine(ABC):
     method: ClassVar[str]  # one line, for `quickreturn engines` and the report
     compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
     default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
+    estimates: ClassVar[EstimateOf] = "total"  # what the error estimate is an estimate of
     settings_type: ClassVar[type[AnySettings]]
 
     @abstractmethod

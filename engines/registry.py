@@ -16,7 +16,7 @@ from typing import ClassVar, Final, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
+from engines.base import ESTIMATES, Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.settings import Settings as AnySettings
 from engines.start import Start
 from reference_model.mechanism import Mechanism
@@ -96,6 +96,8 @@ def _loaded(name: str, load: Callable[[], object]) -> Engine:
         found = kind()
         if found.name != name:
             return _missing(name, f'its class calls itself "{found.name}"')
+        if found.estimates not in ESTIMATES:
+            return _missing(name, f'its class states estimates = "{found.estimates}"; accepted: {", ".join(ESTIMATES)}')
     except Exception as error:  # whatever a foreign module does on import must not disable the other engines
         return _missing(name, f"it cannot be loaded ({type(error).__name__}: {_first_line(error)})")
     return found

@@ -50,6 +50,7 @@ class FixedShapesEngine(FixedShapeModelEngine):
     name = "fixed-shapes"
     method = "pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853"
     default_accuracy = 1e-3
+    estimates = "unverified"
     settings_type = FixedShapesSettings
     integrator = "DOP853"
     recovers = True

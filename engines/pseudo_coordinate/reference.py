@@ -220,6 +220,7 @@ class _SoftJoint(StiffSpringEngine):
     """The model of `stiff-spring`, whose refusals name the engine that was asked for."""
 
     name = "reference"
+    estimates = ReferenceEngine.estimates
 
 
 _COMPLIANT: Final = _SoftJoint()

@@ -34,11 +34,12 @@ class ThesisSettings(Settings):
 
 
 class ThesisEngine(FixedShapeModelEngine):
-    """The thesis' model as published: its discretization is the model, so the accuracy asked is that of the integration."""
+    """The thesis' model as published. Its discretization is the model: accuracy asked and error estimate are the integration's."""
 
     name = "thesis"
     method = "pseudo-coordinate at the coupler, one cubic, second-order foreshortening, LSODA (the thesis as published)"
     default_accuracy = 1e-3
+    estimates = "integration"
     settings_type = ThesisSettings
     integrator = "LSODA"
     recovers = False

@@ -4,12 +4,13 @@ import math
 import time
 from abc import abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from engines.base import Engine, EngineFailure, ModelDescription, Refusal
+from engines.base import Engine, EngineFailure, EstimateOf, ModelDescription, Refusal
 from engines.follower import FollowerEngine
 from engines.rivals.simulation import OpenLoopSimulation
 from engines.settings import Settings, setting
@@ -51,6 +52,7 @@ class RivalEngine(Engine):
     """An engine whose loop is open: q2 is a coordinate of its own, the slider's constraint a force."""
 
     compiles = True
+    estimates: ClassVar[EstimateOf] = "unverified"
 
     @abstractmethod
     def shapes(self, mechanism: Mechanism, settings: Settings) -> ShapeSet:
