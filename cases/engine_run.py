@@ -1,27 +1,30 @@
 """What is stored of one engine on one scene: its steady cycle and the measures taken on it."""
 
-import dataclasses
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cases.cycle_estimates import measured_pair, with_estimates
 from cases.fingerprint import SIMULATION, code_fingerprint
-from cases.measures import CHANNELS, measure_cycle, time_scale
+from cases.marching import Columns
+from cases.measures import CHANNELS, CycleMeasures, measure_cycle, time_scale
 from cases.steady_run import INACCURATE, SETTLED, SteadyRun, Task, steady_run
 from cases.store import key_of
 from engines.registry import MAIN, engine
 
 #: What the measures depend on besides what the simulation does.
-PARTS: Final = (*SIMULATION, "cases.measures", "cases.steady_run", "cases.engine_run")
+PARTS: Final = (
+    *SIMULATION,
+    *(f"cases.{module}" for module in ("measures", "orbit", "marching", "steady_run", "cycle_estimates", "engine_run")),
+)
 
 
 def task_key(task: Task) -> str:
     """Key under which the result of a task is stored: scene, engine, settings, versions and code.
 
     Raises:
-        TypeError: the task holds a start that cannot be told apart from another by its content.
+        TypeError: the task begins in a state that cannot be told apart from another by its content.
     """
     chosen = engine(task.engine)
     foreign = None if task.engine in MAIN or chosen.unavailable() else chosen
@@ -30,14 +33,21 @@ def task_key(task: Task) -> str:
 
 
 def engine_run(task: Task) -> SteadyRun:
-    """`steady_run` with the measures of the last cycle in the document, under "measures" and "consensus"."""
+    """`steady_run` with the measures of the last cycle in the document, under "measures" and "consensus", and their estimates.
+
+    "unestimated" says why there are no estimates, "" if there are.
+    """
     run = steady_run(task)
-    measured: dict[str, Any] = {"measures": [], "consensus": []}
+    measured: dict[str, Any] = {"measures": [], "consensus": [], "unestimated": run.unestimated}
     if run.document["status"] in (SETTLED, INACCURATE):
-        channels = {name: run.cycle[name] for name in CHANNELS}
-        found = measure_cycle(time_scale(task.mechanism), run.cycle["time"], run.cycle["crank_angle"], channels)
-        measured["measures"] = [dataclasses.asdict(measure) for measure in found.measures]
-        measured["consensus"] = [dataclasses.asdict(consensus) for consensus in found.consensus]
+        scale, known = time_scale(task.mechanism), dict[int, CycleMeasures]()
+
+        def measures_of(cycle: Columns) -> CycleMeasures:
+            if id(cycle) not in known:  # a run may stand in several pairs
+                known[id(cycle)] = measure_cycle(scale, cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS})
+            return known[id(cycle)]
+
+        measured |= with_estimates(measures_of(run.cycle), [measured_pair(pair, measures_of) for pair in run.pairs])
     return SteadyRun({**run.document, **measured}, run.cycle)
 
 
@@ -46,7 +56,7 @@ class EngineRun:
     """One engine on one case, as read back from the store or just computed; see `steady_run` and `engine_run` for the document."""
 
     document: dict[str, Any]
-    cycle: dict[str, NDArray[np.float64]]
+    cycle: Columns
 
     @property
     def engine(self) -> str:
