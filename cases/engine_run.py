@@ -73,6 +73,27 @@ class EngineRun:
         """Whether there is a settled cycle with measures."""
         return self.status in (SETTLED, INACCURATE)
 
+    @property
+    def start(self) -> str | None:
+        """Where it began: one of the starts of `cases.steady_run`; None if it did not begin."""
+        found = self.document["start"]
+        return None if found is None else str(found)
+
+    @property
+    def estimate_of(self) -> str:
+        """What its estimates are estimates of: see `engines.base.Engine.estimates`."""
+        return str(self.document["estimate_of"])
+
+    @property
+    def unestimated(self) -> str:
+        """Why there are no estimates of its measures (a clause), "" if there are."""
+        return str(self.document["unestimated"])
+
+    def has_frequency(self, half: str, channel: str) -> bool:
+        """Whether it resolves a channel's first mode in a half, and has an estimate of the frequency's error."""
+        measure = self.measure(half, channel)
+        return measure is not None and measure["first_mode_frequency_estimate"] is not None
+
     def measure(self, half: str, channel: str) -> dict[str, Any] | None:
         """The measure of a half and channel, or None if there is none."""
         for measure in self.document["measures"]:

@@ -93,6 +93,7 @@ def _of_the_machine(outcome: Outcome, task: Task) -> EngineRun:
 def _failed(task: Task, cause: str) -> EngineRun:
     document: dict[str, Any] = {
         "engine": task.engine,
+        "estimate_of": engine(task.engine).estimates,
         "status": FAILED,
         "remark": cause,
         "cause": cause,
@@ -100,7 +101,10 @@ def _failed(task: Task, cause: str) -> EngineRun:
         "cycles": 0,
         "solve_seconds": None,
         "start": None,
+        "settling": None,
+        "settling_error": None,
         "measures": [],
         "consensus": [],
+        "unestimated": cause,
     }
     return EngineRun(document, {})
