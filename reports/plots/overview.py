@@ -74,7 +74,7 @@ def _frequencies(axes: Axes, row: int, result: CaseResult, name: str) -> None:
     if run is None or reference is None:
         return
     for half in HALVES:
-        pair = values(run, reference, "consensus_frequency", half, None)
+        pair = values(run, reference, CONSENSUS, half, None)
         if pair is not None:
             value, wanted = pair
             style = look(name)
@@ -163,7 +163,7 @@ def _handles(engines: Sequence[str], results: Sequence[CaseResult]) -> list[Arti
                 marker=style.marker,
                 color=style.colour,
                 markersize=MARKER,
-                label=f"{name}: {_short(results, name)}",
+                label=_short(results, name),
             )
         )
     for half, face in (("pre", GREY), ("post", "white")):
@@ -180,7 +180,7 @@ def _handles(engines: Sequence[str], results: Sequence[CaseResult]) -> list[Arti
 
 
 def _short(results: Sequence[CaseResult], name: str) -> str:
-    """An engine's verdict in a few words."""
+    """An engine and its verdict in a few words."""
     checks = [check for result in results for check in result.checks if check.engine == name]
     beyond = sum(not check.passed for check in checks)
-    return f"departs in {beyond} of {len(checks)} numbers" if checks else "not judged"
+    return f"{name}: departs in {beyond or 'none'} of {len(checks)} numbers" if checks else f"{name}: not judged"

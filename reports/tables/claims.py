@@ -73,9 +73,8 @@ def cause(result: CaseResult, check: Check) -> str:
     found = []
     if check.quantity in EXTREMES and _slider_at_gauge(result, check):
         found.append("at this instant the slider passes the gauge, where the curvature has a kink that elements and links round off")
-    for name in (check.engine, check.other):
-        if not result.runs[name].document["reached"]:
-            found.append(f"{name} does not reach the accuracy asked, by its own estimate")
+    missed = [name for name in (check.engine, check.other) if not result.runs[name].document["reached"]]
+    found += [f"{name} does not reach the accuracy asked, by its own estimate" for name in missed]
     if abs(check.difference) < (1.0 + MARGINAL) * check.tolerance:
         found.append(f"marginal: beyond the tolerance by less than {MARGINAL:.0%} of it")
     return "; ".join(found) or "not explained by the numbers at hand"
