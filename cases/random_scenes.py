@@ -1,6 +1,6 @@
-"""Scenes drawn at random around the thesis' mechanism, for checks that must not know the scene beforehand.
+"""Scenes drawn at random, for checks that must not know the scene beforehand: around the thesis' mechanism, and sensible machines.
 
-Every quantity is drawn, most of them over a factor of three to thirty. Kept are sensible scenes: the slider stays on the follower's
+Every quantity is drawn, most of them over a factor of three to thirty or more. Kept are sensible scenes: the slider stays on the follower's
 inner 98 %, the tip deflects by less than an eighth of the follower's length, and the motion is well conditioned. Violent scenes are
 not: they magnify a change of the bending stiffness so much that models of any fineness disagree by more than they err.
 """
@@ -20,11 +20,17 @@ from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettin
 from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
+from reference_model.natural_modes import stiffness_ratio
 
 OUTPUT_STEP: Final = 1e-3  # s
 LARGEST_SLIDER_POSITION: Final = 0.98  # of the follower's length
 LARGEST_DEFLECTION: Final = 0.125  # of the follower's length
 LARGEST_CONDITION: Final = 50.0  # run 24 has 13 over 2 s; at twice its crank speed 80
+LEAST_STIFFNESS_RATIO: Final = 5.0  # first bending frequency over the crank's; run 24 has 4.1
+MACHINE_DURATION: Final = 2.0  # s
+
+#: Young's modulus (Pa), density (kg/m^3).
+MATERIALS: Final = {"steel": (210e9, 7850.0), "aluminium": (70e9, 2700.0), "plastic": (3e9, 1200.0)}
 
 #: Judges whether a scene is sensible; a few percent of error do no harm there.
 _JUDGE: Final = ReferenceSettings(modes=4, tolerance=1e-7)
@@ -56,6 +62,24 @@ def random_scenes(seed: int) -> Iterator[Scene]:
     while True:
         mechanism, duration = _mechanism(generator), _duration(generator)
         scene = _judged(f"random-{number + 1:02d}", mechanism, duration)
+        if scene is not None:
+            number += 1
+            yield scene
+
+
+def sensible_machines(seed: int) -> Iterator[Scene]:
+    """Machines such as an engineer would bring, without end, the same ones for the same seed.
+
+    Stroke of the tip 30 mm to 1.5 m, arm of steel, aluminium or plastic, 10 to 300 times as long as thick, crank at 5 to 600 rpm, tip
+    body of 0 to 5 times the arm's mass, driven and prescribed. Beside the criteria of `random_scenes` the first bending frequency must be
+    five times the crank's or more wherever the crank is held.
+    """
+    generator, number = np.random.default_rng(seed), 0
+    while True:
+        mechanism = _machine(generator)
+        if stiffness_ratio(mechanism) < LEAST_STIFFNESS_RATIO:
+            continue
+        scene = _judged(f"machine-{number + 1:03d}", mechanism, MACHINE_DURATION)
         if scene is not None:
             number += 1
             yield scene
@@ -139,6 +163,55 @@ def _mechanism(generator: Generator) -> Mechanism:
         tip=Tip(mass=tip_mass, inertia=tip_mass * radius**2, center_of_mass=sometimes(uniform(0.0, 0.03))) if uniform() < 0.8 else None,
         slider=Slider(mass=sometimes(between(0.01, 0.3))),
         gravity=(gravity * math.cos(direction), gravity * math.sin(direction)),
+    )
+
+
+def _machine(generator: Generator) -> Mechanism:
+    """A machine whose parts fit together."""
+    uniform = generator.uniform
+
+    def between(low: float, high: float) -> float:  # evenly over the orders of magnitude
+        return float(math.exp(uniform(math.log(low), math.log(high))))
+
+    stroke, swing, reach = between(0.03, 1.5), uniform(0.15, 0.6), uniform(0.6, 0.97)
+    length = stroke / (2.0 * swing)  # the tip swings by asin(crank length / pivot distance) to either side
+    pivot_distance = reach * length / (1.0 + swing)
+    crank_length = swing * pivot_distance
+    modulus, density = MATERIALS[generator.choice(tuple(MATERIALS))]
+    thickness = length / between(10.0, 300.0)
+    width = thickness * uniform(1.0, 5.0)
+    mass_per_length, bending_stiffness = density * width * thickness, modulus * width * thickness**3 / 12.0
+    arm = mass_per_length * length
+    tip_mass = arm * uniform(0.0, 5.0) if uniform() < 0.75 else 0.0
+    speed = between(5.0, 600.0) * math.pi / 30.0 * (1.0 if uniform() < 0.8 else -1.0)
+    base_inertia = 0.01 * arm * length**2 * uniform(0.0, 1.0)
+    # half to thirty times what the follower's inertia amounts to at the crank, turning on within 0.3 to 3 time constants a cycle
+    inertia = between(0.5, 30.0) * (arm / 3.0 + tip_mass) * length**2 * swing**2
+    damping = inertia * abs(speed) / (2.0 * math.pi) * between(0.3, 3.0)
+    prescribed = uniform() < 0.5
+    # what lies in a vertical plane would swing on a weak motor rather than turn
+    gravity = 9.81 if prescribed and uniform() < 0.5 else 0.0
+    # 0.2 to 3 % of critical in the first bending vibration of a clamped arm, about
+    rate = 3.52 * math.sqrt(bending_stiffness / mass_per_length) / length**2
+    return Mechanism(
+        pivot_distance=pivot_distance,
+        crank=Crank(
+            length=crank_length,
+            drive=PrescribedSpeed(speed=speed) if prescribed else TorqueDrive(torque=damping * speed, damping=damping, initial_speed=speed),
+            inertia=inertia,
+        ),
+        base=Base(inertia=base_inertia),
+        follower=Follower(
+            length=length,
+            mass_per_length=mass_per_length,
+            bending_stiffness=bending_stiffness,
+            thickness=thickness,
+            width=width,
+            damping=2.0 * between(0.002, 0.03) * rate * mass_per_length,
+            strain_gauges=(0.25 * length, 0.5 * length, 0.75 * length),
+        ),
+        tip=Tip(mass=tip_mass, inertia=tip_mass * (length * uniform(0.01, 0.08)) ** 2) if tip_mass else None,
+        gravity=(0.0, -gravity),
     )
 
 

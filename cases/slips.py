@@ -28,8 +28,10 @@ _ON_PAPER: Final = (
     (r"⁴", "^4"),
     (r"°", "deg"),
     (r"[\"″]", "in"),
-    (r"^1/", "rad/"),
 )
+
+#: Turns in a time as on paper, "1/min", "rev/min", "U/min" or "revolutions per minute"; the group is the time.
+_TURNS_IN: Final = re.compile(r"(?:1|[ru]|tr|revs?|revolutions?|rot|rotations?)?\s*(?:/|\bper\b)\s*([a-z]+)", re.IGNORECASE)
 
 
 def in_number(text: str) -> str:
@@ -37,6 +39,12 @@ def in_number(text: str) -> str:
     if not text:
         return "is empty"
     return next((problem for slip, problem in _IN_NUMBERS if re.match(slip, text, re.IGNORECASE)), "does not begin with a number")
+
+
+def frequency_meant(unit: str) -> str:
+    """The unit without the name of what is counted: "1/min" and "rev/min" as "min^-1"; others as they are."""
+    found = _TURNS_IN.fullmatch(unit)
+    return f"{found[1].lower()}^-1" if found else unit
 
 
 def units_meant(unit: str) -> Iterator[str]:

@@ -88,10 +88,11 @@ _NEEDED: Final = (
     LENGTH, MASS, TIME, ANGLE, ANGULAR_SPEED, ACCELERATION, TORQUE, MOMENT_OF_INERTIA, ROTARY_DAMPING, MASS_PER_LENGTH,
     BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING,
 )  # fmt: skip
+_FREQUENCY: Final = (0, 0, -1, 0)
 #: Names for what is given by mistake, by exponents.
 _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
     (0, 0, 0, 0): "a pure number",
-    (0, 0, -1, 0): "a frequency",
+    _FREQUENCY: "a frequency",
     (1, 0, -1, 0): "a velocity",
     (2, 0, 0, 0): "an area",
     (3, 0, 0, 0): "a volume",
@@ -134,9 +135,9 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
     try:
         factor, exponents = _read_unit(unit)
     except _UnitError as wrong:
-        raise QuantityError(f"{wrong}{_meant(unit, dimension) or wrong.rule}", accepted) from None
+        raise QuantityError(f"{wrong}{_meant(number, unit, dimension) or wrong.rule}", accepted) from None
     if not dimension.accepts(exponents):
-        reason = _pounds(unit, dimension) or _meant(unit, dimension)
+        reason = _pounds(unit, dimension) or _meant(number, unit, dimension)
         raise QuantityError(f"is {_name(exponents)}{reason}, but {dimension.name} is needed", accepted)
     return _to_si(number, factor)
 
@@ -200,10 +201,25 @@ def _measures(unit: str, dimension: Dimension) -> bool:
         return False
 
 
-def _meant(unit: str, dimension: Dimension) -> str:
+def _meant(number: str, unit: str, dimension: Dimension) -> str:
     """The unit that is probably meant, as a clause, or ""."""
+    if dimension is ANGULAR_SPEED and (turning := _turning(number, unit)):
+        return f" (perhaps meant as {turning})"
     found = next((meant for meant in slips.units_meant(unit) if _measures(meant, dimension)), None)
     return f' (perhaps meant as "{found}")' if found else ""
+
+
+def _turning(number: str, unit: str) -> str:
+    """A speed given as a frequency, in rpm; "" if it is none. Only "1/s" and its like may stand for radians as well as for turns."""
+    try:
+        factor, exponents = _read_unit(slips.frequency_meant(unit))
+    except _UnitError:
+        return ""
+    turns_per_minute = 60.0 * float(number) * float(factor)
+    if exponents != _FREQUENCY or not math.isfinite(turns_per_minute):
+        return ""
+    radians = f' or "{number} rad/s"' if unit.lstrip("1/ ").startswith("s") else ""
+    return f'"{turns_per_minute:.9g} rpm"{radians}'
 
 
 def _pounds(unit: str, dimension: Dimension) -> str:

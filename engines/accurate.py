@@ -18,7 +18,7 @@ from typing import Final, Generic
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import EngineFailure, ModelDescription, Refusal
+from engines.base import EngineFailure, EstimateOf, ModelDescription, Refusal
 from engines.settings import SettingError, Settings
 from engines.solver import S, Solver
 from engines.start import Start
@@ -42,7 +42,8 @@ class Result:
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
         error_estimates: the same for each of `ESTIMATED`; None where unknown or where the column is zero throughout.
-        reached: False if the estimate misses the accuracy, or if it is unknown although an accuracy was asked explicitly.
+        estimate_of: what the two are estimates of.
+        reached: False if the estimate misses the accuracy, or if it is unknown or not verified although an accuracy was asked explicitly.
         remark: why not reached or not estimated (a sentence), "" if all is well.
         setup_seconds: building the model of the delivered run.
         solve_seconds: solving the delivered run.
@@ -56,6 +57,7 @@ class Result:
     accuracy: float | None
     error_estimate: float | None
     error_estimates: dict[str, float | None]
+    estimate_of: EstimateOf
     reached: bool
     remark: str
     setup_seconds: float
@@ -254,8 +256,13 @@ class _Runs(Generic[S]):
             reached = not asked
         elif target is not None and judged.estimate is not None and judged.estimate > target:
             reached = False
-            missed = f"the estimated error {judged.estimate:.2g} misses the accuracy {target:g}"
+            error = "integration error" if self.engine.estimates == "integration" else "error"
+            missed = f"the estimated {error} {judged.estimate:.2g} misses the accuracy {target:g}"
             remark = f"{missed}; {remark}" if remark else missed
+        elif asked and self.engine.estimates == "unverified":
+            reached = False
+            within = f"the estimated error {judged.estimate:.2g} is within the accuracy {target:g}, but estimates of {self.engine.name}"
+            remark = f"{within} are not verified; ask an engine whose estimates are, such as reference"
         total = time.perf_counter() - self._begin
         delivered = judged.setup_seconds + judged.trajectory.solve_seconds
         return Result(
@@ -264,6 +271,7 @@ class _Runs(Generic[S]):
             accuracy=target,
             error_estimate=judged.estimate,
             error_estimates=judged.estimates,
+            estimate_of=self.engine.estimates,
             reached=reached,
             remark=remark,
             setup_seconds=judged.setup_seconds,

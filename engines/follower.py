@@ -5,7 +5,7 @@ What it simulates begins straight and at rest, and has no cycle: there are traje
 
 from abc import ABC, abstractmethod
 
-from engines.base import Comparison, Engine, ModelDescription, Simulation
+from engines.base import Comparison, Engine, EstimateOf, ModelDescription, Simulation
 from engines.settings import Settings
 from reference_model.mechanism import FollowerAlone
 
@@ -34,6 +34,11 @@ class FollowerEngine(ABC):
     def default_accuracy(self) -> float:
         """The engine's."""
         return self.engine.default_accuracy
+
+    @property
+    def estimates(self) -> EstimateOf:
+        """The engine's."""
+        return self.engine.estimates
 
     def check(self, scene: FollowerAlone) -> None:  # noqa: B027  # accepting everything is a choice, not an oversight
         """Raise `Refusal` if a feature of the scene cannot be modelled; the default accepts all there are."""

@@ -2,7 +2,7 @@
 
 from typing import Any, Protocol, TypeVar
 
-from engines.base import Comparison, ModelDescription, Simulation
+from engines.base import Comparison, EstimateOf, ModelDescription, Simulation
 from engines.settings import Settings
 from reference_model.mechanism import Scene
 
@@ -24,6 +24,10 @@ class Solver(Protocol[S_in]):
     @property
     def default_accuracy(self) -> float:
         """Error of the tip deflection that the default settings aim at."""
+
+    @property
+    def estimates(self) -> EstimateOf:
+        """What the error estimate is an estimate of."""
 
     def check(self, scene: S_in, /) -> None:
         """Raise `Refusal` if a feature of the scene cannot be modelled."""

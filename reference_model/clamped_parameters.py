@@ -105,7 +105,7 @@ def clamped_workspace(p: ClampedParameters) -> ClampedWorkspace:
     """Scratch arrays for a scene."""
     size, n = len(p.x) + 1, p.n
     return ClampedWorkspace(
-        slider=np.zeros(1),
+        slider=np.zeros(2),
         angle=np.zeros(size),
         turn=np.zeros(size),
         e=np.zeros(size, complex),

@@ -25,6 +25,11 @@ _A = np.vstack([np.hstack([DOP853.A, np.zeros((STAGES, 4))]), np.zeros((1, 16)),
 _A[STAGES, :STAGES] = DOP853.B
 _E3, _E5, _D = (np.ascontiguousarray(a) for a in (DOP853.E3, DOP853.E5, DOP853.D))
 
+#: Largest step times the highest angular frequency that the equations have. On the imaginary axis DOP853 damps an oscillation to 0.70 to
+#: 0.75 of itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond; without a ceiling steps creep past that again and
+#: again, and the acceleration rings as loud as the tolerance lets it (DERIVATION.md, section 6).
+CEILING: Final = 5.7
+
 #: A right-hand side: writes dy/dt of a state to its last argument; False where the state cannot be.
 Equations = Callable[[Any, Any, NDArray[np.float64], NDArray[np.float64]], bool]
 
@@ -54,19 +59,20 @@ class Integration:
 def error_scales(p: AnyParameters, speed: float) -> NDArray[np.float64]:
     """Sizes against which the relative tolerance is taken, one per controlled state: fixed, so that none vanishes.
 
-    A hundredth of the length for coordinates of the shapes (times the root of the follower's mass where the shapes are
+    The scene's `deflection_scale` for coordinates of the shapes (times the root of the follower's mass where the shapes are
     mass-normalised) and that times a characteristic frequency for their rates, a hundredth of the length for the slider, a tenth of
     a radian for the crank and a tenth of its speed. The energies at the end of the state are quadratures and not controlled.
     """
     n, frequency = p.n, 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n else 1.0
-    size = 0.01 * p.L
     crank = [0.1, 0.1 * max(abs(speed), 1.0)]
     if isinstance(p, ClampedParameters):
-        size *= math.sqrt(p.rhoA * p.L)
+        shape = 0.01 * p.L * math.sqrt(p.rhoA * p.L)
+        return np.array([crank[0], *[shape] * n, crank[1], *[shape * frequency] * n])
     if isinstance(p, MovingParameters):
-        shape = size * math.sqrt(p.rhoA * p.L)
-        return np.array([crank[0], *[shape] * n, size, crank[1], *[shape * frequency] * n])
-    return np.array([crank[0], *[size] * n, crank[1], *[size * frequency] * n])
+        shape = p.deflection_scale * math.sqrt(p.rhoA * p.L)
+        return np.array([crank[0], *[shape] * n, 0.01 * p.L, crank[1], *[shape * frequency] * n])
+    shape = p.deflection_scale
+    return np.array([crank[0], *[shape] * n, crank[1], *[shape * frequency] * n])
 
 
 def integrate_dop853(
@@ -104,7 +110,8 @@ def dop853(
     Args:
         equations: the right-hand side of `p` and `w` in Python.
         p: parameters of a model whose equations `right_hand_side` knows in compiled code.
-        w: its workspace; `w.slider[0]` is where the slider is in the state evaluated last, m.
+        w: its workspace; `w.slider` holds where the slider is in the state evaluated last, m, and the highest angular frequency there,
+            rad/s, 0 where nobody knows it.
         y: state at the start; not changed.
         output_step: grid of the output, s.
         intervals: number of output steps.
@@ -207,6 +214,8 @@ def _dop853(
         growth = 5.0 if norm < 1e-12 else min(5.0, 0.9 * norm**-0.125)
         # a step cut at the end of the interval says nothing about the next
         step = max(step, h) if last and h < step else h * (min(growth, 1.0) if rejected else growth)
+        if step * w.slider[1] > CEILING:
+            step = CEILING / w.slider[1]
         rejected = False
     return REACHED_END, rows, t, calls, step
 

@@ -331,6 +331,7 @@ def moving_motion(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Arr
     _remaining_accelerations(p, t, w, y)
     _weigh(p, t, w, s)
     _assemble(p, t, w, y)
+    w.slider[1] = _highest_frequency(p, t, w)
     if p.crank_is_free:
         return _solve_positive(w.reduced, w.acceleration, 0, n + 1)
     w.acceleration[0] = 0.0
@@ -367,6 +368,19 @@ def _assemble(p: MovingParameters, t: SpanTables, w: MovingWorkspace, y: Array) 
         weight = f[ALONG] * (-f[SIN_Q2] * p.gravity_1 + f[COS_Q2] * p.gravity_2)
         weight -= f[ACROSS] * (f[COS_Q2] * p.gravity_1 + f[SIN_Q2] * p.gravity_2)
         w.acceleration[0] += p.torque - p.crank_damping * y[n + 2] + p.crank_moment * weight
+
+
+@inlined
+def _highest_frequency(p: MovingParameters, t: SpanTables, w: MovingWorkspace) -> float:
+    """Bound of the highest angular frequency (rad/s) of small vibrations about the present state (equation 11.13)."""
+    n = p.n
+    square = w.row[KINDS * n * 2 * t.S + n - 1]
+    if not p.crank_is_free:
+        return math.sqrt(square)
+    coupling = 0.0
+    for k in range(1, n + 1):
+        coupling += w.reduced[k, 0] ** 2 / (w.reduced[k, k] * w.reduced[0, 0])
+    return math.sqrt(square / max(1.0 - coupling, 1e-6))
 
 
 @inlined

@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 from reference_model.gauss_points import barycentric_weights, integrals_to_points
 from reference_model.mechanism import Mechanism, PrescribedSpeed, Tip, TorqueDrive
 from reference_model.moving_modes import ModeFamily, mode_family
+from reference_model.rigid import deflection_scale
 
 Array = NDArray[np.float64]
 
@@ -70,6 +71,7 @@ class MovingParameters(NamedTuple):
     thickness: float
     gauges: Array
     reach: float  # m, s at which the slider counts as leaving the follower
+    deflection_scale: float  # m, size that errors of the deflection are measured against
     tables: SpanTables
 
 
@@ -99,7 +101,7 @@ class MovingWorkspace(NamedTuple):
     sigma: Array  # (n + 1,) partial rates of s
     reduced: Array  # (n + 1, n + 1) mass matrix
     acceleration: Array  # (n + 1,)
-    slider: Array  # (1,) s
+    slider: Array  # (2,) s, m; highest angular frequency with the crank free or held, rad/s
     facts: Array  # (11,)
 
 
@@ -115,7 +117,7 @@ def moving_workspace(tables: SpanTables, n: int) -> MovingWorkspace:
         row=np.zeros(tables.coefficients.shape[2]),
         V=np.zeros((n + 1, M)),
         reduced=np.zeros((n + 1, n + 1)),
-        slider=np.zeros(1),
+        slider=np.zeros(2),
         facts=np.zeros(11),
         **{name: np.zeros(shape) for name, shape in shapes.items()},
     )
@@ -199,6 +201,7 @@ def moving_parameters(mechanism: Mechanism, modes: int) -> MovingParameters:
         thickness=follower.thickness,
         gauges=np.array(follower.strain_gauges, dtype=float),
         reach=high - reach.leaving * follower.length,
+        deflection_scale=deflection_scale(mechanism),
         tables=span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1)),
     )
 

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from reference_model.mechanism import FollowerAlone, Mechanism, Tip
+from reference_model.rigid import crank_pace
 
 Array = NDArray[np.float64]
 
+RATIO_ANGLES = 9  # crank angles of half a turn (the other half mirrors it) among which the lowest first frequency is looked for
 SPARE_SHAPES = 8  # shapes per span beyond the number of modes asked: 1e-10 in the frequency of the last of them
 
 
@@ -112,6 +114,16 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
     """
     position = abs(mechanism.crank.length * np.exp(1j * crank_angle) - mechanism.pivot_distance)
     return supported_modes(mechanism, min(position, mechanism.follower.length), count)
+
+
+@cache
+def stiffness_ratio(mechanism: Mechanism) -> float:
+    """Lowest natural frequency with the crank held anywhere over the crank's (`rigid.crank_pace`); infinite if nothing bends."""
+    pace = crank_pace(mechanism)
+    if mechanism.follower.is_rigid or pace == 0.0:
+        return math.inf
+    lowest = min(float(frozen_crank_modes(mechanism, angle, 1).frequencies[0]) for angle in np.linspace(0.0, math.pi, RATIO_ANGLES))
+    return 2.0 * math.pi * lowest / pace
 
 
 def supported_modes(mechanism: Mechanism, slider_position: float, count: int) -> FrozenModes:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_model.mechanism import FollowerAlone, PrescribedSpeed, Scene, Tip
+from reference_model.rigid import deflection_scale
 from reference_model.shapes import ShapeSet
 from reference_model.tables import POINTS, Tables, build_tables
 
@@ -48,6 +49,7 @@ class Parameters(NamedTuple):
     shape_coefficients: NDArray[np.float64]  # (cells, degree + 1, n)
     stiffness: NDArray[np.float64]  # (n, n) N/m: EI int phi'' phi''
     mass_transverse: NDArray[np.float64]  # (n, n) kg: rhoA int phi phi
+    deflection_scale: float  # m, size that errors of the deflection are measured against
 
 
 def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, cells: int, transverse_damping: bool = False) -> Parameters:
@@ -96,6 +98,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
         shape_coefficients=np.ascontiguousarray(shapes.coefficients),
         stiffness=EI * (tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)),
         mass_transverse=follower.mass_per_length * (tables.phi.T @ (tables.weights[:, None] * tables.phi)),
+        deflection_scale=0.01 * follower.length if isinstance(scene, FollowerAlone) else deflection_scale(scene),
     )
 
 
@@ -130,7 +133,7 @@ class Workspace(NamedTuple):
     f_edges: NDArray[np.float64]  # (m + 1, n)
     F_rate: NDArray[np.float64]  # (N,)
     end: NDArray[np.float64]  # (2,) W' and W at x = L
-    slider: NDArray[np.float64]  # (1,) s, m
+    slider: NDArray[np.float64]  # (2,) s, m; highest angular frequency, rad/s: not known here, 0
     H: NDArray[np.float64]  # (N,) int g'' (dW'/dt)^2
     H_edges: NDArray[np.float64]  # (m + 1,)
     integrand: NDArray[np.float64]  # (N,) scratch
@@ -170,7 +173,7 @@ def build_workspace(tables: Tables) -> Workspace:
         f_edges=zeros(m + 1, n),
         F_rate=zeros(N),
         end=zeros(2),
-        slider=zeros(1),
+        slider=zeros(2),
         H=zeros(N),
         H_edges=zeros(m + 1),
         integrand=zeros(N),

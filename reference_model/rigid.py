@@ -4,11 +4,12 @@ Everything is vectorised over the crank angle. It is the limit of infinite bendi
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism, Tip
+from reference_model.mechanism import Mechanism, Tip, TorqueDrive
 
 Array = NDArray[np.float64]
 
@@ -57,6 +58,50 @@ def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
     arm = beam.length + tip.center_of_mass
     inertia = mechanism.base.inertia + beam.mass_per_length * beam.length**3 / 3.0 + tip.inertia + tip.mass * arm**2
     return inertia, 0.5 * beam.mass_per_length * beam.length**2 + tip.mass * arm
+
+
+def crank_pace(mechanism: Mechanism) -> float:
+    """About how fast the crank turns, rad/s: as at the start, or as its damping balances its torque, whichever is faster."""
+    drive = mechanism.crank.drive
+    balanced = abs(drive.torque) / drive.damping if isinstance(drive, TorqueDrive) and drive.damping > 0.0 else 0.0
+    return max(abs(drive.initial_speed), balanced)
+
+
+#: Part of the follower's length that errors of the deflection are measured against where it moves as much as in the thesis' runs ...
+USUAL_SCALE: Final = 0.01
+#: ... and times the static deflection where it moves less.
+STATIC_SCALE: Final = 3.0
+
+
+def deflection_scale(mechanism: Mechanism) -> float:
+    """The size (m) that errors of the deflection are measured against in a scene: what it does, and never more than a fixed size."""
+    usual = USUAL_SCALE * mechanism.follower.length
+    if mechanism.follower.is_rigid:
+        return usual
+    moves = STATIC_SCALE * static_deflection(mechanism, crank_pace(mechanism))
+    return min(usual, max(moves, 1e-12 * usual)) if moves > 0.0 else usual
+
+
+def static_deflection(mechanism: Mechanism, crank_speed: float, angles: int = 48) -> float:
+    """RMS over a turn of the tip deflection (m) that the loads of the rigid motion would cause if they stood still, equation 8.9.
+
+    Args:
+        mechanism: the scene; 0 for a rigid follower.
+        crank_speed: rad/s, constant.
+        angles: crank angles at which it is taken, evenly spaced.
+    """
+    beam, tip = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    L, rhoA, EI = beam.length, beam.mass_per_length, beam.bending_stiffness
+    q1: Array = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
+    motion = rigid_motion(mechanism, q1, crank_speed)
+    force = rigid_kinetostatics(mechanism, q1, crank_speed)[0]
+    s, q2, alpha = motion.slider_position, motion.follower_angle, motion.follower_acceleration
+    across = np.cos(q2) * mechanism.gravity[1] - np.sin(q2) * mechanism.gravity[0]
+    at_tip = tip.mass * (across - (L + tip.center_of_mass) * alpha)
+    deflection = force * s**2 * (3.0 * L - s) / 6.0
+    deflection += rhoA * L**4 * (across / 8.0 - 11.0 * L * alpha / 120.0)
+    deflection += at_tip * L**3 / 3.0 + (at_tip * tip.center_of_mass - tip.inertia * alpha) * L**2 / 2.0
+    return float(np.sqrt(np.mean((deflection / EI) ** 2)))
 
 
 def rigid_kinetostatics(

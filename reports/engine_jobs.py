@@ -55,13 +55,13 @@ def value_of(outcome: Outcome) -> Any:
 
 
 def about(name: str) -> dict[str, Any]:
-    """Name, version, method, and whether the engine can be used here or why not."""
+    """Name, version, method, what the error estimate is of, and whether the engine can be used here or why not."""
     from engines.registry import engine
 
     found = engine(name)
     reason = found.unavailable()
-    version = found.version() if reason is None else None
-    return {"name": name, "version": version, "method": found.method, "available": reason is None, "reason": reason}
+    usable = {"version": found.version() if reason is None else None, "estimate_of": found.estimates if reason is None else None}
+    return {"name": name, "method": found.method, **usable, "available": reason is None, "reason": reason}
 
 
 def settings(name: str) -> dict[str, Any]:
@@ -94,14 +94,15 @@ def model(name: str, scene: "Scene") -> dict[str, Any]:
 
 
 def modes(name: str, mechanism: "Mechanism", crank_angle: float, count: int, texts: Mapping[str, str]) -> dict[str, Any]:
-    """Natural frequencies (Hz) with the crank held at `crank_angle` (rad). Raises as `Engine.natural_frequencies` does."""
+    """Natural frequencies (Hz) with the crank held at `crank_angle` (rad). Raises as `engines.frozen_crank` does."""
+    from engines.frozen_crank import natural_frequencies
     from engines.registry import usable_engine
 
     found = usable_engine(name)
     found.check(mechanism)
     settings = found.settings_for(found.default_accuracy, mechanism).with_texts(dict(texts))
-    frequencies = found.natural_frequencies(mechanism, crank_angle, count, settings)
-    return plain({"engine": name, "version": found.version(), "settings": settings.as_dict(), "frequencies": frequencies[:count]})
+    frequencies = natural_frequencies(found, mechanism, crank_angle, count, settings)
+    return plain({"engine": name, "version": found.version(), "settings": settings.as_dict(), "frequencies": frequencies})
 
 
 def simulate(
@@ -148,6 +149,7 @@ def _completed(result: "Result") -> dict[str, Any]:
         "reached": result.reached,
         "error_estimate": result.error_estimate,
         "error_estimates": result.error_estimates,
+        "estimate_of": result.estimate_of,
         "remark": result.remark,
         "settings": result.settings.as_dict(),
         "setup_seconds": result.setup_seconds,
@@ -169,6 +171,7 @@ def _failed(time: float | None, cause: str, advice: str, partial: "Trajectory | 
         "reached": False,
         "error_estimate": None,
         "error_estimates": {},
+        "estimate_of": None,
         "remark": f"{when}{cause}; {advice}",
         "settings": None,
         "setup_seconds": None,

@@ -19,6 +19,13 @@ QUANTITY: Final = {
     "maximum": "maximum",
 }
 
+#: What an engine's error estimate is of (`engines.base.EstimateOf`): its name, and what stands beside the number.
+ESTIMATE: Final = {
+    "total": ("error estimate", ""),
+    "integration": ("integration error", "model error not estimated, see `run`"),
+    "unverified": ("error estimate", "estimate not verified"),
+}
+
 
 def number(value: float, form: str) -> str:
     """A number in the page: a true minus sign, no negative zero, words for what is no number."""

@@ -16,6 +16,7 @@ from reports.commands.options import (
     refuse_engine_settings,
     refuse_equal_names,
     set_option,
+    single_option,
     tell,
     time_limit_option,
 )
@@ -27,7 +28,9 @@ if TYPE_CHECKING:
 @click.command(name="benchmark")
 @click.argument("cases", metavar="[CASE]...", nargs=-1)
 @click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all eight of ours.")
-@click.option("--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Interleaved repetitions at most.")
+@single_option(
+    "--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Repetitions at most, interleaved."
+)
 @set_option
 @time_limit_option
 @memory_limit_option

@@ -2,11 +2,11 @@
 
 import click
 
-from reports.commands.options import json_option
+from reports.commands.options import json_option, single_option
 
 
 @click.command(name="cases")
-@click.option("--tag", metavar="TAG", help="Only cases with this tag.")
+@single_option("--tag", metavar="TAG", help="Only cases with this tag.")
 @json_option
 def command(tag: str | None, as_json: bool) -> None:
     """List the cases of the library: name, tags, title."""

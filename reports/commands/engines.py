@@ -1,5 +1,7 @@
 """`quickreturn engines`: which engines there are, which can be used here, and what can be set."""
 
+from typing import Any
+
 import click
 
 from reports.commands.options import json_option
@@ -31,6 +33,7 @@ def _list(as_json: bool) -> None:
             "name": name,
             "version": None,
             "method": "unknown",
+            "estimate_of": None,
             "available": False,
             "reason": f"asked about itself, it {outcomes[name].failure}",
         }
@@ -40,8 +43,18 @@ def _list(as_json: bool) -> None:
         print_json(rows)
         return
     state = ["available" if row["available"] else f"not available: {row['reason']}" for row in rows]
-    table = [(row["name"], row["version"] or "-", row["method"], text) for row, text in zip(rows, state, strict=True)]
-    print_table(table, ("NAME", "VERSION", "METHOD", "STATE"))
+    table = [(row["name"], row["version"] or "-", _estimate(row), row["method"], text) for row, text in zip(rows, state, strict=True)]
+    print_table(table, ("NAME", "VERSION", "ESTIMATES", "METHOD", "STATE"))
+
+
+def _estimate(row: dict[str, Any]) -> str:
+    """What the engine's error estimate is of."""
+    from reports.words import ESTIMATE
+
+    if row["estimate_of"] is None:
+        return "-"
+    name, beside = ESTIMATE[row["estimate_of"]]
+    return f"{name.removesuffix(' estimate')}{beside and '; '}{beside}"
 
 
 def _describe(name: str, as_json: bool) -> None:
@@ -54,5 +67,6 @@ def _describe(name: str, as_json: bool) -> None:
         print_json(found)
         return
     click.echo(f"{name}: {found['method']}; {found['version'] or 'not available: ' + found['reason']}")
+    click.echo(f"estimates: {_estimate(found)}")
     click.echo(f"finds settings for the accuracy asked, {found['default_accuracy']:g} unless --accuracy says otherwise; --set fixes them:")
     print_table([tuple(row.values()) for row in found["settings"]], ("SETTING", "ACCEPTED", "MEANING"))

@@ -14,6 +14,8 @@ from reports.commands.options import (
     load,
     read_assignments,
     set_option,
+    single_option,
+    tell,
 )
 
 
@@ -21,24 +23,34 @@ from reports.commands.options import (
 @case_argument
 @engine_option
 @crank_angle_option
-@click.option("--count", metavar="N", type=WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
+@single_option("--count", metavar="N", type=WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
 @set_option
 @json_option
-def command(case: str, engine: str, crank_angle: float, count: int, assignments: Sequence[str], as_json: bool) -> None:
-    """Natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped."""
+def command(case: str, engine: str, crank_angle: float, count: int, assignments: Sequence[str], as_json: bool) -> int:
+    """Natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.
+
+    Exit code 3: the engine failed, or what it returned are no natural frequencies; nothing is printed then.
+    """
     from cases.workers import Job
+    from engines.base import EngineFailure
     from reports import engine_jobs
+    from reports.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import print_json, print_table
 
     overrides, settings = read_assignments(assignments)
     loaded = load(case, overrides)
     job = Job(engine, engine_jobs.modes, (engine, loaded.mechanism, crank_angle, count, settings))
-    document = {"case": loaded.name, "crank_angle": crank_angle, **engine_jobs.answer_of(job)}
+    try:
+        document = {"case": loaded.name, "crank_angle": crank_angle, **engine_jobs.answer_of(job)}
+    except EngineFailure as failure:  # its own text tells of an instant, which there is none of here
+        tell(f"{loaded.name}: engine {engine}: {failure.cause}; {failure.advice}")
+        return ENGINE_TROUBLE
     if as_json:
         print_json(document)
-        return
+        return GOOD
     click.echo(f"{loaded.name}, crank at {math.degrees(crank_angle):g} deg, {engine} ({document['version']})")
     if not document["frequencies"]:
         click.echo("no natural frequency: nothing in this model can vibrate with the crank held")
-        return
+        return GOOD
     print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(document["frequencies"], 1)])
+    return GOOD

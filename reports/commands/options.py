@@ -1,9 +1,10 @@
 """Arguments and options that several subcommands share, and how their texts are read."""
 
 import contextlib
+import functools
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import click
@@ -58,6 +59,27 @@ class WholeNumber(click.IntRange):
         return int(text)
 
 
+class SingleOption(click.Option):
+    """An option of which one value counts: UsageError with all that are given where there are more, of which click takes the last."""
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        """Have the parser keep every value."""
+        parser.add_option(obj=self, opts=self.opts, dest=self.name, action="append", nargs=self.nargs)
+
+    def handle_parse_result(self, ctx: click.Context, opts: Mapping[str, Any], args: list[str]) -> tuple[Any, list[str]]:
+        """The one value."""
+        given = opts.get(self.name or "")
+        if isinstance(given, list):
+            if len(given) > 1:
+                values = " and ".join(map(as_written, given))
+                raise click.UsageError(f"{self.opts[0]}: {values} are {'both' if len(given) == 2 else 'all'} given; give one of them")
+            opts = {**opts, str(self.name): given[0]}
+        return super().handle_parse_result(ctx, opts, args)
+
+
+single_option: Final = functools.partial(click.option, cls=SingleOption)
+
+
 def path_given(context: click.Context, option: click.Parameter, text: str) -> str:
     """The path as given; UsageError if there is none: Python would take it for the current folder."""
     if not text.strip():
@@ -66,26 +88,26 @@ def path_given(context: click.Context, option: click.Parameter, text: str) -> st
 
 
 case_argument: Final = click.argument("case", metavar="CASE")
-engine_option: Final = click.option("--engine", "engine", metavar="E", required=True, help="Engine; `quickreturn engines` lists them.")
+engine_option: Final = single_option("--engine", "engine", metavar="E", required=True, help="Engine; `quickreturn engines` lists them.")
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
-accuracy_option: Final = click.option(
+accuracy_option: Final = single_option(
     "--accuracy",
     metavar="REL",
     callback=_accuracy,
     help=f"Relative error of the tip deflection asked for, {HIGHEST_ACCURACY:g} to {LOWEST_ACCURACY:g}; default: the engine's.",
 )
-jobs_option: Final = click.option("--jobs", metavar="N", type=WholeNumber(1, 1000), help="Processes at a time; default: one per core.")
-time_limit_option: Final = click.option(
+jobs_option: Final = single_option("--jobs", metavar="N", type=WholeNumber(1, 1000), help="Processes at a time; default: one per core.")
+time_limit_option: Final = single_option(
     "--time-limit",
     metavar="S",
     help='Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.',
 )
-memory_limit_option: Final = click.option(
+memory_limit_option: Final = single_option(
     "--memory-limit",
     metavar="GIB",
     help="Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less.",
 )
-crank_angle_option: Final = click.option(
+crank_angle_option: Final = single_option(
     "--crank-angle", "crank_angle", metavar="DEG", required=True, callback=_angle, help="Angle at which the crank is held, degrees."
 )
 set_option: Final[Callable[[Any], Any]] = click.option(

@@ -1,11 +1,13 @@
 """`quickreturn report`: everything on one page, with its tables as CSV files beside it."""
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
+from cases.errors import as_written
 from reports.commands.options import (
     jobs_option,
     limits,
@@ -14,6 +16,7 @@ from reports.commands.options import (
     opened_store,
     path_given,
     refuse_equal_names,
+    single_option,
     tell,
     time_limit_option,
 )
@@ -23,10 +26,28 @@ if TYPE_CHECKING:
     from reports.report import Written
 
 
+#: Endings of files. A folder of such a name would be created where somebody expects the page.
+_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip")
+
+
+def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:
+    """The path as given; UsageError if it looks like that of a file and is no folder yet."""
+    folder = Path(path_given(context, option, text))
+    if folder.suffix.lower() in _OF_FILES and not os.path.isdir(folder):
+        accepted = "give a folder, the page in it is index.html"
+        raise click.UsageError(f'--output {as_written(text)}: the ending "{folder.suffix}" is that of a file; {accepted}')
+    return text
+
+
 @click.command(name="report")
 @click.argument("cases", metavar="[CASE]...", nargs=-1)
-@click.option(
-    "--output", metavar="DIR", default="reports/output", show_default=True, callback=path_given, help="Folder of the page and its tables."
+@single_option(
+    "--output",
+    metavar="DIR",
+    default="reports/output",
+    show_default=True,
+    callback=_folder_given,
+    help="Folder of the page and its tables.",
 )
 @jobs_option
 @time_limit_option

@@ -143,7 +143,8 @@ def settings(results: Sequence[CaseResult]) -> Table:
     builder = TableBuilder(
         "settings",
         "Settings per run and engine. They follow from the accuracy asked; the estimate is the engine's own, of the tip deflection over the"
-        " case's duration from the standard start. Marched from: where the cycles began; the reference finds its steady state without.",
+        " case's duration from the standard start; that of thesis is of the integration of its own equations alone. Marched from: where the"
+        " cycles began; the reference finds its steady state without.",
         (
             Column("case", "run"),
             Column("engine", "engine"),

@@ -21,7 +21,7 @@ def accuracy(frame: pd.DataFrame) -> Table:
         "accuracy",
         "Run 24 from the standard start, 2 s: error of each engine at its default accuracy against the converged solution,"
         " RMS(y − y_ref)/RMS(y_ref) on the grid of 1 ms, beside the solve time of that run and the engine's own estimate for the tip"
-        " deflection. The CSV file has the settings, too.",
+        " deflection, which of thesis is that of the integration of its own equations alone. The CSV file has the settings, too.",
         (
             Column("engine", "engine"),
             Column("solve_seconds", "solve", "s", ".2f"),

@@ -47,7 +47,7 @@ BAD = [
     (
         'initial_speed = "16.617773 rad/s"',
         'initial_speed = "2.64 Hz"',
-        'crank.initial_speed: "2.64 Hz" is a frequency (1/s), but an angular speed is needed;'
+        'crank.initial_speed: "2.64 Hz" is a frequency (1/s) (perhaps meant as "158.4 rpm"), but an angular speed is needed;'
         ' write one plain number, one space and a unit, such as "2 rad/s" (or in deg/s or rpm)',
     ),
     (

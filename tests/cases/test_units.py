@@ -99,13 +99,6 @@ def test_what_is_no_plain_length_is_refused_and_named(text: str, problem: str) -
 @pytest.mark.parametrize(
     ("text", "dimension", "problem"),
     [
-        ("16.6 Hz", units.ANGULAR_SPEED, "is a frequency (1/s), but an angular speed is needed"),
-        (
-            "16.6 1/s",
-            units.ANGULAR_SPEED,
-            'has the unreadable unit "1/s" (perhaps meant as "rad/s")',
-        ),
-        ("16.6 s^-1", units.ANGULAR_SPEED, "is a frequency (1/s), but an angular speed is needed"),
         ("180 in/in", units.ANGLE, "is a pure number (1), but an angle is needed"),
         (
             "1 lb*s^2/in",
@@ -126,6 +119,50 @@ def test_radians_and_pounds_are_kept_apart(text: str, dimension: Dimension, prob
     with pytest.raises(QuantityError) as refused:
         parse_quantity(text, dimension)
     assert refused.value.problem == problem
+
+
+@pytest.mark.parametrize(
+    ("text", "told", "rpm"),
+    [
+        ("90 1/min", 'has the unreadable unit "1/min"', "90"),
+        ("-90 1/min", 'has the unreadable unit "1/min"', "-90"),
+        ("90 /min", 'has the unreadable unit "/min"', "90"),
+        ("90 min^-1", "is a frequency (1/s)", "90"),
+        ("90 rev/min", 'has the unknown unit "rev"', "90"),
+        ("90 U/min", 'has the unknown unit "U"', "90"),
+        ("90 r/min", 'has the unknown unit "r"', "90"),
+        ("90 revolutions per minute", "has the unreadable unit", "90"),
+        ("1.5 rev/s", 'has the unknown unit "rev"', "90"),
+        ("2.64 Hz", "is a frequency (1/s)", "158.4"),
+        ("1.5e-3 kHz", "is a frequency (1/s)", "90"),
+    ],
+)
+def test_turns_in_a_time_are_answered_with_their_value_in_rpm(text: str, told: str, rpm: str) -> None:
+    with pytest.raises(QuantityError) as refused:
+        parse_quantity(text, units.ANGULAR_SPEED)
+    assert told in refused.value.problem
+    assert f'(perhaps meant as "{rpm} rpm")' in refused.value.problem
+
+
+@pytest.mark.parametrize("unit", ["1/s", "s^-1", "s**-1", "/s", "1/sec"])
+def test_a_plain_rate_may_be_radians_or_turns(unit: str) -> None:
+    with pytest.raises(QuantityError) as refused:
+        parse_quantity(f"16.6 {unit}", units.ANGULAR_SPEED)
+    assert '(perhaps meant as "996 rpm" or "16.6 rad/s")' in refused.value.problem
+
+
+@pytest.mark.parametrize("text", ["90 1/m", "90 rev", "1e400 Hz", "90 Hz^2", "90 1/min/s", "90 rad"])
+def test_what_is_no_frequency_is_not_called_turns(text: str) -> None:
+    with pytest.raises(QuantityError) as refused:
+        parse_quantity(text, units.ANGULAR_SPEED)
+    assert "rpm" not in refused.value.problem
+
+
+@pytest.mark.parametrize("dimension", [units.TIME, units.STIFFNESS, units.ANGLE])
+def test_only_an_angular_speed_is_answered_with_rpm(dimension: Dimension) -> None:
+    with pytest.raises(QuantityError) as refused:
+        parse_quantity("90 1/min", dimension)
+    assert "rpm" not in str(refused.value)
 
 
 def test_rigid_is_written_inf_without_a_unit_and_only_where_accepted() -> None:

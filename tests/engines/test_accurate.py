@@ -1,12 +1,13 @@
 """The error estimate and the ladder, on an engine whose error is known in closed form."""
 
 import math
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from engines.accurate import Result, run_once, simulate
-from engines.base import Comparison, Engine, EngineFailure, Refusal
+from engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal
 from engines.settings import SettingError, Settings
 from engines.start import standard_start
 from reference_model.mechanism import Mechanism
@@ -73,6 +74,26 @@ def test_explicit_settings_switch_the_ladder_off() -> None:
     assert step_of(result) == pytest.approx(0.2)
     assert not result.reached
     assert run({"step": "0.2"}).reached, "no accuracy was asked"
+
+
+def test_an_estimate_that_nobody_verified_does_not_reach_what_was_asked() -> None:
+    class Unverified(FakeEngine):
+        estimates: ClassVar[EstimateOf] = "unverified"
+
+    assert run().estimate_of == "total"
+    result = run(accuracy=1e-2, engine=Unverified())
+    assert (result.estimate_of, result.error_estimate) == ("unverified", run(accuracy=1e-2).error_estimate)
+    assert not result.reached
+    assert "not verified" in result.remark
+    assert run(engine=Unverified()).reached, "nothing was asked"
+
+
+def test_an_integration_error_is_called_so_where_it_misses() -> None:
+    class Integration(FakeEngine):
+        estimates: ClassVar[EstimateOf] = "integration"
+
+    assert run(accuracy=1e-2, engine=Integration()).reached
+    assert "the estimated integration error" in run(accuracy=1e-4, engine=Integration()).remark
 
 
 def test_a_comparison_with_the_same_motion_tells_nothing() -> None:

@@ -37,12 +37,15 @@ def test_third_party_engine_is_found_by_entry_point(tmp_path: Path, monkeypatch:
         ("no_class", "registry_good:error_of", "not a class derived from engines.base.Engine"),
         ("abstract", "engines.base:Engine", "abstract"),
         ("renamed", "registry_good:FakeEngine", 'calls itself "fake"'),
+        ("boaster", "registry_boaster:Engine", 'estimates = "everything"; accepted: total, integration, unverified'),
     ],
 )
 def test_broken_third_party_engine_is_listed_with_the_reason(
     name: str, value: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    install(tmp_path, "broken", {"registry_crash": "1 / 0\n", "registry_good": FAKE_ENGINE}, {name: value})
+    boaster = "from registry_good import FakeEngine\nclass Engine(FakeEngine):\n    name = 'boaster'\n    estimates = 'everything'\n"
+    modules = {"registry_crash": "1 / 0\n", "registry_good": FAKE_ENGINE, "registry_boaster": boaster}
+    install(tmp_path, "broken", modules, {name: value})
     monkeypatch.syspath_prepend(tmp_path)
     assert name in engine_names()
     assert reason in str(engine(name).unavailable())
@@ -75,3 +78,10 @@ def test_missing_library_disables_its_own_engine_only(monkeypatch: pytest.Monkey
     monkeypatch.setattr(registry, "_MODULES", {**registry._MODULES, "exudyn": "engines.no_such_library:ExudynEngine"})
     assert "No module named 'engines.no_such_library'" in str(engine("exudyn").unavailable())
     assert engine_names()[:4] == MAIN
+
+
+def test_what_estimates_are_of() -> None:
+    # how far the model of `thesis` is off no run of its own can show; of the rivals nobody has measured how good their estimates are
+    found = {name: engine(name).estimates for name in (*MAIN, *registry.RIVALS)}
+    assert found == {"thesis": "integration", **dict.fromkeys(MAIN[1:], "total"), **dict.fromkeys(registry.RIVALS, "unverified")}
+    assert engine("thesis").follower_alone().estimates == "integration"

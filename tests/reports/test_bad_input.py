@@ -8,11 +8,15 @@ import os
 import random
 import re
 import shlex
+from importlib import import_module
 from pathlib import Path
 
+import click
 import pytest
 
 from cases.case_file import parse_case
+from reports.command_line import COMMANDS
+from reports.commands.options import SingleOption
 from tests.reports import mistakes
 from tests.reports.conftest import Answer, Call
 from tests.reports.mistakes import scene, with_value, written
@@ -20,7 +24,8 @@ from tests.reports.program import started
 
 LONGEST = 400  # characters: five lines of a terminal
 MODES = "modes small.toml --engine fake --crank-angle 90"
-SIMULATE = "simulate small.toml --engine fake --output out.csv"
+OUTPUT = "simulate small.toml --engine fake --output"
+SIMULATE = f"{OUTPUT} out.csv"
 
 
 def sentence(answer: Answer) -> str:
@@ -162,7 +167,7 @@ NO_OUTPUTS = ("", " ", ".", "..", "/", "folder.toml", "absent/out.csv", "small.t
 @pytest.mark.parametrize("output", NO_OUTPUTS, ids=lambda output: repr(output)[:30])
 def test_an_output_that_cannot_be_is_told(call: Call, folder: Path, output: str) -> None:
     before = (folder / "small.toml").read_text()
-    told = sentence(call(*SIMULATE.split(), "--output", output, "--set", "engine.step=0.1"))
+    told = sentence(call(*OUTPUT.split(), output, "--set", "engine.step=0.1"))
     assert told.startswith("--output ")
     assert not re.fullmatch(r"[\w./]{1,50}", output) or os.path.normpath(output) in told, told
     assert (folder / "small.toml").read_text() == before
@@ -222,9 +227,15 @@ TYPED = [
     (f"{SIMULATE} --accuracy 1e-9", '--accuracy "1e-9": give a plain number from 0.0001 to 0.05, e.g. 1e-3'),
     (f"{SIMULATE} --duration 1e9", 'command line: --duration: "1e9" gives 1e+12 output steps (duration 1e+09 s, output step 0.001 s); at most 2 million are accepted'),
     (f"{SIMULATE} --duration '1.5 ms'", 'command line: --duration: "1.5 ms" gives 1.5 output steps (duration 0.0015 s, output step 0.001 s); the duration must be'),
-    (f"{SIMULATE} --output absent/out.csv", "--output absent/out.csv: there is no folder "),
-    (f"{SIMULATE} --output small.toml", "--output small.toml: this is the case file itself, which would be lost; give another name"),
+    (f"{OUTPUT} absent/out.csv", "--output absent/out.csv: there is no folder "),
+    (f"{OUTPUT} small.toml", "--output small.toml: this is the case file itself, which would be lost; give another name"),
     (f"{SIMULATE} --duration 1 --set 'simulation.duration=1 s'", '--duration "1" and --set simulation.duration="1 s" are both given; give one of them'),
+    (f"{OUTPUT} x.parquet", '--output x.parquet: ".parquet" is no known format; accepted: .csv, such as x.csv'),
+    (f"{OUTPUT} x", "--output x: no ending tells the format; accepted: .csv, such as x.csv"),
+    (f"{OUTPUT} x.csv.gz", '--output x.csv.gz: ".gz" is no known format; accepted: .csv'),
+    ("report small.toml --output page.html", '--output "page.html": the ending ".html" is that of a file; give a folder, the page in it is index.html'),
+    (f"{MODES} --engine reference", '--engine: "fake" and "reference" are both given; give one of them'),
+    (f"{SIMULATE} --output x.csv --output y.csv", '--output: "out.csv" and "x.csv" and "y.csv" are all given; give one of them'),
 ]  # fmt: skip
 
 
@@ -240,6 +251,13 @@ def test_answer_to_a_mistake_in_the_file(call: Call, tmp_path: Path, path: str, 
 @pytest.mark.parametrize(("typed", "answer"), TYPED, ids=lambda text: text[:60])
 def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, answer: str) -> None:
     assert sentence(call(*shlex.split(typed))).startswith(answer)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) -> None:
+    for option in import_module(f"reports.commands.{name}").command.params:
+        if isinstance(option, click.Option) and not option.is_flag and not option.multiple:
+            assert isinstance(option, SingleOption), option.name
 
 
 def answer_of_a_process(folder: Path, command: str) -> Answer:

@@ -46,6 +46,14 @@ def refused(answer: Answer, *words: str) -> None:
         assert word in answer.errors
 
 
+def variant(tmp_path: Path, line: str) -> None:
+    """Install an engine `variant`: the fake one with one line of its class changed."""
+    from tests.engines.fake_package import install
+
+    source = f"from command_line_fake import FakeEngine\nclass Engine(FakeEngine):\n    name = 'variant'\n    {line}\n"
+    install(tmp_path / "packages", "variants", {"command_line_variant": source}, {"variant": "command_line_variant:Engine"})
+
+
 # --- lists -----------------------------------------------------------------------------------------------------------------------
 
 
@@ -54,7 +62,14 @@ def test_engines_lists_main_and_third_party_ones(call: Call) -> None:
     assert answer.code == 0
     rows = {row["name"]: row for row in document(answer)}
     assert list(rows)[:4] == ["thesis", "reference", "exudyn", "mujoco"]
-    assert rows["fake"] == {"name": "fake", "version": "fake 1.0", "method": "closed form", "available": True, "reason": None}
+    assert rows["fake"] == {
+        "name": "fake",
+        "version": "fake 1.0",
+        "method": "closed form",
+        "estimate_of": "total",
+        "available": True,
+        "reason": None,
+    }
     assert "fake 1.0" in call("engines").output
 
 
@@ -145,6 +160,37 @@ def test_modes_in_hertz(call: Call) -> None:
     assert "13.1416 Hz" in call("modes", "small.toml", "--engine", "fake", "--crank-angle", "180").output
 
 
+@pytest.mark.parametrize(
+    ("returned", "wrong"),
+    [
+        ("[10.0, float('nan')]", "that are not finite: [10.0, nan]"),
+        ("[10.0, float('inf')]", "that are not finite"),
+        ("[-1.0, 10.0]", "below zero"),
+        ("[20.0, 10.0]", "that do not ascend"),
+        ("['10', '20']", "that are no list of numbers"),
+        ("[10.0 + 1.0j]", "that are no list of numbers"),
+        ("[[10.0, 20.0]]", "that are no list of numbers"),
+        ("[[10.0], [20.0, 30.0]]", "that are no list of numbers"),
+        ("None", "that are no list of numbers: None"),
+    ],
+)
+def test_frequencies_that_cannot_be_are_the_engines_failure(call: Call, tmp_path: Path, returned: str, wrong: str) -> None:
+    variant(tmp_path, f"def natural_frequencies(self, *_): return {returned}")
+    for more in ((), ("--json",)):
+        answer = call("modes", "small.toml", "--engine", "variant", "--crank-angle", "0", *more)
+        assert (answer.code, answer.output) == (3, "")
+        assert answer.errors.startswith("quickreturn: small: engine variant: the engine returned natural frequencies ")
+        assert wrong in answer.errors
+        assert answer.errors.count("\n") == 1
+
+
+def test_a_model_that_cannot_vibrate_has_no_frequencies(call: Call, tmp_path: Path) -> None:
+    variant(tmp_path, "def natural_frequencies(self, *_): return []")
+    asked = ("modes", "small.toml", "--engine", "variant", "--crank-angle", "0")
+    assert document(call(*asked, "--json"))["frequencies"] == []
+    assert "no natural frequency" in call(*asked).output
+
+
 @pytest.mark.parametrize("angle", ["north", "nan", "inf", "1_0", "90 deg"])
 def test_crank_angle_is_a_number_of_degrees(call: Call, angle: str) -> None:
     refused(call("modes", "small.toml", "--engine", "fake", "--crank-angle", angle), f'--crank-angle "{angle}"', "degrees")
@@ -189,6 +235,78 @@ def test_accuracy_missed_is_exit_3_and_the_file_is_kept(call: Call, tmp_path: Pa
     assert "misses the accuracy 0.001" in answer.errors
     assert "101 rows are kept in out.csv" in answer.errors
     assert len((tmp_path / "out.csv").read_text().splitlines()) == 102
+
+
+#: Names of what is estimated, in the terminal, and in the JSON document.
+COLUMNS = {
+    "deflection": "tip_deflection",
+    "acceleration": "tip_acceleration",
+    "strain 1": "strain_1",
+    "strain 2": "strain_2",
+    "strain 3": "strain_3",
+    "force": "slider_force",
+}
+
+
+def test_the_estimate_of_every_column_is_shown(call: Call) -> None:
+    found = document(simulated(call, "--accuracy", "1e-2", "--json"))["error_estimates"]
+    assert list(found) == list(COLUMNS.values())
+    assert found["strain_1"] is not None
+    assert found["slider_force"] is None, "zero throughout"
+    shown = simulated(call, "--accuracy", "1e-2").output
+    assert re.search(r"^error estimate +deflection ", shown, re.MULTILINE)
+    for name, column in COLUMNS.items():
+        text = "unknown" if found[column] is None else f"{found[column]:.1e}"
+        assert re.search(rf"\b{name} +{re.escape(text)}( \(asked: 0\.01\))?$", shown, re.MULTILINE), (name, shown)
+
+
+def test_the_estimate_of_a_follower_that_does_not_bend_is_the_tips(call: Call) -> None:
+    found = document(simulated(call, "--set", "engine.behaviour=rigid", "--json"))
+    assert found["error_estimates"]["tip_deflection"] is None
+    shown = simulated(call, "--set", "engine.behaviour=rigid").output
+    assert re.search(rf"^error estimate +tip's place +{found['error_estimate']:.1e}$", shown, re.MULTILINE), shown
+
+
+def test_an_integration_error_is_called_so(call: Call, tmp_path: Path) -> None:
+    variant(tmp_path, "estimates = 'integration'")
+    answer = simulated(call, "--accuracy", "1e-2", engine="variant")
+    assert (answer.code, answer.errors) == (0, "")
+    assert re.search(
+        r"^integration error +deflection +\S+ \(asked: 0\.01\); model error not estimated, see `run`$", answer.output, re.MULTILINE
+    )
+    assert document(simulated(call, "--json", engine="variant"))["estimate_of"] == "integration"
+    for arguments in (("engines",), ("engines", "variant")):
+        assert "integration error; model error not estimated, see `run`" in call(*arguments).output
+    assert document(call("engines", "variant", "--json"))["estimate_of"] == "integration"
+    missed = simulated(call, "--accuracy", "1e-4", engine="variant")
+    assert missed.code == 3
+    assert "the estimated integration error" in missed.errors
+
+
+def test_an_estimate_that_is_not_verified_reaches_no_accuracy_that_was_asked(call: Call, tmp_path: Path) -> None:
+    variant(tmp_path, "estimates = 'unverified'")
+    answer = simulated(call, "--accuracy", "1e-2", engine="variant")
+    assert answer.code == 3
+    assert re.search(r"^error estimate +deflection +\S+ \(asked: 0\.01\); estimate not verified$", answer.output, re.MULTILINE)
+    assert answer.errors.startswith("quickreturn: small: engine variant: ")
+    assert "are not verified" in answer.errors
+    assert "101 rows are kept in out.csv" in answer.errors
+    asked_nothing = simulated(call, "--json", engine="variant")
+    assert (asked_nothing.code, asked_nothing.errors) == (0, "")
+    assert document(asked_nothing)["estimate_of"] == "unverified"
+    assert "error; estimate not verified" in call("engines").output
+
+
+def test_an_unknown_error_is_told_with_its_reason(call: Call) -> None:
+    settings = ("--set", "engine.step=0.05", "--set", "engine.behaviour=coarse fails")
+    answer = simulated(call, *settings)
+    assert (answer.code, answer.errors) == (0, "")
+    assert answer.output.count("unknown") >= len(COLUMNS)
+    assert re.search(r"^remark +the error is unknown: .*the step is too large", answer.output, re.MULTILINE)
+    asked = simulated(call, *settings, "--accuracy", "1e-2", "--json")
+    assert asked.code == 3
+    assert "the error is unknown: " in asked.errors
+    assert document(asked)["error_estimate"] is None
 
 
 def test_failure_is_exit_3_and_keeps_what_was_computed(call: Call, tmp_path: Path) -> None:

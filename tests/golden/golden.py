@@ -1,0 +1,188 @@
+"""The golden record: key numbers of every engine on every case of the library, each with what the engine claims of its own error.
+
+    python -m tests.golden.golden trajectories --engine reference --engine mujoco
+
+writes the rows of these engines anew (kinds: trajectories, modes, steady). A change of the code must reproduce the record within the
+claims of both; what differs stands in `changes.csv` with its reason. A number here is chosen so that the claim bounds its error: the RMS
+of a column and its projection on a fixed sweep differ by no more than the RMS of the difference does.
+"""
+
+import argparse
+import math
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from cases.case_file import load_case
+from cases.engine_run import engine_run
+from cases.library import case_names
+from cases.steady_run import Task
+from cases.workers import Job, Limits, run_jobs
+from engines.accurate import ESTIMATED
+from engines.base import EngineFailure, Refusal
+from engines.registry import MAIN, RIVALS, engine
+from engines.scene import simulate_scene
+from reference_model.mechanism import Mechanism
+
+FOLDER: Final = Path(__file__).parent
+KINDS: Final = ("trajectories", "modes", "steady")
+#: Crank angles (deg) at which natural frequencies are recorded, and how many.
+ANGLES: Final = (0, 90, 180)
+COUNT: Final = 3
+#: Claims of natural frequencies, relative: nothing but rounding may change them.
+SAME: Final = 1e-6
+#: An engine on a case is given up after this time, s; the row then says so.
+LONGEST: Final = 240.0
+HALVES: Final = ("pre", "post")
+
+Row = dict[str, Any]
+
+
+def trajectory_row(case: str, name: str) -> Row:
+    """RMS and projection of the estimated columns over the case's duration at the default accuracy, from the standard start."""
+    loaded = load_case(case)
+    try:
+        result = simulate_scene(engine(name), loaded.scene, loaded.duration, loaded.output_step)
+    except Refusal:
+        return {"status": "refused"}
+    except EngineFailure as failure:
+        return {"status": "ended", "end": failure.time}
+    row: Row = {"status": "reached" if result.reached else "missed"}
+    time = result.trajectory["time"]
+    sweep = math.sqrt(2.0) * np.cos(2.0 * np.pi * (2.0 + 8.0 * time / time[-1]) * time / time[-1])
+    for column in ESTIMATED:
+        if column not in result.trajectory.columns:
+            continue
+        values, claim = result.trajectory[column], result.error_estimates.get(column)
+        size = float(np.sqrt(np.mean(values**2)))
+        row |= {f"{column} rms": size, f"{column} sweep": float(np.mean(sweep * values))}
+        row[f"{column} claim"] = None if claim is None else claim * size
+    return row
+
+
+def modes_row(case: str, name: str) -> Row:
+    """Natural frequencies (Hz) with the crank held."""
+    scene, chosen = load_case(case).scene, engine(name)
+    if not isinstance(scene, Mechanism):
+        return {"status": "refused"}
+    row: Row = {"status": "found"}
+    try:
+        settings = chosen.settings_for(chosen.default_accuracy, scene)
+        for angle in ANGLES:
+            found = chosen.natural_frequencies(scene, math.radians(angle), COUNT, settings)
+            row |= {f"{angle} deg, {number + 1}": float(value) for number, value in enumerate(found)}
+    except Refusal:
+        return {"status": "refused"}
+    return row
+
+
+def steady_row(case: str, name: str) -> Row:
+    """Measures of the settled cycle at the default accuracy: frequencies with uncertainty, extremes with what the estimate says of them."""
+    loaded = load_case(case)
+    if not isinstance(loaded.scene, Mechanism):
+        return {"status": "refused"}
+    run = engine_run(Task(mechanism=loaded.mechanism, duration=loaded.duration, engine=name))
+    document = run.document
+    row: Row = {"status": document["status"]}
+    if not document["settled"]:
+        return row
+    for consensus in document["consensus"]:
+        row[f"{consensus['half']} frequency"] = consensus["first_mode_frequency"]
+        row[f"{consensus['half']} frequency claim"] = consensus["uncertainty"]
+    estimates = document["error_estimates"]
+    for channel in dict.fromkeys(measure["channel"] for measure in document["measures"]):
+        of_channel = [measure for measure in document["measures"] if measure["channel"] == channel]
+        row[f"{channel} minimum"] = min(measure["minimum"] for measure in of_channel)
+        row[f"{channel} maximum"] = max(measure["maximum"] for measure in of_channel)
+        peak = max(abs(row[f"{channel} minimum"]), abs(row[f"{channel} maximum"]))
+        estimate = estimates.get(channel)
+        row[f"{channel} claim"] = None if estimate is None else (estimate + document["settling_error"]) * peak
+    return row
+
+
+_MAKERS: Final[Mapping[str, Callable[[str, str], Row]]] = {"trajectories": trajectory_row, "modes": modes_row, "steady": steady_row}
+
+
+def rows_of(kind: str, pairs: Iterable[tuple[str, str]], jobs: int | None = None) -> pd.DataFrame:
+    """Rows of (case, engine) pairs, computed in processes of their own."""
+    wanted = {f"{case} {name}": (case, name) for case, name in pairs}
+    found: dict[str, Row] = {}
+    work = [Job(label, _MAKERS[kind], pair) for label, pair in wanted.items()]
+    for outcome in run_jobs(work, jobs, Limits(seconds=LONGEST)):
+        found[outcome.job.name] = outcome.value if outcome.completed else {"status": outcome.failure}
+        print(kind, outcome.job.name, f"{outcome.seconds:.1f} s", found[outcome.job.name]["status"], file=sys.stderr, flush=True)
+    return pd.DataFrame([{"case": case, "engine": name, **found[label]} for label, (case, name) in wanted.items()])
+
+
+def recorded(kind: str) -> pd.DataFrame:
+    """The record of a kind."""
+    return pd.read_csv(FOLDER / f"{kind}.csv", dtype={"status": str})
+
+
+def changes() -> pd.DataFrame:
+    """What is known to differ from the record: kind, case and engine ("*" for each), quantity, reason."""
+    return pd.read_csv(FOLDER / "changes.csv", dtype=str)
+
+
+def claim_of(row: Mapping[str, Any], quantity: str) -> float | None:
+    """What a row claims of the error of one of its quantities; None where it claims nothing."""
+    if "deg" in quantity:
+        return SAME * abs(float(row[quantity]))
+    name = quantity if quantity.endswith("frequency") else quantity.rpartition(" ")[0]
+    claim = row.get(f"{name} claim")
+    return None if claim is None or not math.isfinite(float(claim)) else float(claim)
+
+
+def differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Quantities of two rows of one case and engine that differ by more than both claim, as clauses."""
+    if then["status"] != now["status"]:
+        return [f"status: {then['status']} then, {now['status']} now"]
+    found = []
+    for quantity, value in then.items():
+        if quantity in ("case", "engine", "status", "end") or quantity.endswith("claim"):
+            continue
+        other = now.get(quantity)
+        if not _is_number(value) or not _is_number(other):
+            if _is_number(value) != _is_number(other):
+                found.append(f"{quantity}: {value} then, {other} now")
+            continue
+        claims = [claim_of(row, quantity) for row in (then, now)]
+        known = [claim for claim in claims if claim is not None]
+        # six digits are recorded
+        allowed = sum(known) + 1e-5 * abs(float(value)) if known else math.inf
+        if abs(float(other) - float(value)) > allowed:
+            found.append(f"{quantity}: {float(value):.6g} then, {float(other):.6g} now, {allowed:.2g} claimed")
+    return found
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and math.isfinite(value)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Command line, see the top of this file."""
+    parser = argparse.ArgumentParser(prog="python -m tests.golden.golden")
+    parser.add_argument("kind", choices=KINDS)
+    parser.add_argument("--engine", action="append", choices=(*MAIN, *RIVALS), required=True)
+    parser.add_argument("--case", action="append", help="default: all of the library")
+    parser.add_argument("--jobs", type=int)
+    given = parser.parse_args(arguments)
+    table = rows_of(given.kind, [(case, name) for name in given.engine for case in given.case or case_names()], given.jobs)
+    file = FOLDER / f"{given.kind}.csv"
+    if file.exists():
+        kept = recorded(given.kind)
+        fresh = set(zip(table["case"], table["engine"], strict=True))
+        keep = [pair not in fresh for pair in zip(kept["case"], kept["engine"], strict=True)]
+        table = pd.concat([kept[keep], table], ignore_index=True)
+    table.to_csv(file, index=False, float_format="%.6g")
+    versions = {name: metadata.version(name) for name in ("numpy", "scipy", "numba", "exudyn", "mujoco-core", "quickreturn")}
+    (FOLDER / "versions.txt").write_text("".join(f"{name} {version}\n" for name, version in versions.items()))
+
+
+if __name__ == "__main__":
+    main()
