@@ -97,11 +97,17 @@ class Comparison:
         run: settings whose error is judged; those of the delivered run, or of one with the same error in this part.
         other: settings of the run that it is compared with.
         factor: error of `other` over that of `run`, as far as they differ; below 1 where `other` is the finer one.
+        before: the same of `other` and a run coarser still. Where its difference is not as much larger as both factors say, the runs
+            are not fine enough for those, and the factor that the differences do show counts (`engines.accurate.shown_factor`).
+            None: the factor is taken on trust.
+        instead: the pair that counts where a run of this one breaks down, a finer one for example; None: then the error is unknown.
     """
 
     run: AnySettings
     other: AnySettings
     factor: float
+    before: "Comparison | None" = None
+    instead: "Comparison | None" = None
 
 
 class NoSteadyState(Exception):

@@ -17,6 +17,19 @@ _POINTS_5, _WEIGHTS_5 = np.polynomial.legendre.leggauss(5)
 
 
 @dataclass(frozen=True)
+class Kink:
+    """Where a point force makes the third derivative of the centre line jump.
+
+    Attributes:
+        place: arc length of it, m, shape (rows,).
+        jump: r''' beyond it less r''' before it, 1/m², the force over EI, shape (rows, 2).
+    """
+
+    place: Array
+    jump: Array
+
+
+@dataclass(frozen=True)
 class Cable:
     """A uniform cable of equal elements.
 
@@ -62,20 +75,28 @@ class Cable:
         ends = np.concatenate([q[rows, element], q[rows, element + 1]], axis=1).reshape(len(x), 4, 2)
         return np.einsum("rs,rsc->rc", shapes, ends)
 
-    def curvature(self, q: Array, x: float) -> Array:
+    def curvature(self, q: Array, x: float, kink: Kink | None = None) -> Array:
         """Curvature at the arc length `x` (m), 1/m, shape (rows,).
 
         An element's own second derivative jumps at nodes and is only of second order there. r'' at a node is therefore taken from
         places and slopes of the two neighbours, 2 (r₊ - 2 r + r₋)/h² - (r'₊ - r'₋)/2h, which is of fourth order, and r'' between
         nodes from the quintic polynomial through places, slopes and these.
+
+        That would round a kink off, by up to j h/8 where r''' jumps by j in the gauge's element. Places and slopes at the nodes are
+        those of the kinked line, for under a point force cubic elements have them exactly. So r'' is interpolated on what is left of
+        the line without j (s - x)³/6 inboard of the kink, and the ramp j (s - x) added to it.
         """
         h = self.element_length
         left = min(int(x / h * (1.0 + 1e-12)), self.elements - 1)
         xi = x / h - left
+        slope = self.evaluate(q, np.full(len(q), x), 1)
+        ramp = 0.0 if kink is None else np.maximum(0.0, kink.place - x)[:, None] * kink.jump
+        if kink is not None:
+            lever = np.maximum(0.0, kink.place[:, None] - self.nodes)[:, :, None]
+            q = q - np.concatenate([lever**3 / 6.0 * kink.jump[:, None], -(lever**2) / 2.0 * kink.jump[:, None]], axis=2)
         second = [self._nodal_second_derivative(q, node) for node in (left, left + 1)]
         coordinates = np.stack([q[:, left, :2], q[:, left, 2:], second[0], q[:, left + 1, :2], q[:, left + 1, 2:], second[1]], axis=1)
-        bent = np.einsum("s,rsc->rc", _quintic_second_derivative(xi, h), coordinates)
-        slope = self.evaluate(q, np.full(len(q), x), 1)
+        bent = np.einsum("s,rsc->rc", _quintic_second_derivative(xi, h), coordinates) + ramp
         return _cross(slope, bent) / np.sum(slope**2, axis=1)
 
     def _nodal_second_derivative(self, q: Array, node: int) -> Array:

@@ -61,8 +61,7 @@ class ExudynEngine(Engine):
         in_time = ladder.in_time(chosen, output_step)
         if mechanism.follower.is_rigid:
             return (in_time,)
-        in_space = ladder.in_space(chosen, in_time)
-        return (in_time, in_space, ladder.in_stretch(chosen, in_space))
+        return (in_time, ladder.in_space(chosen, in_time), ladder.in_stretch(chosen, in_time))
 
     def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""

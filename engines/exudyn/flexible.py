@@ -7,7 +7,7 @@ from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable
+from engines.exudyn.cable import Cable, Kink
 from engines.exudyn.damping import Dampers
 from engines.exudyn.record import Record, accumulated, drive_columns, index
 from engines.exudyn.settings import ExudynSettings
@@ -190,6 +190,8 @@ class FlexibleModel:
         crank_tip = LA * np.column_stack([np.cos(crank_angle), np.sin(crank_angle)])
         joint = self._gap(record, (q, rates, accelerations), s)
         joint_force = record.multipliers[:, self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)]
+        slider_force = -dot(slider_normal, joint_force)
+        kink = Kink(s, slider_force[:, None] * slider_normal / follower.bending_stiffness)
         return {
             "time": record.time,
             "crank_angle": crank_angle,
@@ -200,8 +202,10 @@ class FlexibleModel:
             "tip_y": q[:, -1, 1],
             "tip_deflection": dot(turned(b1), q[:, -1, :2] - q[:, 0, :2]),
             "tip_acceleration": dot(turned(tip_tangent), accelerations[:, -1, :2]),
-            **{f"strain_{i}": cable.curvature(q, x) * follower.thickness / 2.0 for i, x in enumerate(follower.strain_gauges, start=1)},
-            "slider_force": -dot(slider_normal, joint_force),
+            **{
+                f"strain_{i}": cable.curvature(q, x, kink) * follower.thickness / 2.0 for i, x in enumerate(follower.strain_gauges, start=1)
+            },
+            "slider_force": slider_force,
             **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),
             "kinetic_energy": self._kinetic_energy(crank_speed, frame_rate, q, rates),
             "strain_energy": cable.strain_energy(q) + self._spring_energy(joint),

@@ -22,9 +22,8 @@ class MujocoAlone(FollowerEngine):
         return ladder.for_accuracy(accuracy)
 
     def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """One pair, as with the mechanism."""
-        chosen = own(settings)
-        return (Comparison(chosen, *ladder.coarser(chosen)),)
+        """As with the mechanism."""
+        return ladder.comparisons(own(settings))
 
     def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> Simulation:
         """See `FollowerEngine.prepare`."""

@@ -74,13 +74,12 @@ class MujocoEngine(Engine):
         return ladder.for_accuracy(accuracy)
 
     def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """One pair: the step, bound to stability, leaves no error of its own beside the chain's."""
-        chosen = own(settings)
-        return (Comparison(chosen, *ladder.coarser(chosen)),)
+        """Chains with other numbers of links."""
+        return ladder.comparisons(own(settings))
 
     def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
         """See `Engine.finer`."""
-        return ladder.finer(own(settings))
+        return ladder.finer(own(settings), excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """See `Engine.prepare`."""

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from engines.accurate import Result, run_once, simulate
+from engines.accurate import LEAST_FACTOR, Result, run_once, shown_factor, simulate
 from engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal
 from engines.settings import SettingError, Settings
 from engines.start import standard_start
@@ -119,6 +119,42 @@ def test_failing_coarse_run_makes_the_estimate_unknown() -> None:
     assert result.reached, "nothing was asked"
     assert "the step is too large" in result.remark
     assert not run({"step": "0.05", "behaviour": "coarse fails"}, accuracy=1e-2).reached
+
+
+def test_finer_run_serves_where_the_coarser_one_fails() -> None:
+    class WithSpare(FakeEngine):
+        def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+            assert isinstance(settings, FakeSettings)
+            coarse, fine = (settings.replaced(step=factor * settings.step) for factor in (2.0, 0.5))
+            return (Comparison(settings, coarse, 4.0, instead=Comparison(settings, fine, 0.25)),)
+
+    result = run({"step": "0.05", "behaviour": "coarse fails"}, engine=WithSpare())
+    assert result.error_estimate == pytest.approx(error_of(0.05), rel=2e-3)
+    assert result.remark == ""
+
+
+@pytest.mark.parametrize(("before", "counted"), [(0.2, 4.0), (0.1, LEAST_FACTOR), (None, LEAST_FACTOR)])
+def test_differences_that_do_not_fall_as_they_should_count_for_more(before: float | None, counted: float) -> None:
+    """The runs with steps of 0.05 and 0.1 are compared; before them 0.2, the very 0.1, or one that breaks down."""
+
+    class Watched(FakeEngine):
+        def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+            other = settings.replaced(step=0.1)
+            coarsest = other.replaced(behaviour="fails") if before is None else other.replaced(step=before)
+            return (Comparison(settings, other, 4.0, before=Comparison(other, coarsest, 4.0)),)
+
+    found = run({"step": "0.05"}, engine=Watched())
+    assert found.error_estimate == pytest.approx(3.0 * error_of(0.05) / (counted - 1.0), rel=2e-3)
+    assert found.error_estimates["strain_1"] == pytest.approx(found.error_estimate)
+
+
+def test_factor_that_differences_show() -> None:
+    # errors of 1, 3 and 6: factors 3 and 2, differences 2 and 3
+    assert shown_factor(3.0, 2.0, 2.0, 3.0) == pytest.approx(3.0)
+    assert shown_factor(3.0, 2.0, 2.0, 9.0) == 3.0, "no more than the order"
+    assert shown_factor(3.0, 2.0, 2.0, 2.5) == pytest.approx(2.5)
+    assert shown_factor(3.0, 2.0, 2.0, 0.1) == LEAST_FACTOR
+    assert shown_factor(3.0, 2.0, 0.0, 0.0) == 3.0, "runs that agree"
 
 
 def test_ladder_gets_past_an_unstable_step() -> None:

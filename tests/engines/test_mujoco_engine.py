@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from engines.base import EngineFailure, Refusal
 from engines.mujoco import chain
 from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import LADDER, ChainSettings
+from engines.mujoco.settings import FEWEST_WITH_ORDER, LADDER, ChainSettings
 from engines.registry import engine
 from engines.start import standard_start
 from reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, TorqueDrive
@@ -152,17 +154,29 @@ def test_simulations_do_not_disturb_each_other() -> None:
 def test_settings_follow_the_ladder() -> None:
     mechanism = run_24()
     chosen = [ENGINE.settings_for(accuracy, mechanism) for accuracy in (0.05, 7e-3, 1e-3, 1e-4)]
-    assert [s.as_dict()["links"] for s in chosen] == [8, 12, 27, 60]
-    (pair,) = ENGINE.comparisons(chosen[1], mechanism, 1e-3)
-    assert pair.other.as_dict()["links"] == 8
-    assert pair.factor > 1.0
+    assert [s.as_dict()["links"] for s in chosen] == [12, 12, 27, 60]
     rung, climbed = chosen[1], []
     while (finer := ENGINE.finer(rung, (), 1e-3)) is not None:
         climbed.append(finer.as_dict()["links"])
         rung = finer
-    assert climbed == [links for links, _ in LADDER if links > 12]
-    with pytest.raises(Refusal, match=r"engine\.links"):
-        ENGINE.comparisons(ChainSettings(links=1), mechanism, 1e-3)
+    assert climbed == [18, 27, 60, 90]  # half as many more, as far as there are rungs
+    assert [ENGINE.finer(chosen[2], excess, 1e-3).as_dict()["links"] for excess in ((0.6, 0.5), (1.0, 1.0), (50.0, 50.0))] == [33, 40, 60]
+    assert ENGINE.finer(ChainSettings(links=LADDER[-1][0]), (2.0, 0.0), 1e-3) is None
+
+
+@given(st.integers(1, 256))
+def test_chains_are_compared_with_two_coarser_ones_or_a_finer_one(links: int) -> None:
+    own = ChainSettings(links=links)
+    pairs = ENGINE.comparisons(own, run_24(), 1e-3)
+    others = [pair.other.as_dict()["links"] for pair in pairs]
+    assert all(pair.run == own for pair in pairs)
+    if links < FEWEST_WITH_ORDER:
+        assert others == [18]
+        assert pairs[0].factor < 1.0
+    else:
+        assert others[0] < others[1] < links
+        # an order of 2 to 3 is counted on
+        assert all(2.0 < math.log(pair.factor) / math.log(links / other) < 3.0 for pair, other in zip(pairs, others, strict=True))
 
 
 def test_is_registered_and_available() -> None:
