@@ -5,10 +5,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.cycle_estimates import measured_pair, with_estimates
+from cases.cycle_estimates import MeasuredCycle, with_estimates
 from cases.fingerprint import SIMULATION, code_fingerprint
 from cases.marching import Columns
-from cases.measures import CHANNELS, CycleMeasures, measure_cycle, time_scale
+from cases.measures import CHANNELS, measure_cycle, time_scale
 from cases.steady_run import INACCURATE, SETTLED, SteadyRun, Task, steady_run
 from cases.store import key_of
 from engines.registry import MAIN, engine
@@ -40,14 +40,16 @@ def engine_run(task: Task) -> SteadyRun:
     run = steady_run(task)
     measured: dict[str, Any] = {"measures": [], "consensus": [], "unestimated": run.unestimated}
     if run.document["status"] in (SETTLED, INACCURATE):
-        scale, known = time_scale(task.mechanism), dict[int, CycleMeasures]()
+        scale, known = time_scale(task.mechanism), dict[int, MeasuredCycle]()
 
-        def measures_of(cycle: Columns) -> CycleMeasures:
-            if id(cycle) not in known:  # a run may stand in several pairs
-                known[id(cycle)] = measure_cycle(scale, cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS})
+        def measured_cycle(cycle: Columns) -> MeasuredCycle:
+            if id(cycle) not in known:  # a run may be compared with several
+                channels = {name: cycle[name] for name in CHANNELS}
+                known[id(cycle)] = MeasuredCycle.of(cycle, measure_cycle(scale, cycle["time"], cycle["crank_angle"], channels))
             return known[id(cycle)]
 
-        measured |= with_estimates(measures_of(run.cycle), [measured_pair(pair, measures_of) for pair in run.pairs])
+        others = [runs.made_of(measured_cycle) for runs in run.compared]
+        measured |= with_estimates(measured_cycle(run.cycle).measures, others)
     return SteadyRun({**run.document, **measured}, run.cycle)
 
 

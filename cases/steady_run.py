@@ -16,12 +16,10 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any, Final
 
-import numpy as np
-
 from cases.marching import OUTPUT_STEP, Columns, check_pace, columns_of, march, settle, whole_cycles
 from cases.measures import CHANNELS
 from cases.orbit import ERROR_OVER_ESTIMATE, UNKNOWN_ERROR, Orbit
-from engines.accurate import check_trajectory, simulate
+from engines.accurate import Compared, check_trajectory, compared, same_motion, simulate
 from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
 from engines.registry import engine as engine_of_name
 from engines.settings import SettingError, Settings
@@ -58,28 +56,19 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Pair:
-    """The same cycle in two runs whose errors stand in the ratio `factor` (`Comparison`), column by column."""
-
-    run: Columns
-    other: Columns
-    factor: float
-
-
-@dataclass(frozen=True)
 class SteadyRun:
     """How it went: a JSON document and the last cycle, column by column (shape (n,), from farthest to farthest).
 
     Attributes:
         document: see `steady_run`.
         cycle: empty where there is none.
-        pairs: the same cycle in the runs by which the error is estimated; empty where they are not to be had.
-        unestimated: why `pairs` is empty (a clause), "" if it is not.
+        compared: the same cycle in the runs by which the engine estimates its error, column by column; empty where they are not to be had.
+        unestimated: why `compared` is empty (a clause), "" if it is not.
     """
 
     document: dict[str, Any]
     cycle: Columns
-    pairs: tuple[Pair, ...] = ()
+    compared: tuple[Compared[Columns], ...] = ()
     unestimated: str = ""
 
 
@@ -112,7 +101,7 @@ def steady_run(task: Task) -> SteadyRun:
         "periodic_orbit": None,
     }
     cycle: Columns = {}
-    pairs: tuple[Pair, ...] = ()
+    others: tuple[Compared[Columns], ...] = ()
     unestimated = "there is no settled cycle"
     try:
         reason = engine.unavailable()
@@ -124,7 +113,7 @@ def steady_run(task: Task) -> SteadyRun:
         cycle = way.cycle()
         if document["settled"]:
             document["status"] = SETTLED if document["reached"] else INACCURATE
-            pairs, unestimated = way.pairs(cycle)
+            others, unestimated = way.compared(cycle)
         else:
             document["status"] = NOT_SETTLED
     except (Refusal, SettingError) as refusal:
@@ -141,7 +130,7 @@ def steady_run(task: Task) -> SteadyRun:
         cause = _words_of(error)
         document.update(status=FAILED, remark=cause, cause=cause)
     document["wall_seconds"] = time.perf_counter() - began
-    return SteadyRun(document, cycle, pairs, unestimated)
+    return SteadyRun(document, cycle, others, unestimated)
 
 
 def _words_of(error: Exception) -> str:
@@ -198,40 +187,50 @@ class _Way:
             _add_remark(document, f"not settled after {document['cycles']} cycles: {document['settling']['sentence']}")
         return cycle
 
-    def pairs(self, cycle: Columns) -> tuple[tuple[Pair, ...], str]:
+    def compared(self, cycle: Columns) -> tuple[tuple[Compared[Columns], ...], str]:
         """The same cycle in the runs by which the engine estimates its error, and why there are none.
 
         Args:
             cycle: of the delivered run.
         """
-        cycles = {self._settings: cycle}
-        compared = self._engine.comparisons(self._settings, self._mechanism, OUTPUT_STEP)
-        if any(pair.run == pair.other for pair in compared):
+        known: dict[Settings, Columns | EngineFailure] = {self._settings: cycle}
+
+        def run(settings: Settings) -> Columns:
+            if settings not in known:
+                known[settings] = self._same_cycle(settings)
+            found = known[settings]
+            if isinstance(found, EngineFailure):
+                raise found
+            return found
+
+        pairs = self._engine.comparisons(self._settings, self._mechanism, OUTPUT_STEP)
+        if any(pair.run == pair.other for pair in pairs):
             return (), "these settings leave no others to compare with"
         try:
-            for settings in (settings for pair in compared for settings in (pair.run, pair.other)):
-                if settings not in cycles:
-                    cycles[settings] = self._same_cycle(settings)
-        except (EngineFailure, NoSteadyState) as failure:
+            found = tuple(compared(pair, run) for pair in pairs)
+        except EngineFailure as failure:
             return (), f"the run for their estimate {failure}"
         except (MemoryError, OSError):
             raise
         except Exception as error:  # what is delivered stays good
             return (), f"the run for their estimate: {_words_of(error)}"
-        pairs = tuple(Pair(cycles[pair.run], cycles[pair.other], pair.factor) for pair in compared)
-        bends = not self._mechanism.follower.is_rigid and np.any(cycle["tip_deflection"])
-        if bends and any(np.array_equal(pair.run["tip_deflection"], pair.other["tip_deflection"]) for pair in pairs):
+        if not self._mechanism.follower.is_rigid and any(same_motion(runs.run, runs.other) for runs in found):
             return (), "the run to compare with is the same to the last digit"
-        return pairs, ""
+        return found, ""
 
-    def _same_cycle(self, settings: Settings) -> Columns:
-        if self._document["start"] == DIRECT:
-            found = self._searched(settings)
-            if found is None or not found.stable:
-                raise NoSteadyState("found no stable periodic state")
-            return self._one_cycle(found)[0]
-        cycles = march(self._prepared(settings), self._start.crank_speed, {})
-        return columns_of(next(islice(cycles, self._document["cycles"] - 1, None)))
+    def _same_cycle(self, settings: Settings) -> Columns | EngineFailure:
+        try:
+            if self._document["start"] == DIRECT:
+                found = self._searched(settings)
+                if found is None or not found.stable:
+                    return EngineFailure(0.0, "no stable periodic state was found", "try other settings")
+                return self._one_cycle(found)[0]
+            cycles = march(self._prepared(settings), self._start.crank_speed, {})
+            return columns_of(next(islice(cycles, self._document["cycles"] - 1, None)))
+        except NoSteadyState as reason:
+            return EngineFailure(0.0, f"no periodic state was found: {reason}", "try other settings")
+        except EngineFailure as failure:
+            return failure
 
     def _prepared(self, settings: Settings) -> Simulation:
         return self._engine.prepare(self._mechanism, self._start, settings)
