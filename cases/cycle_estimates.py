@@ -13,10 +13,9 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
-from cases.marching import Columns
-from cases.measures import CHANNELS, CycleMeasures
+from cases.marching import Columns, channels_of
+from cases.measures import CHANNELS, CycleMeasures, on_common_grid
 from engines.accurate import LEAST_FACTOR, Compared
 
 Array = NDArray[np.float64]
@@ -24,8 +23,6 @@ Array = NDArray[np.float64]
 #: Numbers of a measure that have an estimate under their name and "_estimate".
 VIBRATION: Final = ("first_mode_frequency", "first_mode_amplitude")
 EXTREMES: Final = ("minimum", "maximum")
-#: Crank angles of a half cycle at which signals are compared.
-GRID: Final = 360
 
 
 @dataclass(frozen=True)
@@ -38,10 +35,9 @@ class MeasuredCycle:
     @classmethod
     def of(cls, cycle: Columns, measures: CycleMeasures) -> "MeasuredCycle":
         """A cycle from farthest to farthest, and what was measured of it."""
-        turned = np.abs(cycle["crank_angle"] - cycle["crank_angle"][0])
-        grid = np.linspace(0.0, 2.0 * np.pi, 2 * GRID, endpoint=False)
-        whole = {channel: np.asarray(CubicSpline(turned, cycle[channel])(grid)) for channel in CHANNELS}
-        halves = {"pre": slice(0, GRID), "post": slice(GRID, None)}
+        whole = on_common_grid(channels_of(cycle))
+        half = len(whole[CHANNELS[0]]) // 2
+        halves = {"pre": slice(0, half), "post": slice(half, None)}
         return cls(measures, {(half, channel): whole[channel][part] for half, part in halves.items() for channel in CHANNELS})
 
 

@@ -39,7 +39,7 @@ def settle(simulation: Simulation, crank_speed: float, document: dict[str, Any],
     """
     settling = Settling(least_ratio=multiplier)
     for cycle in march(simulation, crank_speed, document):
-        if settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in CHANNELS})) or settling.given_up:
+        if settling.feed(channels_of(columns_of(cycle))) or settling.given_up:
             break
     error = settling.error_estimate
     document.update(settled=settling.settled, cycles=settling.cycles, settling_error=error if math.isfinite(error) else None)
@@ -98,3 +98,8 @@ def whole_cycles(rows: Trajectory) -> list[Cycle]:
 def columns_of(cycle: Cycle) -> Columns:
     """A cycle as the columns of a trajectory."""
     return {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
+
+
+def channels_of(cycle: Columns) -> Cycle:
+    """What is measured of a cycle, without its other columns."""
+    return Cycle(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS})

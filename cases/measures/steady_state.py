@@ -148,11 +148,11 @@ class Settling:
         """
         if self.cycles and abs(cycle.time[0] - self._end) > SAME_INSTANT * (cycle.time[-1] - cycle.time[0]):
             raise ValueError(f"a cycle that begins at {cycle.time[0]:.6g} s does not follow one that ended at {self._end:.6g} s")
-        present = _on_common_grid(cycle)
+        present = on_common_grid(cycle)
         if self.cycles:
             if present.keys() != self._last.keys():
                 raise ValueError(f"channels changed from {', '.join(self._last)} to {', '.join(present)}")
-            self.changes.append(_relative_change(self._last, present))
+            self.changes.append(relative_change(self._last, present))
         self._last = present
         self._end = float(cycle.time[-1])
         self.cycles += 1
@@ -201,14 +201,14 @@ class Settling:
         return self.cycles >= self.greatest_number and not self.settled
 
 
-def _on_common_grid(cycle: Cycle) -> dict[str, Array]:
+def on_common_grid(cycle: Cycle) -> dict[str, Array]:
     """The channels at evenly spaced crank angles, each of shape (720,)."""
     turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
     grid = np.linspace(0.0, 2.0 * np.pi, GRID, endpoint=False)
     return {name: CubicSpline(turned, values)(grid) for name, values in cycle.channels.items()}
 
 
-def _relative_change(before: Mapping[str, Array], now: Mapping[str, Array]) -> float:
+def relative_change(before: Mapping[str, Array], now: Mapping[str, Array]) -> float:
     """RMS over channels of each channel's RMS change relative to its RMS; channels that are zero throughout do not count."""
     shares = [
         np.mean((now[name] - before[name]) ** 2) / mean_square for name in now if (mean_square := float(np.mean(now[name] ** 2))) > 0.0

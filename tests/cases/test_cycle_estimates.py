@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from cases.cycle_estimates import GRID, MeasuredCycle, mean_estimate, with_estimates
+from cases.cycle_estimates import MeasuredCycle, mean_estimate, with_estimates
 from cases.measures import CHANNELS, Consensus, CycleMeasures, Measure
 from engines.accurate import LEAST_FACTOR, Compared
 
+GRID = 360  # crank angles in a half
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 401)
 
 

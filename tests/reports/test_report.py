@@ -30,6 +30,8 @@ from tests.reports.conftest import Call
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.reported_results import PageReader, reported_result
 
+BOTH_WAYS = {"engine": "exudyn", "difference": 6e-4, "orbit_start": "periodic orbit of reference", "straight_start": "standard",
+             "orbit_cycles": 4, "straight_cycles": 25, "orbit_settling_error": 5e-4, "straight_settling_error": 9e-4}  # fmt: skip
 ERRORS = dict.fromkeys(("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force"), 0.001)
 
 
@@ -52,6 +54,7 @@ def studies() -> Studies:
         confirmation=pd.DataFrame(confirmation),
         convergence=pd.DataFrame(convergence),
         sensitivity=pd.DataFrame(sensitivity),
+        both_ways=pd.DataFrame([BOTH_WAYS]),
         failures=(),
     )
 
