@@ -157,11 +157,11 @@ class CaseResult:
         """Least class that covers an engine's own estimates and its deviation from the reference ("0.3 %"), or "worse".
 
         Over consensus frequencies and extremes, these relative to the channel's largest magnitude. None where that is not known: there
-        is no estimate, or an estimate of the integration alone and no reference.
+        is no estimate, or the engine estimates its integration alone and there is no reference to tell the rest.
         """
         run, reference = self.runs[name], self.runs.get(REFERENCE)
         known = reference is not None and reference.usable and name != REFERENCE
-        if not run.usable or run.unestimated or (run.estimate_of == "integration" and not known):
+        if not run.usable or (not known if run.estimate_of == "integration" else run.unestimated):
             return None
         sizes = [_own_size(run, half) for half in HALVES]
         if known and reference is not None:

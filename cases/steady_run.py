@@ -51,6 +51,7 @@ class Task:
     engine: str
     accuracy: float | None = None  # error of the tip deflection; None: the engine's default
     settings: dict[str, str] = field(default_factory=dict)
+    estimated: bool = True  # whether the measures of the cycle shall have estimates, which takes some runs more
     straight: bool = False  # march from the standard start even if there is an orbit to begin in
     orbit: Orbit | None = None  # where to begin, as found by `cases.runner`; None: the standard start
 
@@ -113,7 +114,12 @@ def steady_run(task: Task) -> SteadyRun:
         cycle = way.cycle()
         if document["settled"]:
             document["status"] = SETTLED if document["reached"] else INACCURATE
-            others, unestimated = way.compared(cycle)
+            if engine.estimates == "integration":
+                unestimated = "its own estimates are of the integration alone"
+            elif not task.estimated:
+                unestimated = "none were asked for"
+            else:
+                others, unestimated = way.compared(cycle)
         else:
             document["status"] = NOT_SETTLED
     except (Refusal, SettingError) as refusal:

@@ -117,6 +117,9 @@ def test_an_engine_without_a_claim_on_its_whole_error_is_not_judged(kind: str) -
     assert {check.engine for check in found.checks} == {"a"}
     assert found.passed is True
     assert found.accuracy_class("own") == "worse"
+    own = run("own", off=0.02, claimed=1e-6, estimate_of="integration")
+    own.document["unestimated"] = "its own estimates are of the integration alone"
+    assert result(run("reference"), own).accuracy_class("own") == "3 %"
     alone = result(run("reference"), run("own", off=0.13, estimate_of=kind))
     assert alone.passed is None
     assert alone.checks == ()
