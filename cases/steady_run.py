@@ -18,7 +18,7 @@ from typing import Any, Final
 
 from cases.marching import OUTPUT_STEP, Columns, check_pace, columns_of, march, settle, whole_cycles
 from cases.measures import CHANNELS
-from cases.orbit import ERROR_OVER_ESTIMATE, UNKNOWN_ERROR, Orbit
+from cases.orbit import UNKNOWN_ERROR, Orbit
 from engines.accurate import Compared, check_trajectory, compared, same_motion, simulate
 from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
 from engines.registry import engine as engine_of_name
@@ -285,9 +285,9 @@ class _Way:
 
 
 def _error(document: dict[str, Any]) -> float:
-    """What the engine errs by in a few cycles, by its estimate over the case's duration: see `cases.orbit`."""
+    """What the engine errs by in a few cycles, by its largest estimate over the case's duration."""
     estimates = [estimate for name in CHANNELS if (estimate := document["error_estimates"].get(name)) is not None]
-    return ERROR_OVER_ESTIMATE * max(estimates) if estimates else UNKNOWN_ERROR
+    return max(estimates, default=UNKNOWN_ERROR)
 
 
 def _add_remark(document: dict[str, Any], remark: str) -> None:
