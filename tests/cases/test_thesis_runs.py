@@ -20,19 +20,19 @@ SHORT = ("thesis-01", "thesis-10", "thesis-24")
 LEAST_RATIO, LARGEST_RATIO = 1.11, 1.16
 
 
-def result_of(name: str, store: Store, engines: tuple[str, ...] = MAIN) -> CaseResult:
-    (result,) = cross_validate([load_case(name)], store, engines, jobs=1)
+def result_of(name: str, store: Store, engines: tuple[str, ...] = MAIN, accuracy: float | None = None) -> CaseResult:
+    (result,) = cross_validate([load_case(name)], store, engines, accuracy, jobs=1)
     return result
 
 
 @pytest.mark.parametrize("name", SHORT)
 def test_engines_stay_within_what_they_claim(name: str, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Without exudyn, which takes a quarter of a minute for each but where it is looked at below."""
+    """Without exudyn, which takes a quarter of a minute for each; below it is asked for less."""
     check(result_of(name, Store(tmp_path_factory.mktemp("store")), ("thesis", "reference", "mujoco")))
 
 
 def test_so_does_exudyn_where_the_slider_passes_a_gauge_at_an_extreme(tmp_path_factory: pytest.TempPathFactory) -> None:
-    check(result_of("thesis-06", Store(tmp_path_factory.mktemp("store")), ("reference", "exudyn")))
+    check(result_of("thesis-06", Store(tmp_path_factory.mktemp("store")), ("reference", "exudyn"), 1e-2))
 
 
 @pytest.mark.verify
