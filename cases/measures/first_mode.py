@@ -13,8 +13,10 @@ Array = NDArray[np.float64]
 SCAN = np.linspace(0.70, 1.35, 27)  # of alpha
 SEPARATION = 0.08  # between the two scanned minima that are refined
 MARGIN = 0.05  # of alpha beyond the scan
-MAIN = Bounds(np.array([SCAN[0] - MARGIN, -2.5, -0.95, 0.75]), np.array([SCAN[-1] + MARGIN, 2.5, 0.95, 1.45]))
-ALPHA_ALONE = Bounds(np.array([SCAN[0] - MARGIN, 0.0, 0.0, 0.75]), np.array([SCAN[-1] + MARGIN, 0.0, 0.0, 1.45]))
+import os
+KB=float(os.environ.get('KB','0.5'))
+MAIN = Bounds(np.array([SCAN[0] - MARGIN, -2.5, -KB, -0.95, 0.75]), np.array([SCAN[-1] + MARGIN, 2.5, KB, 0.95, 1.45]))
+ALPHA_ALONE = Bounds(np.array([SCAN[0] - MARGIN, 0.0, 0.0, 0.0, 0.75]), np.array([SCAN[-1] + MARGIN, 0.0, 0.0, 0.0, 1.45]))
 DEGREE = 5  # of the slow part
 IGNORED_VARIANT = 3.0  # times the main fit's residual
 
@@ -75,7 +77,7 @@ def _best(channel: ChannelHalf, slow: Array) -> Fit:
     best = int(np.argmin(costs))
     apart = np.abs(SCAN - SCAN[best]) >= SEPARATION - 1e-9
     second = int(np.argmin(np.where(apart, costs, np.inf)))
-    fits = [refine(channel, slow, np.array([SCAN[index], 0.0, 0.0, 1.0]), MAIN) for index in (best, second)]
+    fits = [refine(channel, slow, np.array([SCAN[index], 0.0, 0.0, 0.0, 1.0]), MAIN) for index in (best, second)]
     return min(fits, key=lambda fit: fit.cost)
 
 
@@ -83,8 +85,7 @@ def _scan(channel: ChannelHalf, slow: Array) -> Array:
     """Residual sum of squares for each scanned alpha without drift mismatch, shape (27,)."""
     basis = np.hstack([slow, orthonormal(without(slow, second_mode_columns(channel, 1.0)))])
     signal = without(basis, channel.signal)
-    phases = SCAN[:, None] * channel.half.phases[0] - channel.phase_lag
-    columns = channel.templates[0][None, :, None] * np.stack([np.cos(phases), np.sin(phases)], axis=-1)
+    columns = np.stack([first_mode_columns(channel, alpha, 0.0, 0.0, 0.0) for alpha in SCAN])
     columns = columns - basis @ (basis.T @ columns)
     gram = np.swapaxes(columns, 1, 2) @ columns
     right = np.swapaxes(columns, 1, 2) @ signal
@@ -108,7 +109,7 @@ def _spread(values: list[float], main: float) -> float:
 
 
 def _envelope(channel: ChannelHalf, fit: Fit) -> Array:
-    rho = fit.parameters[2]
+    rho = fit.parameters[3]
     return np.abs(channel.templates[0] * (1.0 + rho * channel.half.places[0])) * np.hypot(fit.weights[0], fit.weights[1])
 
 
@@ -118,8 +119,8 @@ def _amplitude(channel: ChannelHalf, fit: Fit) -> float:
 
 def _oscillation(channel: ChannelHalf, fit: Fit) -> Array:
     """First and second mode together, shape (240,)."""
-    alpha, beta, rho, alpha2 = fit.parameters
-    first, second = first_mode_columns(channel, alpha, beta, rho), second_mode_columns(channel, alpha2)
+    alpha, beta, kappa, rho, alpha2 = fit.parameters
+    first, second = first_mode_columns(channel, alpha, beta, kappa, rho), second_mode_columns(channel, alpha2)
     return np.asarray(first @ fit.weights[:2] + second @ fit.weights[2:])
 
 
@@ -134,13 +135,13 @@ def _statistical_uncertainty(channel: ChannelHalf, fit: Fit, slow_terms: int) ->
     covariance = variance * np.linalg.pinv(scaled.T @ scaled, rcond=1e-12) / np.outer(scale, scale)
 
     a, b = fit.weights[:2]
-    sigma, rho = channel.half.places[0], fit.parameters[2]
+    sigma, rho = channel.half.places[0], fit.parameters[3]
     weight = channel.templates[0] ** 2 * (1.0 + rho * sigma)
     amplitude = _amplitude(channel, fit)
     by_rho = (a**2 + b**2) * np.mean(weight * sigma) / amplitude
     by_weight = np.array([a, b]) * np.mean(weight * (1.0 + rho * sigma)) / amplitude
-    gradient = np.zeros(10)
-    gradient[[0, 1, 8]] = by_weight[0], by_weight[1], by_rho
+    gradient = np.zeros(11)
+    gradient[[0, 1, 9]] = by_weight[0], by_weight[1], by_rho
     return float(np.sqrt(covariance[6, 6])), float(np.sqrt(gradient @ covariance @ gradient))
 
 
@@ -158,7 +159,7 @@ def _correlation_factor(residual: Array) -> float:
 def _why_not(
     channel: ChannelHalf, slow: Array, main: Fit, amplitude: float, frequency_uncertainty: float, amplitude_uncertainty: float
 ) -> str:
-    second = orthonormal(without(slow, second_mode_columns(channel, main.parameters[3])))
+    second = orthonormal(without(slow, second_mode_columns(channel, main.parameters[4])))
     left_out = without(second, without(slow, channel.signal))
     alpha = main.parameters[0]
     failed = []
