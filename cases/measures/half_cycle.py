@@ -70,14 +70,15 @@ def half_cycle(scale: TimeScale, start: float, end: float, crank_angle: CubicSpl
     """The half cycle from `start` to `end` (s); `crank_angle` gives rad over time."""
     instants = np.linspace(start, end, SAMPLES)
     angles = crank_angle(instants)
-    phases = 2.0 * np.pi * cumulative_simpson(scale.frequencies(angles).T, x=instants, initial=0.0)
+    speeds = crank_angle(instants, 1)
+    phases = 2.0 * np.pi * cumulative_simpson(scale.running_frequencies(angles, speeds).T, x=instants, initial=0.0)
     span = phases[:, -1:]
     phases = phases - span / 2.0
     progress = np.linspace(-1.0, 1.0, SAMPLES)
     return HalfCycle(
         time=instants,
         crank_angle=angles,
-        crank_speed=crank_angle(instants, 1),
+        crank_speed=speeds,
         progress=progress,
         mean_frequencies=span[:, 0] / (2.0 * np.pi * (end - start)),
         phases=phases,

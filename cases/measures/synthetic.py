@@ -91,7 +91,8 @@ def synthetic_half(
             oscillation, envelope = _mode(scale, channel, mode, time, crank_angle, its)
             signal = signal + share * amplitudes[channel] / np.sqrt(np.mean(envelope**2)) * oscillation
         signals[channel] = signal + noise * np.sqrt(np.mean(signal**2)) * _noise(time, random)
-    mean_frequency = np.trapezoid(scale.frequencies(crank_angle)[:, 0], time) / (time[-1] - time[0])
+    speed = np.gradient(crank_angle, time)
+    mean_frequency = np.trapezoid(scale.running_frequencies(crank_angle, speed)[:, 0], time) / (time[-1] - time[0])
     return SyntheticHalf(time, crank_angle, signals, first.factor * mean_frequency, amplitudes)
 
 
@@ -112,7 +113,8 @@ def _slow_part(scale: TimeScale, channel: str, crank_angle: Array, modulation: A
 
 def _mode(scale: TimeScale, channel: str, mode: int, time: Array, crank_angle: Array, course: _Course) -> tuple[Array, Array]:
     """Oscillation and envelope of one mode in a channel."""
-    rate = 2.0 * np.pi * scale.frequencies(crank_angle)[:, mode]
+    speed = np.gradient(crank_angle, time)
+    rate = 2.0 * np.pi * scale.running_frequencies(crank_angle, speed)[:, mode]
     theta = cumulative_simpson(rate, x=time, initial=0.0)
     uniform = theta[-1] * (time - time[0]) / (time[-1] - time[0])
     sigma = 2.0 * theta / theta[-1] - 1.0
@@ -124,7 +126,7 @@ def _mode(scale: TimeScale, channel: str, mode: int, time: Array, crank_angle: A
     envelope = scale.templates[channel](crank_angle)[:, mode] * growth
     oscillation = envelope * np.cos(phase)
     if mode == 0:
-        oscillation += scale.quadrature(channel, crank_angle, np.gradient(crank_angle, time)) * growth * np.sin(phase)
+        oscillation += scale.quadrature(channel, crank_angle, speed) * growth * np.sin(phase)
     return np.asarray(oscillation), np.asarray(envelope)
 
 

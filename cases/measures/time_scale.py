@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.measures.company import dragged_along
+from cases.measures.moving_mode import moving_mode
 from cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
 from reference_model.mechanism import Mechanism
 from reference_model.natural_modes import FrozenModes, frozen_crank_modes
@@ -28,12 +28,16 @@ class TimeScale:
 
     Attributes:
         frequencies: f1, f2, f3 in Hz of the crank held still, values of shape (..., 3).
+        free_crank: relative change of f1 where the crank is free to give way, values of shape (...).
+        motion: the same because the crank turns, per square of its speed, s^2/rad^2, values of shape (...).
         templates: per channel the response to each mode at constant action, unit mean modulus over a turn, values (..., 3).
         quadratures: per channel the response to the first mode a quarter period late, per crank speed, in its template's unit, s/rad.
         slow_shapes: per channel its quasi-static response at constant crank speed, unit RMS over a turn, values of shape (...).
     """
 
     frequencies: CubicSpline
+    free_crank: CubicSpline
+    motion: CubicSpline
     templates: dict[str, CubicSpline]
     quadratures: dict[str, CubicSpline]
     slow_shapes: dict[str, CubicSpline]
@@ -42,6 +46,17 @@ class TimeScale:
     def channels(self) -> tuple[str, ...]:
         """The channels that have templates: those in which vibration shows."""
         return tuple(self.templates)
+
+    def running_frequencies(self, crank_angle: Array, crank_speed: Array) -> Array:
+        """f1, f2, f3 in Hz, the first as it is while the crank turns (`moving_mode`), shape (n, 3).
+
+        Args:
+            crank_angle: rad, shape (n,).
+            crank_speed: rad/s, shape (n,).
+        """
+        found = np.array(self.frequencies(crank_angle))
+        found[:, 0] *= 1.0 + self.free_crank(crank_angle) + self.motion(crank_angle) * crank_speed**2
+        return found
 
     def quadrature(self, channel: str, crank_angle: Array, crank_speed: Array) -> Array:
         """The channel's response in sin(phi) where the first mode is cos(phi), in the template's unit, shape (n,).
@@ -70,14 +85,11 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
     signs = _continuous_signs(modes, mechanism)
     frequencies = np.array([mode.frequencies[:MODES] for mode in modes])
     omega = 2.0 * np.pi * frequencies
-    positions = np.array([mode.slider_position for mode in modes])
-    # per unit crank speed: from the loop, s ds = d r sin(q1) dq1
-    along = np.array([dragged_along(mechanism, mode) for mode in modes])
-    along *= (signs[:, 0] * mechanism.pivot_distance * mechanism.crank.length * np.sin(angles) / positions)[:, None]
+    moving = moving_mode(mechanism, angles, modes, signs[:, 0])
 
     tip = np.array([mode.tip_displacement for mode in modes])
     of_tip = omega[:, 0] ** 1.5 * (
-        2.0 * _even(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", along, tip)
+        2.0 * _even(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", moving.dragged, tip)
     )
     responses = {"tip_acceleration": (signs[:, :MODES] * omega**1.5 * tip[:, :MODES], of_tip)}
     slow_shapes = {"tip_acceleration": _slow_shape(quasi_static_tip_acceleration(mechanism, TURN))}
@@ -86,14 +98,21 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
         curvature = np.array([mode.curvature(np.array([gauge]))[:, 0] for mode in modes])
         if not np.abs(curvature[:, :MODES]).max() > NOTHING * np.abs(at_slider).max():
             continue
-        late = omega[:, 0] ** -0.5 * np.einsum("aj,aj->a", along, curvature)
+        late = omega[:, 0] ** -0.5 * np.einsum("aj,aj->a", moving.dragged, curvature)
         responses[name] = (signs[:, :MODES] * omega**-0.5 * curvature[:, :MODES], late)
         slow_shapes[name] = _slow_shape(quasi_static_strain(mechanism, gauge, TURN))
     templates, quadratures = {}, {}
     for name, (in_phase, late) in responses.items():
         templates[name], unit = _template(angles, in_phase)
         quadratures[name] = _mirrored(angles, late / unit, -1.0)
-    return TimeScale(_even(angles, frequencies), templates, quadratures, slow_shapes)
+    return TimeScale(
+        _even(angles, frequencies),
+        _even(angles, moving.free_crank),
+        _even(angles, moving.motion),
+        templates,
+        quadratures,
+        slow_shapes,
+    )
 
 
 def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
