@@ -57,6 +57,9 @@ def thesis_scene(run: int) -> tuple[Mechanism, float]:
         crank=Crank(
             length=crank_length * INCH,
             drive=TorqueDrive(torque=10.0 * POUND_FORCE * INCH, damping=10.0 * POUND_FORCE * INCH / speed, initial_speed=speed),
+            mass=0.1 * POUND_FORCE / INCH,
+            center_of_mass=3.0 * INCH,
+            inertia=4.0e-4 * POUND_FORCE * INCH,
         ),
         base=Base(inertia=1.5e-4 * POUND_FORCE * INCH),
         follower=Follower(

@@ -34,6 +34,8 @@ from reference_model.natural_modes import FrozenModes
 Array = NDArray[np.float64]
 
 POINTS, WEIGHTS = legendre.leggauss(12)  # per span: exact for squares of the shapes of six modes
+LARGEST = 0.1  # change for which perturbation holds; a crank that is as light as the follower gives way altogether
+TINY = np.finfo(np.float64).tiny
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,8 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
     changing = 0.375 * even(angles, 1) ** 2 / first**4 - 0.25 * even(angles, 2) / first**3
     crank = mechanism.crank
     mass = crank.inertia + crank.mass * crank.center_of_mass**2 + mechanism.slider.mass * r**2
-    free = (forces[:, 0] * s * turned) ** 2 / (2.0 * mass * first**4) if mechanism.crank_is_free else np.zeros(angles.size)
+    yielding = (forces[:, 0] * s * turned) ** 2
+    free = yielding / np.maximum(2.0 * mass * first**4, yielding / LARGEST + TINY) if mechanism.crank_is_free else np.zeros(angles.size)
     return MovingMode(
         dragged=np.column_stack([np.zeros(angles.size), signs[:, None] * dragged]),
         free_crank=free,
