@@ -1,9 +1,13 @@
 """Least squares of a slow part, a drifting first mode and a second mode: variable projection with Gauss-Newton steps.
 
-The signal is modelled as  slow part + T (1 + rho sigma) [a cos phi + b sin phi] + second mode,  phi = alpha theta + beta (sigma^2 - 1)
-less the channel's phase lag, the second mode as T2 {1, sigma2} {cos, sin}(alpha2 theta2). Linear coefficients are eliminated by
-orthogonal projection (Golub and Pereyra, 1973), the projection's own change is neglected in the Jacobian (Kaufman, 1975), steps are
-damped (Levenberg, Marquardt) and held within bounds.
+The signal is modelled as  slow part + (1 + rho sigma) [a (T cos phi + Q sin phi) + b (T sin phi - Q cos phi)] + second mode  with
+
+    phi = alpha (theta + kappa drift) + beta (sigma^2 - 1),
+
+Q the channel's response a quarter period late, the drift the part of theta by which the mechanism's frequency departs from its mean,
+and the second mode T2 {1, sigma2} {cos, sin}(alpha2 theta2). beta and kappa leave the mean frequency alone: what they multiply is zero at
+both ends. Linear coefficients are eliminated by orthogonal projection (Golub and Pereyra, 1973), the projection's own change is neglected
+in the Jacobian (Kaufman, 1975), steps are damped (Levenberg, Marquardt) and held within bounds.
 """
 
 from dataclasses import dataclass
@@ -15,10 +19,8 @@ from cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
 
-import os
-KAPPA=float(os.environ.get("KAPPA","0.15"))
 PRIOR_STRENGTH = 0.006  # of the signal's RMS, per scale below
-PRIOR_SCALES = np.array([np.inf, 1.5, KAPPA, 0.6, np.inf])  # alpha, beta, kappa, rho, alpha2
+PRIOR_SCALES = np.array([np.inf, 1.5, 0.15, 0.6, np.inf])  # alpha, beta, kappa, rho, alpha2
 MAXIMUM_STEPS = 25
 STEP_TOLERANCE = 1e-5  # in any parameter, a thousandth of the least uncertainty that is ever reported
 
@@ -53,6 +55,22 @@ class Fit:
     residual: Array
     cost: float
     jacobian: Array
+
+    def covariance(self, variance: float, bounds: Bounds) -> Array:
+        """Of weights and parameters, from noise of the given variance at every instant, shape (11, 11); zero where a parameter is fixed.
+
+        The priors hold the estimate back: with normal matrix N and priors P it follows noise as (N + P)^-1 N (N + P)^-1.
+        """
+        counted = np.concatenate([np.ones(6, dtype=bool), bounds.free])
+        jacobian = self.jacobian[:, counted]
+        noise = jacobian.T @ jacobian
+        held = noise + np.diag(np.concatenate([np.zeros(6), _prior_weights(self.residual.size) ** 2])[counted])
+        scale = np.sqrt(np.diag(held))
+        scale[scale == 0.0] = 1.0
+        inverse = np.linalg.pinv(held / np.outer(scale, scale), rcond=1e-12) / np.outer(scale, scale)
+        full = np.zeros((counted.size, counted.size))
+        full[np.ix_(counted, counted)] = variance * inverse @ noise @ inverse
+        return full
 
     @property
     def residual_rms(self) -> float:
