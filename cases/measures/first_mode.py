@@ -79,8 +79,9 @@ def fit_first_modes(channels: Mapping[str, ChannelHalf]) -> dict[str, FirstMode]
     """Fit the drifting first mode in the channels of one half cycle as the definition of the measures has it.
 
     The main fit takes the path of the frequency from the mechanism. Were that path to drift 1.3 times as much, frequencies would
-    be 3 % off in the mean, all channels alike. A fit whose drift is free shows it, but is twice as uncertain: its distance from the main fit
-    enters the uncertainty, and since the channels share the path, its root mean square over those that show a first mode enters all.
+    be 3 % off in the mean, all channels alike. A fit whose drift is free shows it, but is twice as uncertain: its distance from
+    the main fit enters the uncertainty, and since the channels share the path, its root mean square over those that show a
+    first mode enters all.
     """
     estimates = {name: _estimate(channel) for name, channel in channels.items() if channel.unit > 0.0}
     seen = [each for each in estimates.values() if not each.doubts]
