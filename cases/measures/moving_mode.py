@@ -33,7 +33,7 @@ from reference_model.natural_modes import FrozenModes
 
 Array = NDArray[np.float64]
 
-POINTS, WEIGHTS = legendre.leggauss(12)  # per span: exact for squares of the shapes of six modes
+POINTS, WEIGHTS = legendre.leggauss(12)  # per span: exact for the shapes of four modes times x
 LARGEST = 0.1  # change for which perturbation holds; a crank that is as light as the follower gives way altogether
 TINY = np.finfo(np.float64).tiny
 
@@ -43,8 +43,7 @@ class MovingMode:
     """What happens to the first mode, at the angles of the modes it is made from.
 
     Attributes:
-        dragged: amplitudes of the modes that A cos(phi) drags along as A q1' sin(phi), s/rad, shape (angles, modes); with the first
-            mode's own sign, zero for itself.
+        dragged: amplitudes of the modes that A cos(phi) drags along as A q1' sin(phi), s/rad, shape (angles, modes); zero for itself.
         free_crank: relative change of the frequency because the crank is free, shape (angles,).
         motion: the same because the crank turns, per square of its speed, s^2/rad^2, shape (angles,).
     """
@@ -61,7 +60,7 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
         mechanism: the scene.
         angles: of the crank, rad, evenly spaced over 0 .. pi, shape (angles,).
         modes: with the crank held at each of them, at least two.
-        signs: that make the first mode continuous over the angles, shape (angles,).
+        signs: that make the modes continuous over the angles, shape (angles, modes).
     """
     d, r = mechanism.pivot_distance, mechanism.crank.length
     arm = r * np.exp(1j * angles)
@@ -76,7 +75,7 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
     coupling = (forces[:, :1] * slopes[:, 1:] + forces[:, 1:] * slopes[:, :1]) / apart
     dragged = 2.0 * coupling * (along * first)[:, None] / apart
 
-    inertia, tension = _changing_shape(mechanism, angles, modes, signs)
+    inertia, tension = _changing_shape(mechanism, angles, modes, signs[:, 0])
     squares = turned**2 * tension - inertia - np.sum((2.0 * coupling * along[:, None]) ** 2 / apart, axis=1) * first**2
     even = CubicSpline(np.concatenate([-angles[:0:-1], angles]), np.concatenate([first[:0:-1], first]))
     changing = 0.375 * even(angles, 1) ** 2 / first**4 - 0.25 * even(angles, 2) / first**3
@@ -85,7 +84,7 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
     yielding = (forces[:, 0] * s * turned) ** 2
     free = yielding / np.maximum(2.0 * mass * first**4, yielding / LARGEST + TINY) if mechanism.crank_is_free else np.zeros(angles.size)
     return MovingMode(
-        dragged=np.column_stack([np.zeros(angles.size), signs[:, None] * dragged]),
+        dragged=np.column_stack([np.zeros(angles.size), signs[:, :1] * signs[:, 1:] * dragged]),
         free_crank=free,
         motion=squares / (2.0 * first**2) + changing,
     )
@@ -110,7 +109,7 @@ def _changing_shape(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenM
     """|d phi_1/d q1|^2 and the integral of N phi_1'^2 less <phi_1, phi_1> without rotary inertia, each of shape (angles,)."""
     follower, tip = mechanism.follower, mechanism.tip
     length, density = follower.length, follower.mass_per_length
-    x = np.linspace(0.0, length, 121)
+    x = np.linspace(0.0, length, 61)
     weights = np.full(x.size, x[1])
     weights[[0, -1]] *= 0.5
     shape = signs[:, None] * np.array([mode.deflection(x)[0] for mode in modes])

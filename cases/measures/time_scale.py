@@ -15,8 +15,9 @@ Array = NDArray[np.float64]
 
 CHANNELS = ("tip_acceleration", "strain_1", "strain_2", "strain_3")
 MODES = 3
-COUPLED = 6  # modes that a moving slider couples with the first one
+COUPLED = 4  # modes that a moving slider couples with the first one: those beyond add 0.01 rad to a phase at most
 TEMPLATE_FLOOR = 0.15  # of its RMS, for a template that keeps its sign
+COARSER = 3  # of the angles, at which corrections for the motion are made: they err by less than 1e-4 of the frequency between
 ANGLES = 181  # per half turn: the scale is symmetric about the return
 TURN = np.linspace(0.0, 2.0 * np.pi, 2 * ANGLES - 1)
 NOTHING = 1e-6  # of the curvature at the slider: a gauge that sees no more sits at an end that carries no moment
@@ -85,11 +86,13 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
     signs = _continuous_signs(modes, mechanism)
     frequencies = np.array([mode.frequencies[:MODES] for mode in modes])
     omega = 2.0 * np.pi * frequencies
-    moving = moving_mode(mechanism, angles, modes, signs[:, 0])
+    some = slice(None, None, COARSER)
+    moving = moving_mode(mechanism, angles[some], modes[some], signs[some])
+    dragged = CubicSpline(angles[some], moving.dragged)(angles)
 
     tip = np.array([mode.tip_displacement for mode in modes])
     of_tip = omega[:, 0] ** 1.5 * (
-        2.0 * _even(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", moving.dragged, tip)
+        2.0 * _even(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", dragged, signs * tip)
     )
     responses = {"tip_acceleration": (signs[:, :MODES] * omega**1.5 * tip[:, :MODES], of_tip)}
     slow_shapes = {"tip_acceleration": _slow_shape(quasi_static_tip_acceleration(mechanism, TURN))}
@@ -98,7 +101,7 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
         curvature = np.array([mode.curvature(np.array([gauge]))[:, 0] for mode in modes])
         if not np.abs(curvature[:, :MODES]).max() > NOTHING * np.abs(at_slider).max():
             continue
-        late = omega[:, 0] ** -0.5 * np.einsum("aj,aj->a", moving.dragged, curvature)
+        late = omega[:, 0] ** -0.5 * np.einsum("aj,aj->a", dragged, signs * curvature)
         responses[name] = (signs[:, :MODES] * omega**-0.5 * curvature[:, :MODES], late)
         slow_shapes[name] = _slow_shape(quasi_static_strain(mechanism, gauge, TURN))
     templates, quadratures = {}, {}
@@ -107,8 +110,8 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
         quadratures[name] = _mirrored(angles, late / unit, -1.0)
     return TimeScale(
         _even(angles, frequencies),
-        _even(angles, moving.free_crank),
-        _even(angles, moving.motion),
+        _even(angles[some], moving.free_crank),
+        _even(angles[some], moving.motion),
         templates,
         quadratures,
         slow_shapes,
