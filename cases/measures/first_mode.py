@@ -30,7 +30,7 @@ NEEDED_AMPLITUDE = 3.0  # times the residual RMS
 #: Beyond it there may be no vibration at all: a slow part of another shape takes its place. On pure slow signals it is 1.03 to 1.05.
 UNCERTAIN_PRESENCE = 0.6  # of the amplitude
 GREATEST_FREQUENCY_UNCERTAINTY = 0.05  # of the frequency
-#: The same where the amplitude is not resolvable: vibration of 0.03 of the slow part, of which 1.2 % are found, would else be found in 2.2 %.
+#: The same where the amplitude is not resolvable: vibration of 0.03 of the slow part would else be found twice as often.
 GREATEST_WITHOUT_AMPLITUDE = 0.04
 GREATEST_AMPLITUDE_UNCERTAINTY = 1.0 / 3.0  # of the amplitude
 
