@@ -49,7 +49,8 @@ def test_path_that_drifts_otherwise_is_noticed(vibration: float, resolvable: flo
     assert reached.claimed <= claimed
 
 
-@pytest.mark.parametrize("vibration", [0.03, 0.0])
-def test_vibration_that_is_not_there_is_not_found(vibration: float) -> None:
-    # the expectation is 0.3 % at 0.03 (2 of 640) and nothing at 0: more than one among 96 has a probability of 3 %
-    assert accuracy(vibration, FALSE_SAMPLES, SEED).resolvable * FALSE_SAMPLES <= 1
+@pytest.mark.parametrize(("vibration", "most"), [(0.03, 2), (0.0, 0)])
+def test_vibration_that_is_not_there_is_not_found(vibration: float, most: int) -> None:
+    # at 0.03 four of 1040 frequencies were found, half of them without an amplitude and right within 1.3 of their uncertainties: more
+    # than two among 96 have a probability of 1 %; at 0 none of 640 was
+    assert round(accuracy(vibration, FALSE_SAMPLES, SEED).resolvable * FALSE_SAMPLES) <= most
