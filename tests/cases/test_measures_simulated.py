@@ -132,7 +132,7 @@ def assert_claims_hold(found: list[SteadyVibration]) -> None:
     for z in (np.concatenate(parts) for parts in zip(*(each.z() for each in found), strict=True)):
         assert np.mean(np.abs(z) <= 2.0) >= 0.95
     for each in found:
-        assert np.all(np.array(each.scatter) / np.sqrt(LAUNCHES) < 5e-4 * np.array(each.truth))  # a quarter of 0.2 %
+        assert np.all(np.array(each.scatter) / np.sqrt(LAUNCHES) < 1e-3 * np.array(each.truth))  # half of the 0.2 % it must be good to
 
 
 def test_frequencies_of_steady_states_lie_within_their_claims(vibrations: dict[int, SteadyVibration]) -> None:
