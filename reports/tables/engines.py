@@ -126,8 +126,8 @@ def measures(results: Sequence[CaseResult]) -> Table:
     builder = TableBuilder(
         "measures",
         "Every measure of every engine: per half and channel the first-mode frequency and amplitude with uncertainties, the second mode"
-        " where it is found, the extremes, the engine's own estimates of the errors, and why a mode is not resolvable. Accelerations"
-        " in m/s², strains as 1.",
+        " where it is found, the extremes, the engine's own estimates of the errors, and why frequency or amplitude is not resolvable."
+        " Accelerations in m/s², strains as 1.",
         columns,
         in_page=False,
     )
