@@ -56,14 +56,14 @@ def test_scenes_of_the_library_are_those_that_the_truth_can_model(monkeypatch: p
 
 
 def test_claims_hold_on_two_random_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A quarter of a second of each, and a chain that leaves some 1e-3 to confirm the truth."""
+    """A quarter of a second of each. The second begins with a sudden load: fast modes ring whose acceleration no truth has."""
     monkeypatch.setattr(cases.accuracy_campaign, "CHAINS", (27,))
     scenes = [dataclasses.replace(scene, duration=0.25) for scene in itertools.islice(random_scenes(SEED), 2)]
-    requests = (("reference", 1e-2), ("mujoco", None), ("exudyn", 1e-2))
+    requests = (("mujoco", None), ("exudyn", 1e-2))
     table = as_table(*(row for scene in scenes for row in scene_rows(scene, requests)))
     check(table)
     assert table["claim"].notna().all()
-    assert len(judged(table)) > 0.7 * len(table) == 0.7 * 36
+    assert len(judged(table)) > 0.5 * len(table) == 12
 
 
 @pytest.mark.verify
