@@ -1,66 +1,139 @@
-"""Engines against the reference, case by case, with the tolerances of the cases' data."""
+"""Engines held against each other, case by case, with tolerances made of what they claim.
 
-import math
-from collections.abc import Mapping, Sequence, Set
+The tolerance of a measure is what both engines say of it: their own error estimates in the settled cycle (`cases.cycle_estimates`) and
+the uncertainty of the measurement. So a coarse engine that says how coarse it is agrees, and one that claims too much departs. How good
+an engine is says its accuracy class. An engine whose estimate is not one of its whole error is not judged: its difference is a result.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+import numpy as np
+
 from cases.case import Case
+from cases.cycle_estimates import EXTREMES, mean_estimate
 from cases.engine_run import EngineRun
 from cases.measures import CHANNELS
 from cases.measures.consensus import Consensus, consensus
 from cases.steady_run import REFUSED, SETTLED
-from cases.tolerances import Tolerance, tolerances_for
 
 REFERENCE: Final = "reference"
 HALVES: Final = ("pre", "post")
-EXTREMES: Final = ("minimum", "maximum")
+#: What is judged of each channel; the consensus of the channels' frequencies is judged besides.
+QUANTITIES: Final = ("first_mode_frequency", "first_mode_amplitude", *EXTREMES)
+CONSENSUS: Final = "consensus_frequency"
+
+#: Accuracy classes: the least that covers an engine's estimates and its deviation.
+CLASSES: Final = (0.001, 0.003, 0.01, 0.03, 0.1)
+WORSE: Final = "worse"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A number, and how far off it may be: all in its own unit.
+
+    Attributes:
+        value: the number.
+        estimate: the engine's estimate of its error.
+        uncertainty: of the measurement: one standard deviation of a frequency or amplitude; of an extreme the settling error times the
+            channel's RMS.
+    """
+
+    value: float
+    estimate: float
+    uncertainty: float
+
+    @property
+    def width(self) -> float:
+        """How far off it may be in all."""
+        return self.estimate + self.uncertainty
 
 
 @dataclass(frozen=True)
 class Check:
-    """One deviation held against its tolerance; `channel` is None for the consensus."""
+    """One number of two engines.
+
+    Attributes:
+        engine: the one.
+        other: the one it is held against.
+        quantity: one of `QUANTITIES`, or `CONSENSUS`.
+        half: "pre" or "post".
+        channel: trajectory column; None for the consensus.
+        mine: what the engine claims.
+        its: what the other claims.
+        scale: what differences are shown relative to: the other's value, of an extreme the channel's largest magnitude in its cycle.
+    """
 
     engine: str
+    other: str
     quantity: str
     half: str
     channel: str | None
-    deviation: float
-    tolerance: Tolerance
+    mine: Claim
+    its: Claim
+    scale: float
+
+    @property
+    def difference(self) -> float:
+        """Engine less other."""
+        return self.mine.value - self.its.value
+
+    @property
+    def tolerance(self) -> float:
+        """How much they may differ by what both claim."""
+        return self.mine.width + self.its.width
 
     @property
     def passed(self) -> bool:
-        """Whether the deviation is accepted."""
-        return self.tolerance.accepts(self.deviation)
+        """Whether they differ by no more; not if a number is none."""
+        return abs(self.difference) <= self.tolerance
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON and CSV."""
         return {
             "engine": self.engine,
+            "other": self.other,
             "quantity": self.quantity,
             "half": self.half,
             "channel": self.channel,
-            "kind": self.tolerance.kind,
-            "deviation": self.deviation,
-            "low": self.tolerance.low,
-            "high": self.tolerance.high,
+            "value": self.mine.value,
+            "other_value": self.its.value,
+            "difference": self.difference,
+            "tolerance": self.tolerance,
+            "estimate": self.mine.estimate,
+            "other_estimate": self.its.estimate,
+            "uncertainty": self.mine.uncertainty,
+            "other_uncertainty": self.its.uncertainty,
+            "scale": self.scale,
             "passed": self.passed,
-            "reason": self.tolerance.reason,
         }
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """All engines on one case and what became of its tolerances."""
+    """All engines on one case, and what became of their claims."""
 
     case: Case
     runs: Mapping[str, EngineRun]
     checks: tuple[Check, ...] = field(default=())
 
     @property
-    def passed(self) -> bool:
-        """Whether every engine completed and every tolerance was met."""
-        return not self.failures and all(check.passed for check in self.checks)
+    def passed(self) -> bool | None:
+        """Whether every engine delivered and none departs from another by more than both claim; None if nothing could be judged."""
+        return not self.failures and not self.missed if self.checks else None
+
+    @property
+    def reason(self) -> str:
+        """Why `passed` is not true (a clause), "" if it is."""
+        if not self.checks:
+            if len(self.runs) == 1:
+                return "nothing to compare with: one engine alone"
+            left_out = [f"{name}: {why}" for name, run in self.runs.items() if (why := not_judged(run))]
+            judged = [name for name, run in self.runs.items() if not not_judged(run)]
+            return "; ".join(["nothing to compare with", *left_out, *(f"{name}: alone with its claims" for name in judged)])
+        departing = [f"{pair[0]} and {pair[1]} disagree by more than they claim" for pair in self.departures]
+        return "; ".join([*departing, *(f"{run.engine} did not deliver: {run.status}" for run in self.failures)])
 
     @property
     def failures(self) -> tuple[EngineRun, ...]:
@@ -69,47 +142,100 @@ class CaseResult:
 
     @property
     def missed(self) -> tuple[Check, ...]:
-        """Tolerances missed."""
+        """Where engines differ by more than they claim."""
         return tuple(check for check in self.checks if not check.passed)
+
+    @property
+    def departures(self) -> dict[tuple[str, str], list[Check]]:
+        """The same by pair of engines."""
+        found: dict[tuple[str, str], list[Check]] = {}
+        for check in self.missed:
+            found.setdefault((check.engine, check.other), []).append(check)
+        return found
+
+    def accuracy_class(self, name: str) -> str | None:
+        """Least class that covers an engine's own estimates and its deviation from the reference ("0.3 %"), or "worse".
+
+        Over consensus frequencies and extremes, these relative to the channel's largest magnitude. None where that is not known: there
+        is no estimate, or the engine estimates its integration alone and there is no reference to tell the rest.
+        """
+        run, reference = self.runs[name], self.runs.get(REFERENCE)
+        known = reference is not None and reference.usable and name != REFERENCE
+        if not run.usable or (not known if run.estimate_of == "integration" else run.unestimated):
+            return None
+        sizes = [_own_size(run, half) for half in HALVES]
+        if known and reference is not None:
+            pairs = (values(run, reference, CONSENSUS, half, None) for half in HALVES)
+            sizes += [largest_differences(run, reference)["extremes"], *(abs(pair[0] / pair[1] - 1.0) for pair in pairs if pair)]
+        found = max((size for size in sizes if size is not None), default=None)
+        if found is None:
+            return None
+        return next((f"{100.0 * width:g} %" for width in CLASSES if found <= width), WORSE)
 
 
 def compare(case: Case, runs: Mapping[str, EngineRun]) -> CaseResult:
-    """Hold every engine's measures against the reference's, where both have them."""
-    reference = runs.get(REFERENCE)
-    checks: list[Check] = []
-    if reference is not None and reference.usable:
-        for name, run in runs.items():
-            if name != REFERENCE and run.usable:
-                tolerances = tolerances_for(case.name, case.tags, name)
-                for tolerance in tolerances:
-                    own = {other.channel for other in tolerances if other.quantity == tolerance.quantity and other.channel}
-                    checks += _checks(name, run, reference, tolerance, own)
+    """Hold every engine against the reference, or where that cannot be judged against the first one that can."""
+    judged = {name: run for name, run in runs.items() if not not_judged(run)}
+    against = judged.get(REFERENCE) or next(iter(judged.values()), None)
+    checks = [check for run in judged.values() if against is not None and run is not against for check in _checks(run, against)]
     return CaseResult(case, runs, tuple(checks))
 
 
-def _checks(name: str, run: EngineRun, reference: EngineRun, tolerance: Tolerance, own: Set[str]) -> list[Check]:
-    """The checks of one tolerance; one for all channels leaves out those that have a tolerance of their `own`."""
+def not_judged(run: EngineRun) -> str:
+    """Why a run cannot be held against others (a clause), "" if it can."""
+    if not run.usable:
+        return run.status
+    if run.estimate_of == "integration":
+        return "its estimate is of the integration alone, not of its model"
+    if run.estimate_of == "unverified":
+        return "its estimates are not verified"
+    return f"no estimates: {run.unestimated}" if run.unestimated else ""
+
+
+def _checks(run: EngineRun, other: EngineRun) -> list[Check]:
     found = []
     for half in HALVES:
-        if tolerance.half not in (None, half):
-            continue
-        channels = (None,) if tolerance.quantity == "consensus_frequency" else _channels(tolerance, own)
-        for channel in channels:
-            pair = values(run, reference, tolerance.quantity, half, channel)
-            if pair is None:
+        places = [(CONSENSUS, None), *((quantity, channel) for quantity in QUANTITIES for channel in CHANNELS)]
+        for quantity, channel in places:
+            mine, its = (claim(*pair, quantity, half, channel) for pair in ((run, other), (other, run)))
+            if mine is None or its is None:
                 continue
-            scale = reference.peak(channel) if channel and tolerance.quantity in EXTREMES else abs(pair[1])
+            scale = other.peak(channel) if channel and quantity in EXTREMES else abs(its.value)
             if scale > 0.0:
-                deviation = tolerance.deviation(pair[0], pair[1], scale)
-                uncertainty = (
-                    0.0 if tolerance.quantity in EXTREMES else abs(deviation) * _relative_uncertainty(run, reference, half, channel)
-                )
-                found.append(Check(name, tolerance.quantity, half, channel, deviation, tolerance.widened(uncertainty)))
+                found.append(Check(run.engine, other.engine, quantity, half, channel, mine, its, scale))
     return found
 
 
-def _channels(tolerance: Tolerance, own: Set[str]) -> tuple[str, ...]:
-    return (tolerance.channel,) if tolerance.channel else tuple(channel for channel in CHANNELS if channel not in own)
+def claim(run: EngineRun, other: EngineRun, quantity: str, half: str, channel: str | None) -> Claim | None:
+    """What a run says of a number that is to be held against another run's; None where it has no number or no estimate of its error.
+
+    The consensus is that of the channels that both runs resolve and have estimates of.
+    """
+    if channel is None:
+        shared = [name for name in CHANNELS if all(one.has_frequency(half, name) for one in (run, other))]
+        found, estimate = _consensus(run, half, shared), mean_estimate(run.document["measures"], half, shared)
+        if found.first_mode_frequency is None or found.uncertainty is None or estimate is None:
+            return None
+        return Claim(found.first_mode_frequency, estimate, found.uncertainty)
+    measure = run.measure(half, channel)
+    if measure is None or measure[quantity] is None or measure[f"{quantity}_estimate"] is None:
+        return None
+    if quantity in EXTREMES:
+        uncertainty = run.document["settling_error"] * float(np.sqrt(np.mean(run.cycle[channel] ** 2)))
+    else:
+        uncertainty = measure[f"{quantity}_uncertainty"]
+    return Claim(measure[quantity], measure[f"{quantity}_estimate"], uncertainty)
+
+
+def _own_size(run: EngineRun, half: str) -> float | None:
+    """Largest of a run's own estimates in a half: of the consensus relative to it, of extremes to the peak; None without any."""
+    sizes = []
+    for measure in (found for found in run.document["measures"] if found["half"] == half):
+        peak = run.peak(measure["channel"])
+        sizes += [measure[f"{name}_estimate"] / peak for name in EXTREMES if measure[f"{name}_estimate"] is not None and peak > 0.0]
+    frequency = run.consensus_frequency(half)
+    estimate = mean_estimate(run.document["measures"], half)
+    return max([*sizes, *([estimate / frequency] if frequency and estimate is not None else [])], default=None)
 
 
 def values(run: EngineRun, other: EngineRun, quantity: str, half: str, channel: str | None) -> tuple[float, float] | None:
@@ -122,7 +248,7 @@ def values(run: EngineRun, other: EngineRun, quantity: str, half: str, channel: 
         half: "pre" or "post".
         channel: a trajectory column; None for the consensus.
     """
-    if quantity == "consensus_frequency" or channel is None:
+    if quantity == CONSENSUS or channel is None:
         shared = _shared(run, other, half)
         pair = _consensus(run, half, shared).first_mode_frequency, _consensus(other, half, shared).first_mode_frequency
     else:
@@ -142,13 +268,6 @@ def _consensus(run: EngineRun, half: str, channels: Sequence[str]) -> Consensus:
 
 def _shared(run: EngineRun, other: EngineRun, half: str) -> list[str]:
     return [name for name in CHANNELS if values(run, other, "first_mode_frequency", half, name)]
-
-
-def _relative_uncertainty(run: EngineRun, other: EngineRun, half: str, channel: str | None) -> float:
-    """Claimed uncertainties of both first-mode frequencies relative to their values, in quadrature; zero where not resolvable."""
-    channels = [name for name in _shared(run, other, half) if channel in (None, name)]
-    both = [_consensus(one, half, channels) for one in (run, other)]
-    return math.hypot(*(c.uncertainty / c.first_mode_frequency for c in both if c.first_mode_frequency and c.uncertainty))
 
 
 def largest_differences(run: EngineRun, other: EngineRun) -> dict[str, float | None]:

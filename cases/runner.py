@@ -5,14 +5,16 @@ that was killed, a limit of time or memory, a full disk, an engine that is not i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from cases.engine_run import EngineRun, engine_run, task_key
+from cases.orbit import begins_in_orbit, orbit_key, orbits
 from cases.steady_run import FAILED, UNAVAILABLE, SteadyRun, Task
 from cases.store import Store
 from cases.stored_jobs import Result, stored
 from cases.workers import Job, Limits, Outcome
+from engines.registry import engine
 
 #: The slowest first, so that the last core does not wait for one of them: `reference` where its equations are not yet machine code.
 _ORDER: Final = {"reference": 0, "exudyn": 1, "mujoco": 2, "thesis": 9}
@@ -42,9 +44,10 @@ def run_tasks(
         ValueError: a name is given twice.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    keys = {named.name: task_key(named.task) for named in tasks}
-    if len(keys) < len(tasks):
+    if len({named.name for named in tasks}) < len(tasks):
         raise ValueError("two tasks have one name")
+    tasks = _with_orbits(tasks, store, jobs, limits)
+    keys = {named.name: task_key(named.task) for named in tasks}
     ordered = sorted(tasks, key=lambda named: _ORDER.get(named.task.engine, 5))
     work = [Job(keys[named.name], engine_run, (named.task,)) for named in ordered]
     entries, others = stored(work, store, title, at_once=jobs, limits=limits, keep=_kept)
@@ -53,6 +56,27 @@ def run_tasks(
         if (key := keys[named.name]) not in found:
             found[key] = _of_the_machine(others[key], named.task)
     return {name: found[key] for name, key in keys.items()}
+
+
+def _with_orbits(tasks: Sequence[Named], store: Store, jobs: int | None, limits: Limits | None) -> list[Named]:
+    """The same, those that shall begin in the orbit of `reference` with that orbit."""
+    chosen = [_marches_from_orbit(named.task) for named in tasks]
+    found = orbits([named.task.mechanism for named, wanted in zip(tasks, chosen, strict=True) if wanted], store, jobs, limits)
+    return [
+        replace(named, task=replace(named.task, orbit=found[orbit_key(named.task.mechanism)])) if wanted else named
+        for named, wanted in zip(tasks, chosen, strict=True)
+    ]
+
+
+def _marches_from_orbit(task: Task) -> bool:
+    found = engine(task.engine)
+    if task.straight or task.orbit is not None or found.unavailable() or not begins_in_orbit(found):
+        return False
+    try:
+        found.check(task.mechanism)
+    except Exception:  # it refuses the scene, or will tell in its own process what is wrong
+        return False
+    return True
 
 
 def _kept(outcome: Outcome) -> Result | None:
@@ -69,13 +93,18 @@ def _of_the_machine(outcome: Outcome, task: Task) -> EngineRun:
 def _failed(task: Task, cause: str) -> EngineRun:
     document: dict[str, Any] = {
         "engine": task.engine,
+        "estimate_of": engine(task.engine).estimates,
         "status": FAILED,
         "remark": cause,
         "cause": cause,
         "settled": False,
         "cycles": 0,
         "solve_seconds": None,
+        "start": None,
+        "settling": None,
+        "settling_error": None,
         "measures": [],
         "consensus": [],
+        "unestimated": cause,
     }
     return EngineRun(document, {})

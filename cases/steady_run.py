@@ -2,36 +2,30 @@
 
 First the standard start is simulated over the case's duration, to the accuracy asked (`engines.accurate`): that fixes the settings
 and their error estimate. With these settings the simulation then runs cycle after cycle until it has settled
-(`cases.measures.steady_state`). An engine that finds its periodic steady state directly need not run there; where it finds none, or
-an unstable one, it marches like the others. What is kept is the last cycle, with every column of the trajectory.
+(`cases.measures.steady_state`), from the periodic state that `reference` found (`cases.orbit`) or from the standard start. An engine
+that finds its periodic steady state directly need not run there; where it finds none it marches like the others. If it is known
+beforehand that marching cannot settle, it is not begun. What is kept is the last cycle, with every column of the trajectory.
+
+At the same instant of the way the runs are taken by which the engine estimates its error (`Comparison`): from the same start, after as
+many cycles. They show what the settings do to whatever is measured in the cycle (`cases.cycle_estimates`).
 """
 
 import math
 import time
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cases.measures import CHANNELS, Cycle, Settling, cut_cycles
-from engines.accurate import check_trajectory, simulate
-from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation
+from cases.marching import OUTPUT_STEP, Columns, check_pace, columns_of, march, settle, whole_cycles
+from cases.measures import CHANNELS
+from cases.orbit import UNKNOWN_ERROR, Orbit
+from engines.accurate import Compared, check_trajectory, compared, same_motion, simulate
+from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
 from engines.registry import engine as engine_of_name
 from engines.settings import SettingError, Settings
-from engines.start import Start, standard_start
-from engines.trajectory import Trajectory, join
+from engines.start import standard_start
+from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
-
-#: Grid on which cycles are recorded, s: fifteen samples in a period of the third mode (132 Hz), so that extremes are met to 1 %.
-OUTPUT_STEP: Final = 5e-4
-
-#: A crank that takes longer for a turn, s, has come to rest for all that can be measured; the table of a cycle has 200,000 rows then.
-SLOWEST_TURN: Final = 100.0
-#: A crank that takes less, s, leaves fewer than twenty rows to a cycle.
-FASTEST_TURN: Final = 20 * OUTPUT_STEP
-#: A cycle is advanced in pieces of at most this length, s: nobody knows how long a crank that begins at rest will take.
-LONGEST_PIECE: Final = 10.0
 
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
 ROWS_AFTER: Final = 4
@@ -43,6 +37,10 @@ FAILED: Final = "failed"
 REFUSED: Final = "refused"  # the engine cannot model this scene, and says so
 UNAVAILABLE: Final = "unavailable"  # the engine cannot be used on this machine
 
+STANDARD: Final = "standard"  # where a run began
+FROM_ORBIT: Final = "periodic orbit of reference"
+DIRECT: Final = "found directly"  # no march: the engine's own search
+
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
@@ -53,15 +51,30 @@ class Task:
     engine: str
     accuracy: float | None = None  # error of the tip deflection; None: the engine's default
     settings: dict[str, str] = field(default_factory=dict)
-    start: Start | None = None  # None: the standard start
+    estimated: bool = True  # whether the measures of the cycle shall have estimates, which takes some runs more
+    straight: bool = False  # march from the standard start even if there is an orbit to begin in
+    orbit: Orbit | None = None  # where to begin, as found by `cases.runner`; None: the standard start
 
 
 @dataclass(frozen=True)
 class SteadyRun:
-    """How it went: a JSON document and the last cycle, column by column (shape (n,), from farthest to farthest)."""
+    """How it went: a JSON document and the last cycle, column by column (shape (n,), from farthest to farthest).
+
+    Attributes:
+        document: see `steady_run`.
+        cycle: empty where there is none.
+        compared: the same cycle in the runs by which the engine estimates its error, column by column; empty where they are not to be had.
+        unestimated: why `compared` is empty (a clause), "" if it is not.
+    """
 
     document: dict[str, Any]
-    cycle: dict[str, NDArray[np.float64]]
+    cycle: Columns
+    compared: tuple[Compared[Columns], ...] = ()
+    unestimated: str = ""
+
+
+class Hopeless(Exception):
+    """Marching cannot settle; the text is a sentence that says why."""
 
 
 def steady_run(task: Task) -> SteadyRun:
@@ -76,49 +89,64 @@ def steady_run(task: Task) -> SteadyRun:
     document: dict[str, Any] = {
         "engine": engine.name,
         "method": engine.method,
+        "estimate_of": engine.estimates,
         "accuracy": task.accuracy or engine.default_accuracy,
         "status": REFUSED,
         "remark": "",
+        "start": None,
         "settled": False,
         "cycles": 0,
         "settling_error": None,
+        "settling": None,
         "solve_seconds": None,
         "periodic_orbit": None,
     }
-    cycle: dict[str, NDArray[np.float64]] = {}
+    cycle: Columns = {}
+    others: tuple[Compared[Columns], ...] = ()
+    unestimated = "there is no settled cycle"
     try:
         reason = engine.unavailable()
         if reason:
             return SteadyRun({**document, "status": UNAVAILABLE, "remark": reason}, {})
         document["version"] = engine.version()
-        settings, start = _settle_settings(engine, task, document)
-        cycle = _found_directly(engine, task.mechanism, start, settings, document)
-        if not cycle:
-            cycle = settle(engine.prepare(task.mechanism, start, settings), start.crank_speed, document)
-        if not document["settled"]:
-            document["status"] = NOT_SETTLED
-            _add_remark(document, f"not settled after {document['cycles']} cycles")
-        else:
+        settings = _settings(engine, task, document)
+        way = _Way(engine, task, settings, document)
+        cycle = way.cycle()
+        if document["settled"]:
             document["status"] = SETTLED if document["reached"] else INACCURATE
+            if engine.estimates == "integration":
+                unestimated = "its own estimates are of the integration alone"
+            elif not task.estimated:
+                unestimated = "none were asked for"
+            else:
+                others, unestimated = way.compared(cycle)
+        else:
+            document["status"] = NOT_SETTLED
     except (Refusal, SettingError) as refusal:
         document["remark"] = str(refusal)
+    except Hopeless as reason:
+        document["status"] = NOT_SETTLED
+        _add_remark(document, str(reason))
     except EngineFailure as failure:
         document.update(status=FAILED, remark=str(failure), failure_time=failure.time, cause=failure.cause, advice=failure.advice)
         cycle = dict(failure.partial.columns) if failure.partial is not None else {}
     except (MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
-        cause = f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
+        cause = _words_of(error)
         document.update(status=FAILED, remark=cause, cause=cause)
     document["wall_seconds"] = time.perf_counter() - began
-    return SteadyRun(document, cycle)
+    return SteadyRun(document, cycle, others, unestimated)
 
 
-def _settle_settings(engine: Engine, task: Task, document: dict[str, Any]) -> tuple[Settings, Start]:
-    """The settings that reach the accuracy from the task's start, with their estimate in the document."""
-    start = task.start or standard_start(task.mechanism)
+def _words_of(error: Exception) -> str:
+    return f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
+
+
+def _settings(engine: Engine, task: Task, document: dict[str, Any]) -> Settings:
+    """The settings that reach the accuracy from the standard start, with their estimate in the document."""
     duration = OUTPUT_STEP * round(task.duration / OUTPUT_STEP)
-    result = simulate(engine, task.mechanism, start, duration, OUTPUT_STEP, task.settings, task.accuracy)
+    result = simulate(engine, task.mechanism, standard_start(task.mechanism), duration, OUTPUT_STEP, task.settings, task.accuracy)
     document.update(
         accuracy=result.accuracy,
         settings=result.settings.as_dict(),
@@ -131,107 +159,136 @@ def _settle_settings(engine: Engine, task: Task, document: dict[str, Any]) -> tu
         estimate_seconds=result.estimate_seconds + result.solve_seconds,
         degrees_of_freedom=result.description.degrees_of_freedom,
     )
-    return result.settings, start
+    return result.settings
 
 
-def _found_directly(
-    engine: Engine, mechanism: Mechanism, start: Start, settings: Settings, document: dict[str, Any]
-) -> dict[str, NDArray[np.float64]]:
-    """One cycle of the periodic steady state, column by column; empty where the engine must march, with the reason in the document."""
-    try:
-        found = engine.steady_state(mechanism, start, settings)
-    except NoSteadyState as reason:
-        _add_remark(document, f"marched, because no periodic state was found directly: {reason}")
-        return {}
-    if found is None:
-        return {}
-    document["periodic_orbit"] = {
-        "period": found.period,
-        "multipliers": [[multiplier.real, multiplier.imag] for multiplier in found.multipliers],
-        "stable": found.stable,
-        "iterations": found.iterations,
-    }
-    if not found.stable:
-        _add_remark(document, f"marched, because the periodic state found is not stable: a multiplier of {abs(found.multipliers[0]):.3g}")
-        return {}
-    duration = OUTPUT_STEP * (math.ceil(found.period / OUTPUT_STEP) + ROWS_AFTER)
-    piece = found.simulation.advance(duration, OUTPUT_STEP)
-    check_trajectory(piece, duration, OUTPUT_STEP)
-    document.update(
-        settled=True,
-        cycles=math.ceil(found.cycles_of_work),
-        settling_error=found.residual,
-        solve_seconds=found.solve_seconds + piece.solve_seconds,
-        simulated_seconds=found.cycles_of_work * found.period + duration,
-    )
-    cycle = whole_cycles(piece)[0]
-    _check_pace(cycle)
-    document["periodic_orbit"]["period"] = float(cycle.time[-1] - cycle.time[0])
-    return {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
+class _Way:
+    """How the steady cycle of a run is come by, so that runs with other settings can go the same way."""
+
+    def __init__(self, engine: Engine, task: Task, settings: Settings, document: dict[str, Any]) -> None:
+        self._engine, self._mechanism, self._settings, self._document = engine, task.mechanism, settings, document
+        self._start = standard_start(task.mechanism)
+        self._orbit = None if task.straight else task.orbit
+
+    def cycle(self) -> Columns:
+        """The settled cycle, or the last one where it did not settle.
+
+        Raises:
+            Hopeless: that it will not settle is known beforehand.
+            EngineFailure: the run broke down.
+        """
+        document, orbit, multiplier = self._document, self._orbit, 0.0
+        if cycle := self._found_directly():
+            return cycle
+        document["start"] = STANDARD
+        if orbit is not None and orbit.start is None and not orbit.multiplier:
+            _add_remark(document, f"begun in the standard start, for `reference` found no periodic state: {orbit.reason}")
+        elif orbit is not None:
+            if hopeless := orbit.hopeless(_error(document)):
+                raise Hopeless(hopeless)
+            assert orbit.start is not None  # the state is not stable otherwise
+            self._start, document["start"], multiplier = orbit.start, FROM_ORBIT, orbit.multiplier or 0.0
+        cycle = settle(self._prepared(self._settings), self._start.crank_speed, document, multiplier)
+        if not document["settled"]:
+            _add_remark(document, f"not settled after {document['cycles']} cycles: {document['settling']['sentence']}")
+        return cycle
+
+    def compared(self, cycle: Columns) -> tuple[tuple[Compared[Columns], ...], str]:
+        """The same cycle in the runs by which the engine estimates its error, and why there are none.
+
+        Args:
+            cycle: of the delivered run.
+        """
+        known: dict[Settings, Columns | EngineFailure] = {self._settings: cycle}
+
+        def run(settings: Settings) -> Columns:
+            if settings not in known:
+                known[settings] = self._same_cycle(settings)
+            found = known[settings]
+            if isinstance(found, EngineFailure):
+                raise found
+            return found
+
+        pairs = self._engine.comparisons(self._settings, self._mechanism, OUTPUT_STEP)
+        if any(pair.run == pair.other for pair in pairs):
+            return (), "these settings leave no others to compare with"
+        try:
+            found = tuple(compared(pair, run) for pair in pairs)
+        except EngineFailure as failure:
+            return (), f"the run for their estimate {failure}"
+        except (MemoryError, OSError):
+            raise
+        except Exception as error:  # what is delivered stays good
+            return (), f"the run for their estimate: {_words_of(error)}"
+        if not self._mechanism.follower.is_rigid and any(same_motion(runs.run, runs.other) for runs in found):
+            return (), "the run to compare with is the same to the last digit"
+        return found, ""
+
+    def _same_cycle(self, settings: Settings) -> Columns | EngineFailure:
+        try:
+            if self._document["start"] == DIRECT:
+                found = self._searched(settings)
+                if found is None or not found.stable:
+                    return EngineFailure(0.0, "no stable periodic state was found", "try other settings")
+                return self._one_cycle(found)[0]
+            cycles = march(self._prepared(settings), self._start.crank_speed, {})
+            return columns_of(next(islice(cycles, self._document["cycles"] - 1, None)))
+        except NoSteadyState as reason:
+            return EngineFailure(0.0, f"no periodic state was found: {reason}", "try other settings")
+        except EngineFailure as failure:
+            return failure
+
+    def _prepared(self, settings: Settings) -> Simulation:
+        return self._engine.prepare(self._mechanism, self._start, settings)
+
+    def _searched(self, settings: Settings) -> SteadyState | None:
+        return self._engine.steady_state(self._mechanism, self._start, settings)
+
+    def _found_directly(self) -> Columns:
+        """One cycle of the periodic steady state; empty where the engine must march, with the reason in the document."""
+        document = self._document
+        try:
+            found = self._searched(self._settings)
+        except NoSteadyState as reason:
+            _add_remark(document, f"marched, because no periodic state was found directly: {reason}")
+            return {}
+        if found is None:
+            return {}
+        document["periodic_orbit"] = {
+            "period": found.period,
+            "multipliers": [[multiplier.real, multiplier.imag] for multiplier in found.multipliers],
+            "stable": found.stable,
+            "iterations": found.iterations,
+        }
+        if not found.stable:
+            raise Hopeless(Orbit(None, abs(found.multipliers[0])).hopeless(0.0))
+        cycle, piece = self._one_cycle(found)
+        document.update(
+            start=DIRECT,
+            settled=True,
+            cycles=math.ceil(found.cycles_of_work),
+            settling_error=found.residual,
+            solve_seconds=found.solve_seconds + piece.solve_seconds,
+            simulated_seconds=found.cycles_of_work * found.period + float(piece["time"][-1]),
+        )
+        document["periodic_orbit"]["period"] = float(cycle["time"][-1] - cycle["time"][0])
+        return cycle
+
+    @staticmethod
+    def _one_cycle(found: SteadyState) -> tuple[Columns, Trajectory]:
+        duration = OUTPUT_STEP * (math.ceil(found.period / OUTPUT_STEP) + ROWS_AFTER)
+        piece = found.simulation.advance(duration, OUTPUT_STEP)
+        check_trajectory(piece, duration, OUTPUT_STEP)
+        cycle = whole_cycles(piece)[0]
+        check_pace(cycle)
+        return columns_of(cycle), piece
+
+
+def _error(document: dict[str, Any]) -> float:
+    """What the engine errs by in a few cycles, by its largest estimate over the case's duration."""
+    estimates = [estimate for name in CHANNELS if (estimate := document["error_estimates"].get(name)) is not None]
+    return max(estimates, default=UNKNOWN_ERROR)
 
 
 def _add_remark(document: dict[str, Any], remark: str) -> None:
     document["remark"] = f"{document['remark']}; {remark}" if document["remark"] else remark
-
-
-def settle(simulation: Simulation, crank_speed: float, document: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
-    """Advance cycle after cycle until settled or given up; the last whole cycle, column by column.
-
-    Args:
-        simulation: stands where the search begins.
-        crank_speed: rad/s, about; only the length of the pieces depends on it.
-        document: gets "settled", "cycles", "settling_error", "solve_seconds" and "simulated_seconds".
-
-    Raises:
-        EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured.
-    """
-    settling = Settling()
-    solve_seconds = 0.0
-    speed, last_passage = crank_speed, simulation.time
-    rows: Trajectory | None = None
-    last: Cycle | None = None
-    while not (settling.settled or settling.given_up):
-        turn = 2.0 * math.pi / abs(speed) if speed else math.inf
-        stretch = OUTPUT_STEP * math.ceil(min(turn, LONGEST_PIECE) / OUTPUT_STEP)
-        piece = simulation.advance(stretch, OUTPUT_STEP)
-        check_trajectory(piece, stretch, OUTPUT_STEP)
-        solve_seconds += piece.solve_seconds
-        document.update(solve_seconds=solve_seconds, simulated_seconds=simulation.time)
-        rows = join([rows, piece]) if rows else piece
-        speed = float(np.mean(piece["crank_speed"]))
-        try:
-            cycles = whole_cycles(rows)
-        except ValueError as halted:
-            raise EngineFailure(
-                simulation.time, "the crank stands still or turns back", "let it turn one way, by torque or speed"
-            ) from halted
-        if cycles:
-            last_passage = simulation.time
-        elif simulation.time - last_passage > SLOWEST_TURN:
-            raise EngineFailure(simulation.time, f"the crank takes more than {SLOWEST_TURN:g} s for a turn", "let it turn faster")
-        for cycle in cycles:
-            _check_pace(cycle)
-            last = cycle
-            if settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in CHANNELS})):
-                break
-        if last is not None and cycles:
-            # the next cycle begins where this one ended; a few rows before that keep the interpolation whole
-            first = max(0, int(np.searchsorted(rows["time"], last.time[-1])) - 4)
-            rows = Trajectory({name: values[first:] for name, values in rows.columns.items()}, 0.0)
-    error = settling.error_estimate
-    document.update(settled=settling.settled, cycles=settling.cycles, settling_error=error if math.isfinite(error) else None)
-    return {"time": last.time, "crank_angle": last.crank_angle, **last.channels} if last else {}
-
-
-def _check_pace(cycle: Cycle) -> None:
-    turn = float(cycle.time[-1] - cycle.time[0])
-    if turn < FASTEST_TURN:
-        raise EngineFailure(
-            float(cycle.time[0]), f"the crank takes {turn:.3g} s for a turn", f"let it turn slower: {FASTEST_TURN:g} s or more"
-        )
-
-
-def whole_cycles(rows: Trajectory) -> list[Cycle]:
-    """The whole cycles in a trajectory, with all its columns."""
-    columns = dict(rows.columns)
-    return cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)

@@ -15,7 +15,8 @@ from cases.case_file import load_case
 from cases.comparison import HALVES
 from cases.engine_run import EngineRun
 from cases.fingerprint import SIMULATION, code_fingerprint
-from cases.measures import CHANNELS
+from cases.marching import Columns, channels_of
+from cases.measures import CHANNELS, on_common_grid, relative_change
 from cases.runner import Named, run_tasks
 from cases.steady_run import Task
 from cases.store import Store, key_of
@@ -54,6 +55,8 @@ class Studies:
         convergence: see `engines.convergence.convergence_table`, for the engine `reference`.
         sensitivity: one row per run, change, half and quantity: run, change, half, quantity, channel, nominal, value, relative_change;
             value and relative_change are NaN where not resolvable.
+        both_ways: one row per package that marches: engine, cycles and settling error from the orbit of the reference and from the standard
+            start, and the difference of the two last cycles (RMS over the channels, relative to theirs).
         failures: sentences on what could not be computed.
     """
 
@@ -61,6 +64,7 @@ class Studies:
     confirmation: pd.DataFrame
     convergence: pd.DataFrame
     sensitivity: pd.DataFrame
+    both_ways: pd.DataFrame
     failures: tuple[str, ...]
 
 
@@ -81,7 +85,8 @@ def run_studies(store: Store, jobs: int | None = None, limits: Limits | None = N
     accuracy, confirmation = _accuracy_tables(found, failures)
     rows = found[("convergence",)][0]["rows"] if ("convergence",) in found else []
     sensitivity = _sensitivity(store, jobs, limits, failures)
-    return Studies(accuracy, confirmation, pd.DataFrame(rows), sensitivity, tuple(failures))
+    both_ways = _both_ways(case, store, jobs, limits, failures)
+    return Studies(accuracy, confirmation, pd.DataFrame(rows), sensitivity, both_ways, tuple(failures))
 
 
 Found = dict[tuple[str, ...], Result]
@@ -211,6 +216,7 @@ def _sensitivity(store: Store, jobs: int | None, limits: Limits | None, failures
                 engine="fixed-shapes",
                 accuracy=DAMPING_LAW_ACCURACY,
                 settings={"damping_law": law},
+                estimated=False,
             )
             tasks.append(Named((name, law), task))
     results = run_tasks(tasks, store, jobs, "what the thesis leaves open", limits)
@@ -225,6 +231,33 @@ def _sensitivity(store: Store, jobs: int | None, limits: Limits | None, failures
             else:
                 failures.append(f"study {name} {change}: {run.document['remark'] or nominal.document['remark']}")
     return pd.DataFrame(rows)
+
+
+#: Packages that march from the standard start, too, on one run: that they get to the same cycle is seen, not assumed.
+PACKAGES: Final = ("exudyn", "mujoco")
+
+
+def _both_ways(case: Case, store: Store, jobs: int | None, limits: Limits | None, failures: list[str]) -> pd.DataFrame:
+    about: dict[str, Any] = {"mechanism": case.mechanism, "duration": case.duration}
+    tasks = [Named((name, "orbit"), Task(engine=name, **about)) for name in PACKAGES]
+    tasks += [Named((name, "straight"), Task(engine=name, straight=True, estimated=False, **about)) for name in PACKAGES]
+    results = run_tasks(tasks, store, jobs, "the same steady state from another start", limits)
+    rows: list[dict[str, Any]] = []
+    for name in PACKAGES:
+        orbit, straight = results[name, "orbit"], results[name, "straight"]
+        if not (orbit.usable and straight.usable):
+            failures.append(f"study of {name} from both starts: {straight.document['remark'] or orbit.document['remark']}")
+            continue
+        found: dict[str, Any] = {"engine": name, "difference": cycle_difference(straight.cycle, orbit.cycle)}
+        for way, run in (("orbit", orbit), ("straight", straight)):
+            found |= {f"{way}_{key}": run.document[key] for key in ("start", "cycles", "settling_error")}
+        rows.append(found)
+    return pd.DataFrame(rows)
+
+
+def cycle_difference(one: Columns, other: Columns) -> float:
+    """RMS over the channels of their difference in two cycles, each relative to its RMS in the first."""
+    return relative_change(on_common_grid(channels_of(other)), on_common_grid(channels_of(one)))
 
 
 def _changes(name: str, change: str, run: EngineRun, nominal: EngineRun) -> list[dict[str, Any]]:

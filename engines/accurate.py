@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, Generic
+from typing import Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from engines.settings import SettingError, Settings
 from engines.solver import S, Solver
 from engines.start import Start
 from engines.trajectory import Trajectory
+
+R = TypeVar("R")
+Q = TypeVar("Q")
 
 #: Columns with an error estimate of their own.
 ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
@@ -163,37 +166,74 @@ def check_trajectory(trajectory: Trajectory, duration: float, output_step: float
         )
 
 
-def estimated_part(
-    delivered: Trajectory, run: Trajectory, other: Trajectory, factor: float, length: float, before: tuple[Trajectory, float] | None = None
-) -> tuple[float, dict[str, float | None]]:
+@dataclass(frozen=True)
+class Compared(Generic[R]):
+    """What came of the runs of a `Comparison`: trajectories, or whatever else is made of them.
+
+    Attributes:
+        run: the run in question, or one with the same error in this part.
+        other: the one that `run` is compared with.
+        factor: error of `other` over that of `run`, not 1.
+        before: the run that `other` is compared with, and the error of that over the one of `other`; None where there is none.
+    """
+
+    run: R
+    other: R
+    factor: float
+    before: tuple[R, float] | None = None
+
+    def part(self, difference: Callable[[R, R], float]) -> float:
+        """The part of an error that the runs show, from the size of the difference of two of them."""
+        shown = difference(self.run, self.other)
+        if self.before is None:
+            return shown / abs(self.factor - 1.0)
+        return shown / (shown_factor(self.factor, self.before[1], shown, difference(self.other, self.before[0])) - 1.0)
+
+    def made_of(self, make: Callable[[R], Q]) -> "Compared[Q]":
+        """The same of what is made of each run."""
+        before = None if self.before is None else (make(self.before[0]), self.before[1])
+        return Compared(make(self.run), make(self.other), self.factor, before)
+
+
+def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
+    """Make the runs of a pair, by `run`; those of the pair that counts instead where one of them breaks down.
+
+    Raises:
+        EngineFailure: of `run`, where there is no other pair.
+    """
+    try:
+        first, second = run(pair.run), run(pair.other)
+    except EngineFailure:
+        if pair.instead is None:
+            raise
+        return compared(pair.instead, run)
+    if pair.before is None:
+        return Compared(first, second, pair.factor)
+    try:
+        return Compared(first, second, pair.factor, (run(pair.before.other), pair.before.factor))
+    except EngineFailure:
+        return Compared(first, second, min(pair.factor, LEAST_FACTOR))
+
+
+def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: float) -> tuple[float, dict[str, float | None]]:
     """A part of the error of `delivered`, from two or three runs on the same output grid (see `Comparison`).
 
     Args:
         delivered: the run in question; differences are taken relative to the size of its columns.
-        run: it, or one with the same error in this part.
-        other: the one that `run` is compared with.
-        factor: error of `other` over that of `run`, not 1.
+        runs: that are compared.
         length: follower length, m.
-        before: the run that `other` is compared with, and the error of that over the one of `other`.
 
     Returns:
         The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
     """
-
-    def part(difference: Callable[[Trajectory, Trajectory], float]) -> float:
-        shown = difference(run, other)
-        if before is None:
-            return shown / abs(factor - 1.0)
-        return shown / (shown_factor(factor, before[1], shown, difference(other, before[0])) - 1.0)
-
     each: dict[str, float | None] = {
-        name: _relative(part(lambda a, b, name=name: _rms(a[name] - b[name])), _rms(delivered[name]))  # type: ignore[misc]
+        name: _relative(runs.part(lambda a, b, name=name: _rms(a[name] - b[name])), _rms(delivered[name]))  # type: ignore[misc]
         for name in ESTIMATED
         if name in delivered.columns
     }
     deflection = each["tip_deflection"]
     if deflection is None or _rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
-        return part(lambda a, b: _rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))) / length, each
+        return runs.part(lambda a, b: _rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))) / length, each
     return deflection, each
 
 
@@ -267,31 +307,16 @@ class _Runs(Generic[S]):
             return _Judged(settings, trajectory, setup_seconds, remark=remark)
         try:
             for pair in pairs:
-                run, other, factor, before = self._compared(pair)
-                if not self.scene.follower.is_rigid and _same_motion(run, other):
+                runs = compared(pair, lambda other: self.run(other)[0])
+                if not self.scene.follower.is_rigid and same_motion(runs.run.columns, runs.other.columns):
                     remark = "the error is unknown: the run to compare with is the same to the last digit"
                     return _Judged(settings, trajectory, setup_seconds, remark=remark)
-                parts.append(estimated_part(trajectory, run, other, factor, length, before))
+                parts.append(estimated_part(trajectory, runs, length))
         except EngineFailure as failure:
             remark = f"the error is unknown: the run for its estimate {failure}"
             return _Judged(settings, trajectory, setup_seconds, remark=remark)
         columns = {name: _sum([each.get(name) for _, each in parts]) for name in ESTIMATED}
         return _Judged(settings, trajectory, setup_seconds, tuple(tip for tip, _ in parts), columns)
-
-    def _compared(self, pair: Comparison) -> tuple[Trajectory, Trajectory, float, tuple[Trajectory, float] | None]:
-        """Both runs, the factor and what came before them; those of the pair that counts instead where one of these breaks down."""
-        try:
-            run, other = self.run(pair.run)[0], self.run(pair.other)[0]
-        except EngineFailure:
-            if pair.instead is None:
-                raise
-            return self._compared(pair.instead)
-        if pair.before is None:
-            return run, other, pair.factor, None
-        try:
-            return run, other, pair.factor, (self.run(pair.before.other)[0], pair.before.factor)
-        except EngineFailure:
-            return run, other, min(pair.factor, LEAST_FACTOR), None
 
     def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
         excess = tuple(part / target for part in judged.parts) if judged is not None and judged.settings == rung else ()
@@ -329,7 +354,7 @@ class _Runs(Generic[S]):
         )
 
 
-def _same_motion(run: Trajectory, other: Trajectory) -> bool:
+def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDArray[np.float64]]) -> bool:
     """Whether two runs with different settings are one, which says nothing of their error; not where nothing bends."""
     deflection = run["tip_deflection"]
     return bool(np.any(deflection) and np.array_equal(deflection, other["tip_deflection"]))

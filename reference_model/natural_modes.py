@@ -118,10 +118,10 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
 
 @cache
 def stiffness_ratio(mechanism: Mechanism) -> float:
-    """Lowest natural frequency with the crank held anywhere over the crank's (`rigid.crank_pace`); infinite if nothing bends."""
+    """Lowest natural frequency with the crank held anywhere over the crank's (`rigid.crank_pace`); 0 where either is missing."""
     pace = crank_pace(mechanism)
-    if mechanism.follower.is_rigid or pace == 0.0:
-        return math.inf
+    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.joint_stiffness == 0.0:
+        return 0.0
     lowest = min(float(frozen_crank_modes(mechanism, angle, 1).frequencies[0]) for angle in np.linspace(0.0, math.pi, RATIO_ANGLES))
     return 2.0 * math.pi * lowest / pace
 

@@ -74,7 +74,10 @@ STATIC_SCALE: Final = 3.0
 
 
 def deflection_scale(mechanism: Mechanism) -> float:
-    """The size (m) that errors of the deflection are measured against in a scene: what it does, and never more than a fixed size."""
+    """The size (m) that errors of the deflection are measured against in a scene: what it does, and never more than a fixed size.
+
+    Equation 6.8.
+    """
     usual = USUAL_SCALE * mechanism.follower.length
     if mechanism.follower.is_rigid:
         return usual

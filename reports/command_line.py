@@ -1,7 +1,7 @@
 """The command `quickreturn`: subcommands, exit codes, and one clear line on standard error instead of a traceback.
 
-Exit codes: 0 good; 1 a tolerance missed; 2 bad input or usage, or something that the engine cannot model; 3 an engine failed, did
-not settle or did not reach the accuracy asked; 130 Ctrl-C.
+Exit codes: 0 good; 1 engines disagree by more than they claim; 2 bad input or usage, or something that the engine cannot model; 3 an
+engine failed, did not settle or did not reach the accuracy asked; 130 Ctrl-C.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ from cases.errors import as_written, shortened
 COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "report", "benchmark")
 
 GOOD: Final = 0
-TOLERANCE_MISSED: Final = 1
+CLAIMS_BROKEN: Final = 1
 BAD_INPUT: Final = 2
 ENGINE_TROUBLE: Final = 3
 INTERRUPTED: Final = 130

@@ -1,4 +1,4 @@
-"""Published numbers and tolerances as tables; `read_table` and `read_toml` are how the code gets at them."""
+"""Published numbers as tables; `read_table` and `read_toml` are how the code gets at them."""
 
 import csv
 import functools

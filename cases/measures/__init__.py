@@ -8,7 +8,7 @@ the mechanism itself dictates.
 
 from cases.measures.consensus import Consensus
 from cases.measures.cycle import CycleMeasures, Measure, measure_cycle
-from cases.measures.steady_state import Cycle, Settling, cut_cycles
+from cases.measures.steady_state import Cycle, Settling, cut_cycles, on_common_grid, relative_change
 from cases.measures.time_scale import CHANNELS, TimeScale, time_scale
 
 __all__ = [
@@ -21,5 +21,7 @@ __all__ = [
     "TimeScale",
     "cut_cycles",
     "measure_cycle",
+    "on_common_grid",
+    "relative_change",
     "time_scale",
 ]

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from cases.measures.consensus import Consensus, consensus
 from cases.measures.extremes import extremes, low_pass
-from cases.measures.first_mode import fit_first_mode
+from cases.measures.first_mode import FirstMode, fit_first_modes
 from cases.measures.half_cycle import HalfCycle, channel_half, half_cycle
 from cases.measures.second_mode import agreeing, second_mode_frequency
 from cases.measures.time_scale import TimeScale
@@ -17,12 +17,13 @@ from cases.measures.time_scale import TimeScale
 Array = NDArray[np.float64]
 
 HALVES = ("pre", "post")
+NO_VIBRATION = (FirstMode(None, None, None, None, "the model has no vibration in this channel", None), None)
 END_TOLERANCE = np.radians(5.0)  # by which the first and the last sample may miss the farthest place of the slider
 
 
 @dataclass(frozen=True)
 class Measure:
-    """What is measured of one channel in one half cycle; None where not resolvable.
+    """What is measured of one channel in one half cycle; None where not resolvable: frequency and amplitude each by itself.
 
     Attributes:
         half: "pre" (slider from farthest to nearest) or "post".
@@ -34,7 +35,7 @@ class Measure:
         second_mode_frequency: Hz, time mean over the half.
         minimum: least value in the half, of the raw signal where simulated, of the low-passed where measured.
         maximum: greatest value, likewise.
-        reason: why the first mode is not resolvable, empty where it is.
+        reason: why the first mode's frequency, its amplitude or both are not resolvable, empty where both are.
     """
 
     half: str
@@ -84,9 +85,22 @@ def measure_cycle(
         here = [name for name in channels if scale is not None and name in scale.channels]
         fitted = _vibrations(scale, half_cycle(scale, start, end, angle), {name: signals[name] for name in here}) if scale else {}
         for name in channels:
-            numbers = fitted.get(name, (None, None, None, None, None, "the model has no vibration in this channel"))
+            first, second = fitted.get(name, NO_VIBRATION)
             low, high = extremes(time, shown[name], start, end)
-            measures.append(Measure(half, name, *numbers[:5], low, high, numbers[5]))
+            measures.append(
+                Measure(
+                    half,
+                    name,
+                    first.frequency,
+                    first.frequency_uncertainty,
+                    first.amplitude,
+                    first.amplitude_uncertainty,
+                    second,
+                    low,
+                    high,
+                    first.reason,
+                )
+            )
         of_half = [measure for measure in measures if measure.half == half]
         agreed.append(
             consensus(
@@ -98,26 +112,12 @@ def measure_cycle(
     return CycleMeasures(tuple(measures), tuple(agreed))
 
 
-Vibration = tuple[float | None, float | None, float | None, float | None, float | None, str]
-
-
-def _vibrations(scale: TimeScale, half: HalfCycle, signals: Mapping[str, CubicSpline]) -> dict[str, Vibration]:
-    """Per channel frequency, its uncertainty, amplitude, its uncertainty, second frequency, and why the first four are missing."""
-    first_modes, second_modes = {}, []
-    for name, signal in signals.items():
-        channel = channel_half(scale, half, name, signal)
-        mode = fit_first_mode(channel)
-        first_modes[name] = mode
-        second_modes.append(second_mode_frequency(channel, mode.fit) if mode.fit is not None else None)
-    vibrations: dict[str, Vibration] = {}
-    for (name, mode), second in zip(first_modes.items(), agreeing(second_modes), strict=True):
-        if mode.reason:
-            vibrations[name] = (None, None, None, None, second, mode.reason)
-        else:
-            vibrations[name] = (
-                mode.frequency, mode.frequency_uncertainty, mode.amplitude, mode.amplitude_uncertainty, second, ""
-            )  # fmt: skip
-    return vibrations
+def _vibrations(scale: TimeScale, half: HalfCycle, signals: Mapping[str, CubicSpline]) -> dict[str, tuple[FirstMode, float | None]]:
+    """Per channel the first mode and the second mode's frequency."""
+    channels = {name: channel_half(scale, half, name, signal) for name, signal in signals.items()}
+    first_modes = fit_first_modes(channels)
+    second_modes = [second_mode_frequency(channels[name], mode.fit) if mode.fit else None for name, mode in first_modes.items()]
+    return {name: (mode, second) for (name, mode), second in zip(first_modes.items(), agreeing(second_modes), strict=True)}
 
 
 def _check(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -> None:

@@ -1,9 +1,13 @@
 """Least squares of a slow part, a drifting first mode and a second mode: variable projection with Gauss-Newton steps.
 
-The signal is modelled as  slow part + T (1 + rho sigma) [a cos phi + b sin phi] + second mode,  phi = alpha theta + beta (sigma^2 - 1)
-less the channel's phase lag, the second mode as T2 {1, sigma2} {cos, sin}(alpha2 theta2). Linear coefficients are eliminated by
-orthogonal projection (Golub and Pereyra, 1973), the projection's own change is neglected in the Jacobian (Kaufman, 1975), steps are
-damped (Levenberg, Marquardt) and held within bounds.
+The signal is modelled as  slow part + (1 + rho sigma) [a (T cos phi + Q sin phi) + b (T sin phi - Q cos phi)] + second mode  with
+
+    phi = alpha (theta + kappa drift) + beta (sigma^2 - 1),
+
+Q the channel's response a quarter period late, the drift the part of theta by which the mechanism's frequency departs from its mean,
+and the second mode T2 {1, sigma2} {cos, sin}(alpha2 theta2). beta and kappa leave the mean frequency alone: what they multiply is zero at
+both ends. Linear coefficients are eliminated by orthogonal projection (Golub and Pereyra, 1973), the projection's own change is neglected
+in the Jacobian (Kaufman, 1975), steps are damped (Levenberg, Marquardt) and held within bounds.
 """
 
 from dataclasses import dataclass
@@ -16,14 +20,14 @@ from cases.measures.half_cycle import ChannelHalf
 Array = NDArray[np.float64]
 
 PRIOR_STRENGTH = 0.006  # of the signal's RMS, per scale below
-PRIOR_SCALES = np.array([np.inf, 1.5, 0.6, np.inf])  # alpha, beta, rho, alpha2
+PRIOR_SCALES = np.array([np.inf, 1.5, 0.15, 0.6, np.inf])  # alpha, beta, kappa, rho, alpha2
 MAXIMUM_STEPS = 25
 STEP_TOLERANCE = 1e-5  # in any parameter, a thousandth of the least uncertainty that is ever reported
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Least and greatest alpha, beta, rho, alpha2, each of shape (4,); equal bounds fix a parameter."""
+    """Least and greatest alpha, beta, kappa, rho, alpha2, each of shape (5,); equal bounds fix a parameter."""
 
     low: Array
     high: Array
@@ -39,11 +43,11 @@ class Fit:
     """A minimum of the fit, in units of the signal's RMS.
 
     Attributes:
-        parameters: alpha, beta, rho, alpha2.
+        parameters: alpha, beta, kappa, rho, alpha2.
         weights: coefficients of the oscillating columns: a, b, then the second mode's four.
         residual: shape (240,).
         cost: sum of squares of the residual and the priors.
-        jacobian: projected oscillating columns, then projected derivatives with respect to the four parameters, shape (240, 10).
+        jacobian: projected oscillating columns, then projected derivatives with respect to the five parameters, shape (240, 11).
     """
 
     parameters: Array
@@ -51,6 +55,22 @@ class Fit:
     residual: Array
     cost: float
     jacobian: Array
+
+    def covariance(self, variance: float, bounds: Bounds) -> Array:
+        """Of weights and parameters, from noise of the given variance at every instant, shape (11, 11); zero where a parameter is fixed.
+
+        The priors hold the estimate back: with normal matrix N and priors P it follows noise as (N + P)^-1 N (N + P)^-1.
+        """
+        counted = np.concatenate([np.ones(6, dtype=bool), bounds.free])
+        jacobian = self.jacobian[:, counted]
+        noise = jacobian.T @ jacobian
+        held = noise + np.diag(np.concatenate([np.zeros(6), _prior_weights(self.residual.size) ** 2])[counted])
+        scale = np.sqrt(np.diag(held))
+        scale[scale == 0.0] = 1.0
+        inverse = np.linalg.pinv(held / np.outer(scale, scale), rcond=1e-12) / np.outer(scale, scale)
+        full = np.zeros((counted.size, counted.size))
+        full[np.ix_(counted, counted)] = variance * inverse @ noise @ inverse
+        return full
 
     @property
     def residual_rms(self) -> float:
@@ -68,12 +88,13 @@ def without(basis: Array, columns: Array) -> Array:
     return columns - basis @ (basis.T @ columns)
 
 
-def first_mode_columns(channel: ChannelHalf, alpha: float, beta: float, rho: float) -> Array:
+def first_mode_columns(channel: ChannelHalf, alpha: float, beta: float, kappa: float, rho: float) -> Array:
     """The two columns of the drifting first mode, shape (240, 2)."""
     theta, sigma = channel.half.phases[0], channel.half.places[0]
-    phase = alpha * theta + beta * (sigma**2 - 1.0) - channel.phase_lag
-    envelope = channel.templates[0] * (1.0 + rho * sigma)
-    return np.column_stack([envelope * np.cos(phase), envelope * np.sin(phase)])
+    phase, growth = alpha * (theta + kappa * channel.half.drift) + beta * (sigma**2 - 1.0), 1.0 + rho * sigma
+    in_phase, late = growth * channel.templates[0], growth * channel.quadrature
+    cosine, sine = np.cos(phase), np.sin(phase)
+    return np.column_stack([in_phase * cosine + late * sine, in_phase * sine - late * cosine])
 
 
 def second_mode_columns(channel: ChannelHalf, alpha2: float) -> Array:
@@ -85,13 +106,13 @@ def second_mode_columns(channel: ChannelHalf, alpha2: float) -> Array:
 
 
 def refine(channel: ChannelHalf, slow: Array, start: Array, bounds: Bounds) -> Fit:
-    """Descend from `start` (alpha, beta, rho, alpha2) to a minimum within the bounds.
+    """Descend from `start` (alpha, beta, kappa, rho, alpha2) to a minimum within the bounds.
 
     Args:
         channel: the signal with its templates.
         slow: orthonormal basis of the slow part, shape (240, k).
-        start: shape (4,).
-        bounds: for the four parameters.
+        start: shape (5,).
+        bounds: for the five parameters.
     """
     signal = without(slow, channel.signal)
     fit = _evaluate(channel, slow, signal, np.clip(start, bounds.low, bounds.high))
@@ -118,7 +139,7 @@ def _step(fit: Fit, bounds: Bounds, damping: float) -> Array:
     gradient = derivatives.T @ fit.residual + prior**2 * fit.parameters
     blocked = ((fit.parameters <= bounds.low) & (gradient > 0.0)) | ((fit.parameters >= bounds.high) & (gradient < 0.0))
     moving = bounds.free & ~blocked
-    step = np.zeros(4)
+    step = np.zeros(5)
     if moving.any():
         block = normal[np.ix_(moving, moving)]
         scale = np.diag(np.diag(block) + 1e-12 * fit.residual.size)
@@ -131,8 +152,8 @@ def _prior_weights(samples: int) -> Array:
 
 
 def _evaluate(channel: ChannelHalf, slow: Array, signal: Array, parameters: Array) -> Fit:
-    alpha, beta, rho, alpha2 = parameters
-    first, second = first_mode_columns(channel, alpha, beta, rho), second_mode_columns(channel, alpha2)
+    alpha, beta, kappa, rho, alpha2 = parameters
+    first, second = first_mode_columns(channel, alpha, beta, kappa, rho), second_mode_columns(channel, alpha2)
     columns = np.hstack([first, second])
     projected = without(slow, columns)
     basis, triangle = np.linalg.qr(projected)
@@ -145,7 +166,13 @@ def _evaluate(channel: ChannelHalf, slow: Array, signal: Array, parameters: Arra
     second_turned = second[:, 0] * weights[3] - second[:, 1] * weights[2]
     second_turned = second_turned + second[:, 2] * weights[5] - second[:, 3] * weights[4]
     derivatives = np.column_stack(
-        [theta * quarter_turned, (sigma**2 - 1.0) * quarter_turned, envelope_change, channel.half.phases[1] * second_turned]
+        [
+            (theta + kappa * channel.half.drift) * quarter_turned,
+            (sigma**2 - 1.0) * quarter_turned,
+            alpha * channel.half.drift * quarter_turned,
+            envelope_change,
+            channel.half.phases[1] * second_turned,
+        ]
     )
     derivatives = without(basis, without(slow, derivatives))
     prior = _prior_weights(signal.size) * parameters

@@ -27,6 +27,7 @@ class HalfCycle:
         progress: time scaled to [-1, 1].
         mean_frequencies: time means of f1, f2, f3 over the half, Hz, shape (3,).
         phases: theta_i = 2 pi times the integral of f_i, zero at the middle of their ranges, rad, shape (3, 240).
+        drift: theta_1 less a phase of constant rate, zero at both ends, rad.
         places: sigma_i = theta_i scaled to [-1, 1], shape (3, 240).
     """
 
@@ -36,6 +37,7 @@ class HalfCycle:
     progress: Array
     mean_frequencies: Array
     phases: Array
+    drift: Array
     places: Array
 
     def polynomials(self, degree: int) -> Array:
@@ -52,7 +54,7 @@ class ChannelHalf:
         signal: the channel less its mean, in units of `unit`, shape (240,).
         unit: RMS of the channel's deviation from its mean, in its own unit; 0 where it does not vary.
         templates: response to the modes at constant action, shape (3, 240).
-        phase_lag: of the channel behind the first mode, rad, shape (240,).
+        quadrature: response to the first mode a quarter period late, in the template's unit, shape (240,).
         slow_shape: quasi-static response to the crank's motion, shape (240,).
     """
 
@@ -60,7 +62,7 @@ class ChannelHalf:
     signal: Array
     unit: float
     templates: Array
-    phase_lag: Array
+    quadrature: Array
     slow_shape: Array
 
 
@@ -68,16 +70,19 @@ def half_cycle(scale: TimeScale, start: float, end: float, crank_angle: CubicSpl
     """The half cycle from `start` to `end` (s); `crank_angle` gives rad over time."""
     instants = np.linspace(start, end, SAMPLES)
     angles = crank_angle(instants)
-    phases = 2.0 * np.pi * cumulative_simpson(scale.frequencies(angles).T, x=instants, initial=0.0)
+    speeds = crank_angle(instants, 1)
+    phases = 2.0 * np.pi * cumulative_simpson(scale.running_frequencies(angles, speeds).T, x=instants, initial=0.0)
     span = phases[:, -1:]
     phases = phases - span / 2.0
+    progress = np.linspace(-1.0, 1.0, SAMPLES)
     return HalfCycle(
         time=instants,
         crank_angle=angles,
-        crank_speed=crank_angle(instants, 1),
-        progress=np.linspace(-1.0, 1.0, SAMPLES),
+        crank_speed=speeds,
+        progress=progress,
         mean_frequencies=span[:, 0] / (2.0 * np.pi * (end - start)),
         phases=phases,
+        drift=phases[0] - span[0] / 2.0 * progress,
         places=phases / (span / 2.0),
     )
 
@@ -93,6 +98,6 @@ def channel_half(scale: TimeScale, half: HalfCycle, channel: str, signal: CubicS
         signal=np.zeros(SAMPLES) if constant else deviation / unit,
         unit=0.0 if constant else unit,
         templates=scale.templates[channel](half.crank_angle).T,
-        phase_lag=scale.phase_lag(channel, half.crank_angle, half.crank_speed),
+        quadrature=scale.quadrature(channel, half.crank_angle, half.crank_speed),
         slow_shape=scale.slow_shapes[channel](half.crank_angle),
     )

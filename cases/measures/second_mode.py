@@ -22,8 +22,8 @@ def second_mode_frequency(channel: ChannelHalf, first_mode: Fit) -> float | None
     second mode: the first mode keeps its phase but its envelope may bend, each of its two components by itself.
     """
     sigma = channel.half.places[0]
-    alpha, beta, _, _ = first_mode.parameters
-    oscillation = first_mode_columns(channel, alpha, beta, 0.0)
+    alpha, beta, kappa, _, _ = first_mode.parameters
+    oscillation = first_mode_columns(channel, alpha, beta, kappa, 0.0)
     along = [channel.half.polynomials(DEGREE), oscillation, oscillation * sigma[:, None], oscillation * sigma[:, None] ** 2]
     basis = orthonormal(np.hstack(along))
     signal = without(basis, channel.signal)

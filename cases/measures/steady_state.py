@@ -1,7 +1,8 @@
 """Whole cycles out of a time series, and the criterion by which a sequence of cycles has settled."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ GREATEST_NUMBER = 60  # of cycles
 GRID = 720  # crank angles per cycle on which cycles are compared
 SAME_INSTANT = 1e-3  # of a cycle, by which the end of one and the beginning of the next may differ
 AT_THE_END = 1e-9  # rad, by which a series may miss the farthest place and still begin or end there
+TREND = 20  # changes that the trend is taken from, or half of all if those are fewer
+CERTAIN = 3.0  # standard errors by which the changes' logarithms must fall to be called shrinking
+SCATTER = 2.0  # times the median of all later ones that a change may be once they shrink no longer
 
 
 @dataclass(frozen=True)
@@ -69,24 +73,67 @@ def cut_cycles(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -
     return cycles
 
 
+@dataclass(frozen=True)
+class Outlook:
+    """What a sequence of cycles that has not settled showed.
+
+    Attributes:
+        change: RMS change of the last cycle, relative to the signals' RMS; None before the second cycle.
+        remaining_error: estimated distance from the steady state, likewise relative; None where the changes do not shrink.
+        ratio: of successive changes, by their trend; None where they do not shrink.
+        cycles_needed: in all, at this ratio; None where the changes do not shrink.
+        stalled_since: number of the cycle from which on the changes no longer shrink; None where they do, or are too few to tell.
+    """
+
+    change: float | None
+    remaining_error: float | None
+    ratio: float | None
+    cycles_needed: int | None
+    stalled_since: int | None
+
+    def as_dict(self) -> dict[str, float | int | str | None]:
+        """Plain values for JSON, the sentence among them."""
+        return {**asdict(self), "sentence": self.sentence()}
+
+    def sentence(self) -> str:
+        """The same in words, with what to try."""
+        if self.change is None:
+            return "fewer than two cycles were made"
+        seen = f"the last cycle differs from the one before by {self.change:.2g} of the signals' RMS"
+        if self.ratio is not None:
+            return (
+                f"{seen}, which shrinks {self.ratio:.3f}-fold a cycle: about {self.remaining_error:.2g} is left, and {self.cycles_needed}"
+                " cycles would be needed; try more damping, or engine reference, which need not wait for its steady state"
+            )
+        if self.stalled_since is None:
+            return f"{seen}, and too few were made to tell whether this shrinks"
+        return (
+            f"{seen}, and this has not shrunk since cycle {self.stalled_since}; try finer settings (the noise of coarse ones does not die"
+            " away), or more damping (the motion may have no period of one turn)"
+        )
+
+
 class Settling:
     """Judges cycle after cycle whether a simulation has reached its steady state.
 
     With c the RMS change of the channels from one cycle to the next and mu the ratio of successive changes, the remaining error is
     the geometric series c (mu + mu² + ...) = c mu/(1 - mu). The change alone understates it three- to fourfold on the thesis'
     runs. mu is the larger of the last two ratios: a fast transient that has just died, or two decaying modes that beat, would let
-    a single ratio promise too much.
+    a single ratio promise too much. Where the mechanism's largest Floquet multiplier is known it is no less than that: beside a
+    steady state a fast part of the change hides the slow one.
 
     Attributes:
         tolerance: of the remaining error.
         greatest_number: of cycles after which the search is given up.
+        least_ratio: mu is at least this.
         cycles: number of cycles seen.
         changes: c between successive cycles, one fewer than cycles.
     """
 
-    def __init__(self, tolerance: float = TOLERANCE, greatest_number: int = GREATEST_NUMBER) -> None:
+    def __init__(self, tolerance: float = TOLERANCE, greatest_number: int = GREATEST_NUMBER, least_ratio: float = 0.0) -> None:
         self.tolerance = tolerance
         self.greatest_number = greatest_number
+        self.least_ratio = least_ratio
         self.cycles = 0
         self.changes: list[float] = []
         self._last: dict[str, Array] = {}
@@ -101,11 +148,11 @@ class Settling:
         """
         if self.cycles and abs(cycle.time[0] - self._end) > SAME_INSTANT * (cycle.time[-1] - cycle.time[0]):
             raise ValueError(f"a cycle that begins at {cycle.time[0]:.6g} s does not follow one that ended at {self._end:.6g} s")
-        present = _on_common_grid(cycle)
+        present = on_common_grid(cycle)
         if self.cycles:
             if present.keys() != self._last.keys():
                 raise ValueError(f"channels changed from {', '.join(self._last)} to {', '.join(present)}")
-            self.changes.append(_relative_change(self._last, present))
+            self.changes.append(relative_change(self._last, present))
         self._last = present
         self._end = float(cycle.time[-1])
         self.cycles += 1
@@ -116,7 +163,8 @@ class Settling:
         """The observed mu; infinite before the fourth cycle."""
         if len(self.changes) < 3:
             return np.inf
-        return max(new / old if old > 0.0 else 0.0 for old, new in zip(self.changes[-3:-1], self.changes[-2:], strict=True))
+        observed = [new / old if old > 0.0 else 0.0 for old, new in zip(self.changes[-3:-1], self.changes[-2:], strict=True)]
+        return max(self.least_ratio, *observed)
 
     @property
     def error_estimate(self) -> float:
@@ -130,19 +178,37 @@ class Settling:
         return self.error_estimate < self.tolerance
 
     @property
+    def outlook(self) -> Outlook:
+        """What the changes seen so far promise. Their trend is a straight line through the logarithms of the last ones."""
+        if not self.changes:
+            return Outlook(None, None, None, None, None)
+        change = self.changes[-1]
+        logarithms = np.log(np.maximum(self.changes, np.finfo(float).tiny))[-min(TREND, max(4, len(self.changes) // 2)) :]
+        if logarithms.size < 4:
+            return Outlook(change, None, None, None, None)
+        (slope, _), covariance = np.polyfit(np.arange(logarithms.size), logarithms, 1, cov=True)
+        if slope < -CERTAIN * math.sqrt(covariance[0, 0]):
+            ratio = max(math.exp(slope), self.least_ratio)
+            left = change * ratio / (1.0 - ratio)
+            more = math.ceil(math.log(max(left / self.tolerance, 1.0)) / -math.log(ratio))
+            return Outlook(change, left, ratio, self.cycles + more, None)
+        stalled = next(i for i, c in enumerate(self.changes) if c <= SCATTER * float(np.median(self.changes[i:])))
+        return Outlook(change, None, None, None, stalled + 2)
+
+    @property
     def given_up(self) -> bool:
         """Whether the greatest number of cycles has passed without settling."""
         return self.cycles >= self.greatest_number and not self.settled
 
 
-def _on_common_grid(cycle: Cycle) -> dict[str, Array]:
+def on_common_grid(cycle: Cycle) -> dict[str, Array]:
     """The channels at evenly spaced crank angles, each of shape (720,)."""
     turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
     grid = np.linspace(0.0, 2.0 * np.pi, GRID, endpoint=False)
     return {name: CubicSpline(turned, values)(grid) for name, values in cycle.channels.items()}
 
 
-def _relative_change(before: Mapping[str, Array], now: Mapping[str, Array]) -> float:
+def relative_change(before: Mapping[str, Array], now: Mapping[str, Array]) -> float:
     """RMS over channels of each channel's RMS change relative to its RMS; channels that are zero throughout do not count."""
     shares = [
         np.mean((now[name] - before[name]) ** 2) / mean_square for name in now if (mean_square := float(np.mean(now[name] ** 2))) > 0.0

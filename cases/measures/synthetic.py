@@ -27,31 +27,48 @@ class SyntheticHalf:
     Attributes:
         time: s, shape (481,).
         crank_angle: rad, shape (481,).
-        signal: arbitrary unit, shape (481,).
-        first_mode_frequency: Hz, time mean over the half.
-        first_mode_amplitude: RMS of the envelope over the half.
+        signals: per channel, arbitrary unit, shape (481,).
+        first_mode_frequency: Hz, time mean over the half, of all channels.
+        first_mode_amplitudes: per channel the RMS of the envelope over the half.
     """
 
     time: Array
     crank_angle: Array
-    signal: Array
+    signals: dict[str, Array]
     first_mode_frequency: float
-    first_mode_amplitude: float
+    first_mode_amplitudes: dict[str, float]
+
+
+@dataclass(frozen=True)
+class _Course:
+    """How a mode vibrates in all channels: frequency factor, relative drift and slope of the envelope at the ends, phase, drift scale."""
+
+    factor: float
+    drift: float
+    slope: float
+    start: float
+    drift_scale: float = 1.0
 
 
 def synthetic_half(
-    scale: TimeScale, channel: str, half: str, crank_speed: float, vibration: float, random: np.random.Generator, noise: float = 0.03
+    scale: TimeScale,
+    half: str,
+    crank_speed: float,
+    vibration: float,
+    random: np.random.Generator,
+    noise: float = 0.03,
+    drift_scale: float = 1.0,
 ) -> SyntheticHalf:
     """Draw one half cycle.
 
     Args:
         scale: of the mechanism.
-        channel: one of the scale's channels.
         half: "pre" or "post".
         crank_speed: rad/s, mean.
-        vibration: amplitude of the first mode over the slow part's peak.
+        vibration: amplitude of the first mode over the slow part's peak, in every channel.
         random: source of all that varies.
         noise: RMS of the noise over the signal's.
+        drift_scale: how many times as far from its mean the first mode's frequency goes as the frozen crank's.
     """
     crank_angle = np.pi * (np.linspace(1.0, 2.0, SAMPLES) + (half == "post"))
     time = _time(crank_angle, crank_speed, random)
@@ -59,23 +76,24 @@ def synthetic_half(
     crank_angle = np.interp(uniform, time, crank_angle)
     time = uniform
 
-    slow = _slow_part(scale, channel, crank_angle, random)
-    amplitude = vibration * np.abs(slow).max()
-    factor = random.uniform(0.85, 1.12)
-    vibrations = np.zeros(SAMPLES)
-    for mode, (share, speed, drift, slope) in enumerate(
-        [
-            (1.0, factor, random.uniform(-0.06, 0.06), random.uniform(-0.5, 0.5)),
-            (0.15, random.uniform(0.9, 1.1), 0.0, random.uniform(-0.5, 0.5)),
-            (0.075, random.uniform(0.9, 1.1), 0.0, random.uniform(-0.5, 0.5)),
-        ]
-    ):
-        oscillation, envelope = _mode(scale, channel, mode, time, crank_angle, (speed, drift, slope), random)
-        vibrations += share * amplitude / np.sqrt(np.mean(envelope**2)) * oscillation
-    signal = slow + vibrations
-    signal = signal + noise * np.sqrt(np.mean(signal**2)) * _noise(time, random)
-    mean_frequency = np.trapezoid(scale.frequencies(crank_angle)[:, 0], time) / (time[-1] - time[0])
-    return SyntheticHalf(time, crank_angle, signal, factor * mean_frequency, amplitude)
+    def course(factor: float, drift: float, drift_scale: float = 1.0) -> _Course:
+        return _Course(factor, drift, random.uniform(-0.5, 0.5), random.uniform(0.0, 2.0 * np.pi), drift_scale)
+
+    first = course(random.uniform(0.85, 1.12), random.uniform(-0.06, 0.06), drift_scale)
+    courses = {1.0: first, 0.15: course(random.uniform(0.9, 1.1), 0.0), 0.075: course(random.uniform(0.9, 1.1), 0.0)}
+    modulation = 1.0 + random.uniform(-0.1, 0.1) * np.cos(crank_angle + random.uniform(0.0, 2.0 * np.pi))
+    signals, amplitudes = {}, {}
+    for channel in scale.channels:
+        slow = _slow_part(scale, channel, crank_angle, modulation, random)
+        amplitudes[channel] = vibration * np.abs(slow).max()
+        signal = slow
+        for mode, (share, its) in enumerate(courses.items()):
+            oscillation, envelope = _mode(scale, channel, mode, time, crank_angle, its)
+            signal = signal + share * amplitudes[channel] / np.sqrt(np.mean(envelope**2)) * oscillation
+        signals[channel] = signal + noise * np.sqrt(np.mean(signal**2)) * _noise(time, random)
+    speed = np.gradient(crank_angle, time)
+    mean_frequency = np.trapezoid(scale.running_frequencies(crank_angle, speed)[:, 0], time) / (time[-1] - time[0])
+    return SyntheticHalf(time, crank_angle, signals, first.factor * mean_frequency, amplitudes)
 
 
 def _time(crank_angle: Array, crank_speed: float, random: np.random.Generator) -> Array:
@@ -83,10 +101,9 @@ def _time(crank_angle: Array, crank_speed: float, random: np.random.Generator) -
     return np.asarray(cumulative_simpson(1.0 / (crank_speed * (1.0 + variation)), x=crank_angle, initial=0.0))
 
 
-def _slow_part(scale: TimeScale, channel: str, crank_angle: Array, random: np.random.Generator) -> Array:
+def _slow_part(scale: TimeScale, channel: str, crank_angle: Array, modulation: Array, random: np.random.Generator) -> Array:
     quasi_static = scale.slow_shapes[channel](crank_angle)
     peak = np.abs(quasi_static).max()
-    modulation = 1.0 + random.uniform(-0.1, 0.1) * np.cos(crank_angle + random.uniform(0.0, 2.0 * np.pi))
     orders = np.arange(1, 5)
     strengths = random.uniform(0.0, 1.0, orders.size)
     strengths *= 0.04 * peak / strengths.sum()
@@ -94,26 +111,23 @@ def _slow_part(scale: TimeScale, channel: str, crank_angle: Array, random: np.ra
     return np.asarray(quasi_static * modulation + harmonics + 0.02 * peak * random.uniform(-1.0, 1.0))
 
 
-def _mode(
-    scale: TimeScale,
-    channel: str,
-    mode: int,
-    time: Array,
-    crank_angle: Array,
-    course: tuple[float, float, float],
-    random: np.random.Generator,
-) -> tuple[Array, Array]:
-    """Oscillation and envelope of one mode; `course` is frequency factor, relative drift and slope of the envelope at the ends."""
-    factor, drift, slope = course
-    rate = 2.0 * np.pi * scale.frequencies(crank_angle)[:, mode]
+def _mode(scale: TimeScale, channel: str, mode: int, time: Array, crank_angle: Array, course: _Course) -> tuple[Array, Array]:
+    """Oscillation and envelope of one mode in a channel."""
+    speed = np.gradient(crank_angle, time)
+    rate = 2.0 * np.pi * scale.running_frequencies(crank_angle, speed)[:, mode]
     theta = cumulative_simpson(rate, x=time, initial=0.0)
+    uniform = theta[-1] * (time - time[0]) / (time[-1] - time[0])
     sigma = 2.0 * theta / theta[-1] - 1.0
-    # a rate of factor (1 + drift sigma) times the mechanism's own: its time mean is the factor times the mechanism's, exactly
-    phase = factor * theta[-1] / 2.0 * (sigma + drift * sigma**2 / 2.0) + random.uniform(0.0, 2.0 * np.pi)
+    # a rate of factor (1 + drift sigma) times the mechanism's own: its time mean is the factor times the mechanism's, exactly;
+    # that of the drift from the mean is zero, however much it is scaled
+    phase = course.factor * theta[-1] / 2.0 * (sigma + course.drift * sigma**2 / 2.0)
+    phase += course.factor * (course.drift_scale - 1.0) * (theta - uniform) + course.start
+    growth = 1.0 + course.slope * sigma
+    envelope = scale.templates[channel](crank_angle)[:, mode] * growth
+    oscillation = envelope * np.cos(phase)
     if mode == 0:
-        phase -= scale.phase_lag(channel, crank_angle, np.gradient(crank_angle, time))
-    envelope = scale.templates[channel](crank_angle)[:, mode] * (1.0 + slope * sigma)
-    return np.asarray(envelope * np.cos(phase)), np.asarray(envelope)
+        oscillation += scale.quadrature(channel, crank_angle, speed) * growth * np.sin(phase)
+    return np.asarray(oscillation), np.asarray(envelope)
 
 
 def _noise(time: Array, random: np.random.Generator) -> Array:

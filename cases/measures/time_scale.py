@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from cases.measures.moving_mode import moving_mode
 from cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
 from reference_model.mechanism import Mechanism
 from reference_model.natural_modes import FrozenModes, frozen_crank_modes
@@ -14,7 +15,9 @@ Array = NDArray[np.float64]
 
 CHANNELS = ("tip_acceleration", "strain_1", "strain_2", "strain_3")
 MODES = 3
+COUPLED = 4  # modes that a moving slider couples with the first one: those beyond add 0.01 rad to a phase at most
 TEMPLATE_FLOOR = 0.15  # of its RMS, for a template that keeps its sign
+COARSER = 3  # of the angles, at which corrections for the motion are made: they err by less than 1e-4 of the frequency between
 ANGLES = 181  # per half turn: the scale is symmetric about the return
 TURN = np.linspace(0.0, 2.0 * np.pi, 2 * ANGLES - 1)
 NOTHING = 1e-6  # of the curvature at the slider: a gauge that sees no more sits at an end that carries no moment
@@ -26,12 +29,18 @@ class TimeScale:
 
     Attributes:
         frequencies: f1, f2, f3 in Hz of the crank held still, values of shape (..., 3).
+        free_crank: relative change of f1 where the crank is free to give way, values of shape (...).
+        motion: the same because the crank turns, per square of its speed, s^2/rad^2, values of shape (...).
         templates: per channel the response to each mode at constant action, unit mean modulus over a turn, values (..., 3).
+        quadratures: per channel the response to the first mode a quarter period late, per crank speed, in its template's unit, s/rad.
         slow_shapes: per channel its quasi-static response at constant crank speed, unit RMS over a turn, values of shape (...).
     """
 
     frequencies: CubicSpline
+    free_crank: CubicSpline
+    motion: CubicSpline
     templates: dict[str, CubicSpline]
+    quadratures: dict[str, CubicSpline]
     slow_shapes: dict[str, CubicSpline]
 
     @property
@@ -39,24 +48,26 @@ class TimeScale:
         """The channels that have templates: those in which vibration shows."""
         return tuple(self.templates)
 
-    def phase_lag(self, channel: str, crank_angle: Array, crank_speed: Array) -> Array:
-        """By how much the channel's oscillation lags behind the first mode's phase, rad, shape (n,).
+    def running_frequencies(self, crank_angle: Array, crank_speed: Array) -> Array:
+        """f1, f2, f3 in Hz, the first as it is while the crank turns (`moving_mode`), shape (n, 3).
 
-        Strain follows the modal coordinate. Where the tip moves as A cos phi with A ~ omega^(-1/2) phi_L, its acceleration is
-        -A omega² (cos phi + e sin phi) to first order in the rates of change, e = (2 A'/A + omega'/omega)/omega = 2 phi_L'/(phi_L omega).
-        Without it the acceleration of the thesis' runs reads 1.5 % high in frequency, with it 0.0 %.
+        Args:
+            crank_angle: rad, shape (n,).
+            crank_speed: rad/s, shape (n,).
+        """
+        found = np.array(self.frequencies(crank_angle))
+        found[:, 0] *= 1.0 + self.free_crank(crank_angle) + self.motion(crank_angle) * crank_speed**2
+        return found
+
+    def quadrature(self, channel: str, crank_angle: Array, crank_speed: Array) -> Array:
+        """The channel's response in sin(phi) where the first mode is cos(phi), in the template's unit, shape (n,).
 
         Args:
             channel: one of the scale's channels.
             crank_angle: rad, shape (n,).
             crank_speed: rad/s, shape (n,).
         """
-        if channel != "tip_acceleration":
-            return np.zeros(crank_angle.size)
-        template, frequency = self.templates[channel], self.frequencies
-        f1 = frequency(crank_angle)[:, 0]
-        growth = template(crank_angle, 1)[:, 0] / template(crank_angle)[:, 0] - 1.5 * frequency(crank_angle, 1)[:, 0] / f1
-        return np.asarray(np.arctan(2.0 * growth * crank_speed / (2.0 * np.pi * f1)))
+        return np.asarray(self.quadratures[channel](crank_angle) * crank_speed)
 
 
 def time_scale(mechanism: Mechanism) -> TimeScale | None:
@@ -71,22 +82,40 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
     if mechanism.follower.is_rigid:
         return None
     angles = np.linspace(0.0, np.pi, ANGLES)
-    modes = [frozen_crank_modes(mechanism, angle, MODES) for angle in angles]
+    modes = [frozen_crank_modes(mechanism, angle, COUPLED) for angle in angles]
     signs = _continuous_signs(modes, mechanism)
-    frequencies = np.array([mode.frequencies for mode in modes])
+    frequencies = np.array([mode.frequencies[:MODES] for mode in modes])
     omega = 2.0 * np.pi * frequencies
+    some = slice(None, None, COARSER)
+    moving = moving_mode(mechanism, angles[some], modes[some], signs[some])
+    dragged = CubicSpline(angles[some], moving.dragged)(angles)
 
-    acceleration = signs * omega**1.5 * np.array([mode.tip_displacement for mode in modes])
-    templates = {"tip_acceleration": _template(angles, acceleration)}
+    tip = np.array([mode.tip_displacement for mode in modes])
+    of_tip = omega[:, 0] ** 1.5 * (
+        2.0 * _even(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", dragged, signs * tip)
+    )
+    responses = {"tip_acceleration": (signs[:, :MODES] * omega**1.5 * tip[:, :MODES], of_tip)}
     slow_shapes = {"tip_acceleration": _slow_shape(quasi_static_tip_acceleration(mechanism, TURN))}
-    at_slider = np.array([mode.curvature(np.array([mode.slider_position]))[:, 0] for mode in modes])
+    at_slider = np.array([mode.curvature(np.array([mode.slider_position]))[0, 0] for mode in modes])
     for name, gauge in zip(CHANNELS[1:], mechanism.follower.strain_gauges, strict=True):
         curvature = np.array([mode.curvature(np.array([gauge]))[:, 0] for mode in modes])
-        if not np.abs(curvature).max() > NOTHING * np.abs(at_slider).max():
+        if not np.abs(curvature[:, :MODES]).max() > NOTHING * np.abs(at_slider).max():
             continue
-        templates[name] = _template(angles, signs * omega**-0.5 * curvature)
+        late = omega[:, 0] ** -0.5 * np.einsum("aj,aj->a", dragged, signs * curvature)
+        responses[name] = (signs[:, :MODES] * omega**-0.5 * curvature[:, :MODES], late)
         slow_shapes[name] = _slow_shape(quasi_static_strain(mechanism, gauge, TURN))
-    return TimeScale(_even(angles, frequencies), templates, slow_shapes)
+    templates, quadratures = {}, {}
+    for name, (in_phase, late) in responses.items():
+        templates[name], unit = _template(angles, in_phase)
+        quadratures[name] = _mirrored(angles, late / unit, -1.0)
+    return TimeScale(
+        _even(angles, frequencies),
+        _even(angles[some], moving.free_crank),
+        _even(angles[some], moving.motion),
+        templates,
+        quadratures,
+        slow_shapes,
+    )
 
 
 def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
@@ -96,19 +125,25 @@ def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
     weight[-1] += mechanism.tip.mass if mechanism.tip else 0.0
     shapes = np.array([mode.deflection(x) for mode in modes])
     overlaps = np.einsum("amx,amx,x->am", shapes[1:], shapes[:-1], weight)
-    return np.cumprod(np.vstack([np.ones(MODES), np.where(overlaps < 0.0, -1.0, 1.0)]), axis=0)
+    return np.cumprod(np.vstack([np.ones(shapes.shape[1]), np.where(overlaps < 0.0, -1.0, 1.0)]), axis=0)
 
 
-def _template(angles: Array, response: Array) -> CubicSpline:
+def _template(angles: Array, response: Array) -> tuple[CubicSpline, float]:
+    """The spline of unit mean modulus and what the first mode's response was divided by."""
     keeps_sign = response.min(axis=0) * response.max(axis=0) > 0.0
     floor = TEMPLATE_FLOOR * np.sqrt(np.mean(response**2, axis=0))
     floored = np.where(keeps_sign, np.sign(response) * np.maximum(np.abs(response), floor), response)
-    return _even(angles, floored / np.mean(np.abs(floored), axis=0))
+    unit = np.mean(np.abs(floored), axis=0)
+    return _even(angles, floored / unit), float(unit[0])
 
 
 def _even(angles: Array, values: Array) -> CubicSpline:
-    """Periodic spline through values on 0 .. pi that are mirrored about both ends."""
-    both_halves = np.concatenate([values, values[-2::-1]])
+    return _mirrored(angles, values, 1.0)
+
+
+def _mirrored(angles: Array, values: Array, sign: float) -> CubicSpline:
+    """Periodic spline through values on 0 .. pi that are mirrored about both ends, with the same or the other sign."""
+    both_halves = np.concatenate([values, sign * values[-2::-1]])
     both_halves[-1] = both_halves[0]
     return CubicSpline(np.concatenate([angles, 2.0 * np.pi - angles[-2::-1]]), both_halves, bc_type="periodic")
 

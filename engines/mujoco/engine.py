@@ -15,6 +15,7 @@ from engines.mujoco.settings import ChainSettings, own
 from engines.settings import Settings as AnySettings
 from engines.start import Start
 from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import stiffness_ratio
 
 _DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
 _OLDEST = (4, 0, 1)
@@ -71,7 +72,7 @@ class MujocoEngine(Engine):
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
         """See `Engine.settings_for`."""
-        return ladder.for_accuracy(accuracy)
+        return ladder.for_accuracy(accuracy, stiffness_ratio(mechanism))
 
     def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Chains with other numbers of links."""

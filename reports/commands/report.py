@@ -22,6 +22,7 @@ from reports.commands.options import (
 )
 
 if TYPE_CHECKING:
+    from cases.comparison import CaseResult
     from reports.report import Written
 
 
@@ -54,7 +55,7 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
 def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str | None, memory_limit: str | None) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
 
-    Exit code 0 once the page is written and every engine completed: missed tolerances are shown in the page. Exit code 3: an engine
+    Exit code 0 once the page is written and every engine completed: where engines disagree is shown in the page. Exit code 3: an engine
     failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
     as they come: an interrupted report continues where it stopped.
     """
@@ -78,11 +79,19 @@ def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str
 
 def _print(written: "Written") -> None:
     content = written.content
-    checks = [check for result in content.results for check in result.checks]
     runs = sum(len(result.runs) for result in content.results)
     failures = [trouble for trouble in content.troubles if trouble.is_failure]
     click.echo(str(written.page))
     cases = "1 case" if len(content.results) == 1 else f"{len(content.results)} cases"
     click.echo(f"{cases}, {runs} simulations: {runs - len(content.troubles)} settled, {len(failures)} did not complete")
-    click.echo(f"{sum(not check.passed for check in checks)} of {len(checks)} tolerances missed")
+    click.echo(_verdict(content.results))
     click.echo(f"{len(written.tables)} tables as CSV beside the page")
+
+
+def _verdict(results: Sequence["CaseResult"]) -> str:
+    """In how many comparisons engines differ by more than they claim, or why there are none."""
+    checks = [check for result in results for check in result.checks]
+    if not checks:
+        return f"nothing could be judged: {'; '.join(dict.fromkeys(result.reason for result in results))}"
+    beyond = sum(not check.passed for check in checks)
+    return f"engines differ by more than they claim in {beyond or 'none'} of {len(checks)} comparisons"

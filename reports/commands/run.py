@@ -1,7 +1,8 @@
-"""`quickreturn run`: engines on cases in their steady state, measured, compared and held against tolerances."""
+"""`quickreturn run`: engines on cases in their steady state, measured, compared and held to what they claim."""
 
+import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -21,8 +22,11 @@ from reports.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from cases.comparison import CaseResult
+    from cases.comparison import CaseResult, Check
     from cases.engine_run import EngineRun
+
+#: Departures shown of a pair of engines in the terminal.
+SHOWN: Final = 5
 
 
 @click.command(name="run")
@@ -46,12 +50,15 @@ def command(
 ) -> int:
     """Bring engines to their steady state on each CASE, measure, compare.
 
-    Exit code 1: a tolerance was missed. Exit code 3: an engine failed, was stopped at a limit, is not installed, did not settle or did
-    not reach the accuracy asked; the others are not touched by that. Results are kept as they come: an interrupted run continues.
+    Two engines may differ by what both claim: their own error estimates and the uncertainty of what is measured. Exit code 1: some differ
+    by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is not
+    installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
+    interrupted run continues.
     """
     from cases.cross_validation import cross_validate
+    from cases.steady_run import REFUSED
     from engines.registry import MAIN
-    from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD, TOLERANCE_MISSED
+    from reports.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
@@ -68,15 +75,20 @@ def command(
     for result in results:
         for run in result.failures:
             tell(f"{result.case.name}: engine {run.engine} {run.status}: {run.document['remark']}")
+    refused = [(result.case.name, run) for result in results for run in result.runs.values() if engines and run.status == REFUSED]
+    for case, run in refused:
+        tell(f"{case}: engine {run.engine}: {run.document['remark']}")
+    if refused:
+        return BAD_INPUT
     if any(result.failures for result in results):
         return ENGINE_TROUBLE
     if store.lost:
         return BAD_INPUT
-    return GOOD if all(result.passed for result in results) else TOLERANCE_MISSED
+    return CLAIMS_BROKEN if any(result.missed for result in results) else GOOD
 
 
 def _check_engines(cases: Sequence[Any], names: Sequence[str], settings: Mapping[str, str]) -> None:
-    """Refuse before anything runs what an engine asked for by name cannot do, and settings that an engine does not have."""
+    """Refuse before anything runs an engine that is asked for by name and not there, and settings that an engine does not have."""
     from engines.base import Refusal
     from engines.registry import MAIN, engine
     from engines.settings import SettingError
@@ -85,14 +97,11 @@ def _check_engines(cases: Sequence[Any], names: Sequence[str], settings: Mapping
         chosen = engine(name)
         if names and (reason := chosen.unavailable()):
             raise Refusal(f"--engine {name}: {reason}")
-        for case in cases:
-            if names:
-                chosen.check(case.mechanism)
-            if settings:
-                try:
-                    chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(settings))
-                except SettingError as error:  # several engines share the settings, and one of them may lack one
-                    raise SettingError(f"{error} (engine {name})") from error
+        for case in cases if settings else ():
+            try:
+                chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(settings))
+            except SettingError as error:  # several engines share the settings, and one of them may lack one
+                raise SettingError(f"{error} (engine {name})") from error
 
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
@@ -102,8 +111,9 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
             {
                 "case": result.case.name,
                 "passed": result.passed,
+                "reason": result.reason,
                 "notes": list(result.case.notes),
-                "engines": [run.document for run in result.runs.values()],
+                "engines": [{**run.document, "accuracy_class": result.accuracy_class(name)} for name, run in result.runs.items()],
                 "checks": [check.as_dict() for check in result.checks],
             }
             for result in results
@@ -118,28 +128,56 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
 
 
 def _print(results: Sequence["CaseResult"]) -> None:
+    from cases.steady_run import REFUSED
     from reports.output import print_table
 
     for result in results:
+        if all(run.status == REFUSED for run in result.runs.values()):
+            continue  # there is nothing to show
         click.echo(f"{result.case.name}: {result.case.title}")
-        header = ("engine", "status", "cycles", "solve s", "estimate", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2")
-        print_table([_row(run) for run in result.runs.values()], header)
+        numbers = ("class", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2")
+        header = ("engine", "status", "start", "cycles", "solve s", "estimate", *numbers)
+        print_table([_row(run, result.accuracy_class(name)) for name, run in result.runs.items()], header)
         for run in result.runs.values():
             if run.document["remark"]:
                 click.echo(f"  {run.engine}: {run.document['remark']}")
-        for check in result.missed:
-            place = f"{check.half}-return {check.channel or 'consensus'}"
-            click.echo(
-                f"  {check.engine} misses a tolerance: {check.quantity} {place}: {check.tolerance.kind} {check.deviation:.4g}"
-                f" is outside {check.tolerance.low:g} to {check.tolerance.high:g}"
-            )
-        if not result.checks:
-            click.echo("  nothing compared: tolerances are relative to `reference`, run with one other engine or more")
-        else:
-            click.echo(f"  {len(result.missed) or 'none'} of {len(result.checks)} tolerances missed")
+        for line in _verdict(result):
+            click.echo(f"  {line}")
 
 
-def _row(run: "EngineRun") -> tuple[str, ...]:
+def _verdict(result: "CaseResult") -> list[str]:
+    """What was judged and what came of it, and how far those engines lie from the reference that are not judged."""
+    from cases.comparison import REFERENCE, largest_differences, not_judged
+
+    lines = []
+    for (engine, other), checks in result.departures.items():
+        total = sum((check.engine, check.other) == (engine, other) for check in result.checks)
+        lines.append(f"{engine} and {other} disagree by more than they claim, in {len(checks)} of {total} comparisons:")
+        worst = sorted(checks, key=lambda check: -abs(check.difference) / check.tolerance if check.tolerance else -math.inf)
+        lines += [f"  {_departure(check)}" for check in worst[:SHOWN]]
+        if len(checks) > SHOWN:
+            lines.append(f"  and {len(checks) - SHOWN} more, which --json lists")
+    if result.passed is None:
+        lines.append(f"not judged: {result.reason}")
+    elif not result.missed:
+        names = ", ".join(dict.fromkeys(check.engine for check in result.checks))
+        lines.append(f"{names}: within what is claimed of {result.checks[0].other} in all {len(result.checks)} comparisons")
+    reference = result.runs.get(REFERENCE)
+    for name, run in result.runs.items():
+        if reference is not None and reference.usable and run.usable and name != REFERENCE and (why := not_judged(run)):
+            found = [f"{kind} {100.0 * size:.2g} %" for kind, size in largest_differences(run, reference).items() if size is not None]
+            lines.append(f"{name}, not judged ({why}): largest differences from {REFERENCE}: {', '.join(found) or 'none'}")
+    return lines
+
+
+def _departure(check: "Check") -> str:
+    return (
+        f"{check.quantity}, {check.half}-return, {check.channel or 'all channels'}: {check.mine.value:.5g} and {check.its.value:.5g} differ"
+        f" by {abs(check.difference):.2g}, claimed are {check.mine.width:.2g} by {check.engine} and {check.its.width:.2g} by {check.other}"
+    )
+
+
+def _row(run: "EngineRun", accuracy_class: str | None) -> tuple[str, ...]:
     document = run.document
 
     def number(value: float | None, form: str) -> str:
@@ -149,9 +187,11 @@ def _row(run: "EngineRun") -> tuple[str, ...]:
     return (
         run.engine,
         run.status,
+        run.start or "-",
         str(document["cycles"]),
         number(document["solve_seconds"], ".2f"),
         number(document.get("error_estimate"), ".1e"),
+        accuracy_class or "-",
         number(run.consensus_frequency("pre"), ".3f"),
         number(run.consensus_frequency("post"), ".3f"),
         *peaks,

@@ -6,7 +6,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from cases.comparison import EXTREMES, HALVES, REFERENCE, CaseResult, values
+from cases.comparison import HALVES, REFERENCE, CaseResult, values
+from cases.cycle_estimates import EXTREMES
 from cases.measures import CHANNELS
 
 Kind = Literal["frequency", "channel frequency", "amplitude", "extreme"]

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from cases.comparison import REFERENCE, CaseResult
+from cases.comparison import CLASSES, REFERENCE, WORSE, CaseResult
 from cases.measures import CHANNELS
 from cases.steady_run import SETTLED
 from engines.registry import engine
@@ -15,9 +15,10 @@ from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, MODEL, NOT,
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.pages.methods import headline
+from reports.tables.claims import score
 from reports.words import HALF, case_label, counted, listed, number, percent, percents, place, size, span
 
-#: "Agrees" as long as no tolerance is missed, "agrees but for a few" up to this part of them.
+#: "Agrees" where no difference is larger than claimed, "agrees but for a few" where at most this part of them is.
 FEW: Final = 0.05
 
 _KINDS: Final = {"frequency": "first-mode frequency", "amplitude": "first-mode amplitude", "extreme": "extremes"}
@@ -42,8 +43,10 @@ def answer(content: Content) -> Chapter:
             f"Δ is relative to the engine {REFERENCE}; of frequencies, over the channels that both engines resolve. It is the thesis'"
             f" approach, converged ({engine(REFERENCE).method}). That it is right follows from the engines that share nothing with it:"
             " exudyn has nodal coordinates and a sliding joint, mujoco a chain of rigid links.",
-            f"An engine agrees if it misses no tolerance, agrees but for a few if it misses at most {percent(FEW, '.0f')} of them, and"
-            " departs otherwise. ✗ marks a missed tolerance or a failure. Tolerances and their reasons are in the chapter Disagreement.",
+            "Two engines may differ by what both claim: their own estimates of each number's error and the uncertainty of its measurement."
+            " An engine departs where the difference is larger, marked ✗ like a failure; all such numbers are in the chapter Disagreement.",
+            "The accuracy class says how good an engine is: the least of 0.1, 0.3, 1, 3 and 10 % that covers its own estimates and its"
+            f" deviation from {REFERENCE}. {MODEL} has a model of its own: how far that is off is a result, and is not judged.",
             "Every table is beside this page as a CSV file, in full precision and SI units.",
         ]
     )
@@ -74,16 +77,14 @@ def _scope(content: Content) -> str:
 
 
 def _verdict(results: Sequence[CaseResult], name: str) -> str:
+    """In a clause: whether an engine departs from the reference by more than both claim, and how good it is."""
     checks = [check for result in results for check in result.checks if check.engine == name]
     missed = sum(not check.passed for check in checks)
-    if not checks:
-        return "has no tolerance to meet"
-    if missed == 0:
-        return f"agrees with the reference in all {len(checks)} comparisons with a tolerance"
-    few = missed <= FEW * len(checks)
-    return (
-        f"{'agrees with the reference but for a few' if few else 'departs from the reference'}: {missed} of {len(checks)} tolerances missed"
-    )
+    told = "agrees" if not missed else "agrees but for a few" if missed <= FEW * len(checks) else "departs"
+    said = f"{told}: {score(results, name)}" if checks else f"is {score(results, name)}"
+    found = [found for result in results if name in result.runs and (found := result.accuracy_class(name)) is not None]
+    classes = [f"{found.count(one)} in class {one}" for one in (*(f"{100.0 * width:g} %" for width in CLASSES), WORSE) if one in found]
+    return f"{said}; of its runs {listed(classes)}" if classes else said
 
 
 def _against_reference(results: Sequence[CaseResult], name: str) -> str:
@@ -182,5 +183,5 @@ def _open_points(content: Content) -> str:
 def _overview_caption(results: Sequence[CaseResult]) -> str:
     return (
         f"Difference of each engine from the reference over {counted(len(results), 'run')}, in percent: first-mode frequency of each"
-        " half on the left, largest difference of the extremes on the right; shaded: what the tolerances accept."
+        " half on the left, largest difference of the extremes on the right; shaded: what the engines claim."
     )

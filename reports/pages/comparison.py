@@ -2,12 +2,12 @@
 
 from typing import Final
 
-from cases.comparison import EXTREMES
+from cases.cycle_estimates import EXTREMES
 from reports.findings.agreement import engines_of, resolvable
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
+from reports.tables import claims as claim_tables
 from reports.tables import engines as engine_tables
-from reports.tables import tolerances as tolerance_tables
 from reports.words import case_label, counted, listed
 
 _MOST_NAMED: Final = 6
@@ -42,24 +42,42 @@ def disagreement(content: Content) -> Chapter:
             " first-mode amplitude, extremes.",
         )
     )
-    checks = [check for result in content.results for check in result.checks]
+    chapter.heading("Claims", "claims")
+    chapter.text(
+        "Two engines may differ by what both claim: each one's own estimate of the error of this very number, and the uncertainty of its"
+        " measurement. So a coarse engine that says how coarse it is agrees, and one that claims too much departs; how good it is, is"
+        " another question (below)."
+    )
+    _judged(chapter, content)
+    chapter.table(claim_tables.summary(content.results))
+    chapter.table(claim_tables.departures(content.results))
+    chapter.heading("How good each engine is", "classes")
+    chapter.table(claim_tables.classes(content.results))
+    return chapter
+
+
+def _judged(chapter: Chapter, content: Content) -> None:
+    """What became of the claims, and who was not judged."""
+    results = content.results
+    checks = [check for result in results for check in result.checks]
     missed = [check for check in checks if not check.passed]
-    chapter.heading("Tolerances", "tolerances")
     if not checks:
-        chapter.text("No tolerance could be checked: no case has both a settled reference and another settled engine.", "warning")
-    elif not missed:
-        chapter.text(f"All {len(checks)} tolerances are met.")
+        reasons = list(dict.fromkeys(result.reason for result in results))
+        chapter.text(f"Nothing could be judged: {'; '.join(reasons)}.", "warning")
+        return
+    if not missed:
+        chapter.text(f"In all {counted(len(checks), 'comparison')} the engines differ by no more than they claim.")
     else:
-        affected = [result for result in content.results if result.missed]
+        affected = [result for result in results if result.missed]
         names = listed(
             [case_label(result.case.name) for result in affected[:_MOST_NAMED]] + (["others"] if len(affected) > _MOST_NAMED else [])
         )
         extremes = sum(check.quantity in EXTREMES for check in missed)
         chapter.text(
-            f"{len(missed)} of {counted(len(checks), 'tolerance')} missed: {extremes} by extremes and {len(missed) - extremes} by"
-            f" frequencies, in {names}. The second table lists each with the engines' own error estimates beside it; what the numbers"
-            " suggest as the cause is an inference."
+            f"In {len(missed)} of {counted(len(checks), 'comparison')} engines differ by more than they claim: in"
+            f" {counted(extremes, 'extreme')} and in {len(missed) - extremes} frequencies or amplitudes, in {names}. The second table lists"
+            " each; what the numbers suggest as the cause is an inference."
         )
-    chapter.table(tolerance_tables.summary(content.results))
-    chapter.table(tolerance_tables.missed(content.results))
-    return chapter
+    for name in engines_of(results):
+        if name not in {check.engine for check in checks} | {check.other for check in checks}:
+            chapter.text(f"{name}: {claim_tables.score(results, name)}. Its differences are shown in the tables and pictures.", "note")

@@ -31,10 +31,10 @@ def hard_scenes(content: Content) -> Chapter:
         )
         return chapter
     chapter.text(
-        f"Each scene is run 24 with something changed that makes it hard, or an ordinary machine with a stiff arm. Every engine is asked for a tip deflection good to"
-        f" {percent(REQUESTED, '.0f')} and judged by what its runs show of themselves: how far they are from the same scene at coarser and"
-        " at finer settings, whether their energy balance closes, and whether other engines contradict them. None of this knows the"
-        " right answer; afterwards every claim is checked against a converged solution."
+        "Each scene is run 24 with something changed that makes it hard, or an ordinary machine with a stiff arm. Every engine is asked for"
+        f" a tip deflection good to {percent(REQUESTED, '.0f')} and judged by what its runs show of themselves: how far they are from the"
+        " same scene at coarser and at finer settings, whether their energy balance closes, and whether other engines contradict them."
+        " None of this knows the right answer; afterwards every claim is checked against a converged solution."
     )
     chapter.text(*_outcome(matrix))
     chapter.points([f"{kind}: {meaning}." for kind, meaning in MEANINGS.items()])

@@ -6,7 +6,7 @@ from cases.library.thesis import RUNS
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables.engines import case_table
-from reports.words import HALF, QUANTITY, TIED, case_label, channel_name, counted, number, percent, percents, span
+from reports.words import HALF, QUANTITY, TIED, case_label, channel_name, counted, percent
 
 
 def per_run(content: Content) -> Chapter:
@@ -45,20 +45,18 @@ def _section(chapter: Chapter, result: CaseResult, content: Content) -> None:
     if not any(drawn.values()):
         chapter.text("There is no cycle to draw.", "warning")
     chapter.table(case_table(result))
-    missed = [
-        f"{check.engine}, {QUANTITY[check.quantity]}, {HALF[check.half]}, {channel_name(check.channel)}: {_deviation(check)}"
-        for check in result.missed
-    ]
-    if missed:
-        chapter.text(f"{counted(len(missed), 'tolerance')} missed (see Disagreement):", "warning")
-        chapter.points(missed)
+    for (engine, other), checks in result.departures.items():
+        chapter.text(
+            f"{engine} and {other} differ by more than they claim in {counted(len(checks), 'number')} (see Disagreement):", "warning"
+        )
+        chapter.points([_departure(check) for check in checks])
 
 
-def _deviation(check: Check) -> str:
-    """A deviation in words, with what is accepted."""
-    if check.tolerance.kind == "ratio":
-        return f"{number(check.deviation, '.3f')} times the reference's (accepted: {span(check.tolerance.low, check.tolerance.high, 'g')})"
-    return f"{percent(check.deviation, '+.2f')} (accepted: {percents(check.tolerance.low, check.tolerance.high, '+g')})"
+def _departure(check: Check) -> str:
+    """A difference in words, with what is claimed."""
+    place = f"{QUANTITY[check.quantity]}, {HALF[check.half]}, {channel_name(check.channel)}"
+    difference, tolerance = percent(check.difference / check.scale, "+.2f"), percent(check.tolerance / check.scale)
+    return f"{place}: {difference} (claimed together: {tolerance})"
 
 
 def _cycle_caption(result: CaseResult, label: str) -> str:

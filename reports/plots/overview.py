@@ -1,7 +1,7 @@
 """The answer in one picture: how far each engine lies from the reference, run by run."""
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -10,9 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from cases.comparison import EXTREMES, HALVES, REFERENCE, CaseResult, Check, largest_differences, values
+from cases.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, Check, largest_differences, values
+from cases.cycle_estimates import EXTREMES
 from reports.plots.picture import Picture, picture
-from reports.plots.style import BAND, FONT_SIZE, GREY, LIGHT, SMALL, legend_above, look, new_figure, number, tidy
+from reports.plots.style import FONT_SIZE, GREY, LIGHT, SMALL, legend_above, look, new_figure, number, tidy
+from reports.tables.claims import score
 
 PERCENT: Final = 100.0
 LINEAR: Final = 1.0  # %: the frequency axis is linear within, logarithmic beyond
@@ -21,11 +23,12 @@ EXTREME_TICKS: Final = (0.01, 0.1, 1.0, 10.0, 100.0)  # %
 SMALLEST: Final = 0.02  # %: smaller differences of extremes are drawn here, at the edge
 ROW: Final = 0.185  # in
 MARKER: Final = 4.6  # pt
+RING: Final[dict[str, Any]] = {"color": "black", "markerfacecolor": "none", "markersize": 2.0 * MARKER, "markeredgewidth": 0.9}
 HALF_OFFSET: Final = {"pre": -0.2, "post": 0.2}  # of a row
 
 
 def overview_figure(results: Sequence[CaseResult]) -> Picture | None:
-    """Per run: first-mode frequency of each half and largest difference of extremes, engines against the reference, with tolerances.
+    """Per run: first-mode frequency of each half and largest difference of extremes, engines against the reference, with their claims.
 
     Returns:
         None where no run can be compared with a reference.
@@ -35,7 +38,8 @@ def overview_figure(results: Sequence[CaseResult]) -> Picture | None:
         return None
     return picture(
         figure,
-        "Difference of each engine from the reference, run by run: " + "; ".join(_score(name, results) for name in _engines(results)),
+        "Difference of each engine from the reference, run by run: "
+        + "; ".join(f"{name} {score(results, name)}" for name in _engines(results)),
     )
 
 
@@ -47,8 +51,7 @@ def draw_overview(results: Sequence[CaseResult]) -> Figure | None:
     figure = new_figure(1.5 + 0.22 * len(engines) + ROW * len(results))
     frequencies, extremes = figure.subplots(1, 2, sharey=True, width_ratios=[1.5, 1.0])
     for row, result in enumerate(results):
-        _bands(frequencies, row, [check for check in result.checks if check.quantity == "consensus_frequency"])
-        _bands(extremes, row, [check for check in result.checks if check.quantity in EXTREMES])
+        _band(frequencies, row, [check for check in result.checks if check.quantity == CONSENSUS])
         for name in engines:
             _frequencies(frequencies, row, result, name)
             _extremes(extremes, row, result, name)
@@ -71,7 +74,7 @@ def _frequencies(axes: Axes, row: int, result: CaseResult, name: str) -> None:
     if run is None or reference is None:
         return
     for half in HALVES:
-        pair = values(run, reference, "consensus_frequency", half, None)
+        pair = values(run, reference, CONSENSUS, half, None)
         if pair is not None:
             value, wanted = pair
             style = look(name)
@@ -87,19 +90,30 @@ def _extremes(axes: Axes, row: int, result: CaseResult, name: str) -> None:
     if run is None or reference is None or not (run.usable and reference.usable):
         return
     difference = largest_differences(run, reference)["extremes"]
-    if difference is not None:
-        style = look(name)
-        axes.plot(max(PERCENT * difference, SMALLEST), row, style.marker, color=style.colour, markersize=MARKER, zorder=style.order + 1.0)
+    if difference is None:
+        return
+    style = look(name)
+    axes.plot(max(PERCENT * difference, SMALLEST), row, style.marker, color=style.colour, markersize=MARKER, zorder=style.order + 1.0)
+    checks = [check for check in result.checks if check.engine == name and check.quantity in EXTREMES]
+    if not checks:
+        return
+    largest = max(checks, key=lambda check: abs(check.difference) / check.scale)
+    claimed = max(PERCENT * largest.tolerance / largest.scale, SMALLEST)
+    axes.plot(claimed, row, "|", color=style.colour, markersize=1.6 * MARKER, markeredgewidth=1.2, zorder=style.order + 1.0)
+    if any(not check.passed for check in checks):
+        axes.plot(max(PERCENT * difference, SMALLEST), row, "o", **RING, zorder=style.order + 2.0)
 
 
-def _bands(axes: Axes, row: int, checks: Sequence[Check]) -> None:
-    """The accepted deviations of a run, in percent; those of a ratio (the band of a known model error) in a colour of their own."""
-    for kind, low, high in {(check.tolerance.kind, check.tolerance.low, check.tolerance.high) for check in checks}:
-        left, right = (low - 1.0, high - 1.0) if kind == "ratio" else (low, high)
-        colour = BAND if kind == "ratio" else LIGHT
-        axes.add_patch(
-            Rectangle((PERCENT * left, row - 0.5), PERCENT * (right - left), 1.0, facecolor=colour, edgecolor="none", zorder=0.6)
-        )
+def _band(axes: Axes, row: int, checks: Sequence[Check]) -> None:
+    """What the engines and the reference claim together of a run's frequencies, in percent: the widest, the rest is but little less."""
+    if not checks:
+        return
+    width = max(PERCENT * check.tolerance / check.scale for check in checks)
+    axes.add_patch(Rectangle((-width, row - 0.5), 2.0 * width, 1.0, facecolor=LIGHT, edgecolor="none", zorder=0.6))
+    for check in checks:
+        if not check.passed:
+            place = row + HALF_OFFSET[check.half]
+            axes.plot(PERCENT * check.difference / check.scale, place, "o", **RING, zorder=look(check.engine).order + 2.0)
 
 
 def _axes(frequencies: Axes, extremes: Axes, results: Sequence[CaseResult]) -> None:
@@ -137,28 +151,36 @@ def _all_of_the_thesis(results: Sequence[CaseResult]) -> bool:
     return all(result.case.name.startswith("thesis-") for result in results)
 
 
-def _score(name: str, results: Sequence[CaseResult]) -> str:
-    """How many frequencies of an engine lie within their tolerance."""
-    checks = [check for result in results for check in result.checks if check.engine == name and check.quantity == "consensus_frequency"]
-    if not checks:
-        return f"{name}: no tolerance on its frequency"
-    return f"{name}: {sum(check.passed for check in checks)} of {len(checks)} frequencies within tolerance"
-
-
 def _handles(engines: Sequence[str], results: Sequence[CaseResult]) -> list[Artist]:
     handles: list[Artist] = [Line2D([], [], color=look(REFERENCE).colour, linewidth=2.0, label=f"{REFERENCE}: zero")]
     for name in engines:
         style = look(name)
         handles.append(
-            Line2D([], [], linestyle="none", marker=style.marker, color=style.colour, markersize=MARKER, label=_score(name, results))
+            Line2D(
+                [],
+                [],
+                linestyle="none",
+                marker=style.marker,
+                color=style.colour,
+                markersize=MARKER,
+                label=_short(results, name),
+            )
         )
     for half, face in (("pre", GREY), ("post", "white")):
         handles.append(
             Line2D([], [], linestyle="none", marker="o", color=GREY, markerfacecolor=face, markersize=MARKER, label=f"{half}-return")
         )
-    kinds = {check.tolerance.kind for result in results for check in result.checks}
-    if "relative_difference" in kinds:
-        handles.append(Patch(facecolor=LIGHT, label="tolerance"))
-    if "ratio" in kinds:
-        handles.append(Patch(facecolor=BAND, label="known model error"))
+    checks = [check for result in results for check in result.checks]
+    if checks:
+        handles.append(Patch(facecolor=LIGHT, label="claimed together"))
+        handles.append(Line2D([], [], linestyle="none", marker="|", color=GREY, markersize=1.6 * MARKER, label="claimed of that extreme"))
+    if any(not check.passed for check in checks):
+        handles.append(Line2D([], [], linestyle="none", marker="o", **RING, label="beyond what is claimed"))
     return handles
+
+
+def _short(results: Sequence[CaseResult], name: str) -> str:
+    """An engine and its verdict in a few words."""
+    checks = [check for result in results for check in result.checks if check.engine == name]
+    beyond = sum(not check.passed for check in checks)
+    return f"{name}: departs in {beyond or 'none'} of {len(checks)} numbers" if checks else f"{name}: not judged"

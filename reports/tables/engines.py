@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.comparison import HALVES, REFERENCE, CaseResult, values
+from cases.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
 from cases.engine_run import EngineRun
 from cases.measures import CHANNELS
 from cases.steady_run import INACCURATE
@@ -24,12 +24,16 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
         "First-mode frequency (consensus of the channels, ± one standard deviation) and amplitude (RMS of the envelope) before and after"
         " the return, with the difference to the reference (Δ). n. r.: not resolvable; the reason shows where the pointer rests, and"
         f" stands in the CSV file, which also has the uncertainties and {listed([channel_name(c) for c in CHANNELS if c not in SHOWN])}.",
-        (Column("case", "run"), Column("engine", "engine"), Column("status", "status"), *_number_columns()),
+        (
+            *(Column("case", "run"), Column("engine", "engine"), Column("status", "status")),
+            Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
+            *_number_columns(),
+        ),
         grouped=True,
     )
     for result in results:
         reference = result.runs.get(REFERENCE)
-        missed = {(check.engine, check.half) for check in result.missed if check.quantity == "consensus_frequency"}
+        missed = {(check.engine, check.half) for check in result.missed if check.quantity == CONSENSUS}
         for name, run in result.runs.items():
             numbers: dict[str, Any] = {}
             for half in HALVES:
@@ -37,7 +41,8 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
                 numbers |= _frequency_cells(run, reference, half, mark, name == REFERENCE)
                 for channel in CHANNELS:
                     numbers |= _amplitude_cells(run, reference, half, channel, name == REFERENCE)
-            builder.add(case=Cell(result.case.name, case_label(result.case.name)), engine=name, status=_status(run), **numbers)
+            numbers |= {"status": _status(run), "accuracy_class": result.accuracy_class(name)}
+            builder.add(case=Cell(result.case.name, case_label(result.case.name)), engine=name, **numbers)
     return builder.table()
 
 
@@ -87,7 +92,7 @@ def _frequency_cells(run: EngineRun, reference: EngineRun | None, half: str, mar
         return {key: Cell(None, _UNRESOLVABLE, "; ".join(reasons), "open")}
     (width,) = (found["uncertainty"] for found in run.document["consensus"] if found["half"] == half)
     comparable = reference is not None and reference.usable and not is_reference
-    pair = values(run, reference, "consensus_frequency", half, None) if comparable and reference is not None else None
+    pair = values(run, reference, CONSENSUS, half, None) if comparable and reference is not None else None
     difference = Cell(None) if pair is None else Cell(pair[0] / pair[1] - 1.0, mark=mark)
     return {key: Cell(value), f"{key}_uncertainty": Cell(width), f"{key}_difference": difference}
 
@@ -112,15 +117,17 @@ def _amplitude_cells(run: EngineRun, reference: EngineRun | None, half: str, cha
 def measures(results: Sequence[CaseResult]) -> Table:
     """Every measure of every engine, one row per case, engine, half and channel. A file only."""
     columns = [Column(key, key) for key in ("case", "engine", "status", "half", "channel")]
-    frequencies = ("first_mode_frequency", "first_mode_frequency_uncertainty", "second_mode_frequency")
-    amplitudes = ("first_mode_amplitude", "first_mode_amplitude_uncertainty", "minimum", "maximum")
-    columns += [Column(key, key, "Hz", "g") for key in frequencies]
-    columns += [Column(key, key, "SI", "g") for key in amplitudes]
+    in_hertz = ("first_mode_frequency", "first_mode_frequency_uncertainty", "first_mode_frequency_estimate", "second_mode_frequency")
+    amplitudes = ("first_mode_amplitude", "first_mode_amplitude_uncertainty", "first_mode_amplitude_estimate")
+    extremes = ("minimum", "minimum_estimate", "maximum", "maximum_estimate")
+    columns += [Column(key, key, "Hz", "g") for key in in_hertz]
+    columns += [Column(key, key, "SI", "g") for key in (*amplitudes, *extremes)]
     columns += [Column("reason", "reason")]
     builder = TableBuilder(
         "measures",
         "Every measure of every engine: per half and channel the first-mode frequency and amplitude with uncertainties, the second mode"
-        " where it is found, the extremes, and why a mode is not resolvable. Accelerations in m/s², strains as 1.",
+        " where it is found, the extremes, the engine's own estimates of the errors, and why frequency or amplitude is not resolvable."
+        " Accelerations in m/s², strains as 1.",
         columns,
         in_page=False,
     )
@@ -136,13 +143,15 @@ def settings(results: Sequence[CaseResult]) -> Table:
     builder = TableBuilder(
         "settings",
         "Settings per run and engine. They follow from the accuracy asked; the estimate is the engine's own, of the tip deflection over the"
-        " case's duration from the standard start; that of thesis is of the integration of its own equations alone.",
+        " case's duration from the standard start; that of thesis is of the integration of its own equations alone. Marched from: where the"
+        " cycles began; the reference finds its steady state without.",
         (
             Column("case", "run"),
             Column("engine", "engine"),
             Column("accuracy", "asked", "1", ".2g", "%", 100.0),
             Column("error_estimate", "estimate", "1", ".2g", "%", 100.0),
             Column("degrees_of_freedom", "degrees of freedom", form="d"),
+            Column("start", "marched from"),
             Column("cycles", "cycles", form="d", meaning="until settled"),
             Column("settling_error", "distance from steady", "1", ".2g", "%", 100.0, meaning="estimated, of the last cycle"),
             Column("settings", "settings"),
@@ -159,6 +168,7 @@ def settings(results: Sequence[CaseResult]) -> Table:
                 accuracy=document.get("accuracy"),
                 error_estimate=document.get("error_estimate"),
                 degrees_of_freedom=document.get("degrees_of_freedom"),
+                start=run.start or Cell(None, note=run.status),
                 cycles=document["cycles"],
                 settling_error=document.get("settling_error"),
                 settings=", ".join(f"{key} = {value}" for key, value in chosen.items()) or "none: it did not come so far",

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Sequence
 
+import pandas as pd
+
 from cases.comparison import REFERENCE, CaseResult
 from reports.tables.table import Cell, Column, Table, TableBuilder
 from reports.words import case_label
@@ -22,7 +24,8 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         "periodic_orbits",
         "Steady states that the reference finds directly, by Newton's method on the map from one passage of the slider's farthest place to"
         " the next. Work is counted in cycles simulated. The largest Floquet multiplier is what a cycle leaves of a disturbance; from it"
-        " follow the cycles that marching takes to shrink one to a part of itself. Beside it the cycles that engines marched.",
+        " follow the cycles that marching takes to shrink one to a part of itself. Beside it the cycles that engines marched: from this"
+        " state, or from the standard start (thesis, whose steady state is another one).",
         (
             Column("case", "run"),
             Column("period", "period", "s", ".4f"),
@@ -54,4 +57,24 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
             cycles_to_gone=math.log(GONE_AT) / math.log(modulus) if shrinking else None,
             **cycles,
         )
+    return builder.table()
+
+
+def both_ways(frame: pd.DataFrame) -> Table:
+    """One row per engine that marched from both starts; columns as the study has them."""
+    builder = TableBuilder(
+        "both_starts",
+        "Run 24 marched from the periodic state of the reference and from the standard start: cycles until settled, the distance that is"
+        " left to steady by the run's own estimate, and the difference of the two last cycles (RMS over the channels, relative to theirs).",
+        (
+            Column("engine", "engine"),
+            Column("orbit_cycles", "cycles", form="d", group="from the periodic state"),
+            Column("orbit_settling_error", "left", "1", ".2g", "%", 100.0, group="from the periodic state"),
+            Column("straight_cycles", "cycles", form="d", group="from the standard start"),
+            Column("straight_settling_error", "left", "1", ".2g", "%", 100.0, group="from the standard start"),
+            Column("difference", "difference", "1", ".2g", "%", 100.0),
+        ),
+    )
+    for record in frame.to_dict("records"):
+        builder.add(**{column.key: getattr(record[column.key], "item", lambda v=record[column.key]: v)() for column in builder.columns})
     return builder.table()

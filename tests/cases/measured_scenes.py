@@ -36,14 +36,15 @@ def vibrating_cycle(
     """
     time = np.linspace(0.0, 2.0 * np.pi / speed, samples)
     crank_angle = np.pi + speed * time
-    phases = cumulative_simpson(2.0 * np.pi * scale.frequencies(crank_angle).T, x=time, initial=0.0)
+    speeds = np.full(samples, speed)
+    phases = cumulative_simpson(2.0 * np.pi * scale.running_frequencies(crank_angle, speeds).T, x=time, initial=0.0)
     channels = {}
     for name in scale.channels:
         templates = scale.templates[name](crank_angle).T
-        lag = scale.phase_lag(name, crank_angle, np.full(samples, speed))
+        late = scale.quadrature(name, crank_angle, speeds)
         channels[name] = (
             scale.slow_shapes[name](crank_angle)
-            + amplitude * templates[0] * np.cos(factor * phases[0] - lag)
+            + amplitude * (templates[0] * np.cos(factor * phases[0]) + late * np.sin(factor * phases[0]))
             + second[1] * templates[1] * np.cos(second[0] * phases[1] + 0.7)
         )
     return time, crank_angle, channels

@@ -5,16 +5,21 @@ of the two motions is a free vibration on the moving mechanism, without a slow p
 rate advances by 2 pi times the mean frequency times the time.
 """
 
+import itertools
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from cases.case_file import load_case
 from cases.measures import CHANNELS, cut_cycles, measure_cycle, time_scale
+from cases.random_scenes import random_scenes
 from reference_model.mechanism import Mechanism
 from reference_model.model import ExplicitModel
 from reference_model.natural_modes import frozen_crank_modes
 from reference_model.shapes import clamped_free_modes
+from tests.cases.vibration_truth import LAUNCHES, SteadyVibration, steady_vibration
 from tests.engines.scenes import run_24
 
 Array = NDArray[np.float64]
@@ -96,7 +101,88 @@ def test_consensus_is_the_frequency_of_a_small_free_vibration(mechanism: Mechani
     middle = float(CubicSpline(cycle.crank_angle, cycle.time)(cycle.crank_angle[0] + np.pi))
     edges = CubicSpline(at, phase)(np.clip([cycle.time[0], middle, cycle.time[-1]], at[0], at[-1]))
     truth = np.diff(edges) / (2.0 * np.pi) / np.diff([cycle.time[0], middle, cycle.time[-1]])
-    for agreed, frequency in zip(measures.consensus, truth, strict=True):
+    steady = steady_vibration(mechanism)
+    assert steady is not None
+    for agreed, frequency, other in zip(measures.consensus, truth, steady.truth, strict=True):
         assert agreed.first_mode_frequency is not None
-        # over the thesis' 24 runs the consensus is off by 0.2 % in the mean with a spread of 0.7 %
-        assert agreed.first_mode_frequency == pytest.approx(frequency, rel=0.01)
+        assert agreed.uncertainty is not None
+        assert abs(agreed.first_mode_frequency - frequency) <= 2.0 * agreed.uncertainty
+        assert agreed.uncertainty < 0.015 * frequency
+        # both truths, from models of unlike shapes, one motion settled, the other nearly: one launch phase scatters by 0.04 %
+        assert frequency == pytest.approx(other, rel=2e-3)
+
+
+#: Driven hard and mildly, with the greatest and the least crank, and the two where only the amplitude is uncertain.
+SHORT = (2, 4, 8, 10, 17, 24)
+
+
+def run(number: int) -> SteadyVibration:
+    found = steady_vibration(load_case(f"thesis-{number:02d}").mechanism)
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="module")
+def vibrations() -> dict[int, SteadyVibration]:
+    return {number: run(number) for number in SHORT}
+
+
+def assert_claims_hold(found: list[SteadyVibration]) -> None:
+    """At least 95 % of the frequencies lie within two of their standard deviations."""
+    for z in (np.concatenate(parts) for parts in zip(*(each.z() for each in found), strict=True)):
+        assert np.mean(np.abs(z) <= 2.0) >= 0.95
+    for each in found:
+        assert np.all(np.array(each.scatter) / np.sqrt(LAUNCHES) < 1e-3 * np.array(each.truth))  # half of the 0.2 % it must be good to
+
+
+def test_frequencies_of_steady_states_lie_within_their_claims(vibrations: dict[int, SteadyVibration]) -> None:
+    assert_claims_hold(list(vibrations.values()))
+    errors = [
+        agreed.first_mode_frequency / truth - 1.0
+        for number in (4, 8, 10, 24)
+        for agreed, truth in zip(vibrations[number].measures.consensus, vibrations[number].truth, strict=True)
+        if agreed.first_mode_frequency is not None
+    ]
+    assert len(errors) == 8
+    # -0.36 % in the mean, -0.8 % at worst; on the path of the crank held still, and without the modes dragged along, -0.64 and -1.04 %
+    assert abs(np.mean(errors)) < 0.005
+    assert np.abs(errors).max() < 0.01
+
+
+def test_time_scale_of_the_moving_mechanism_is_that_of_a_small_vibration(vibrations: dict[int, SteadyVibration]) -> None:
+    for number in (4, 8, 10, 24):
+        steady = vibrations[number]
+        scale = time_scale(load_case(f"thesis-{number:02d}").mechanism)
+        assert scale is not None
+        angle = CubicSpline(steady.cycle.time, steady.cycle.crank_angle)
+        middle = float(CubicSpline(steady.cycle.crank_angle, steady.cycle.time)(steady.cycle.crank_angle[0] + np.pi))
+        for start, end, truth in zip((steady.cycle.time[0], middle), (middle, steady.cycle.time[-1]), steady.truth, strict=True):
+            instants = np.linspace(start, end, 400)
+            running = scale.running_frequencies(angle(instants), angle(instants, 1))[:, 0].mean()
+            assert running == pytest.approx(truth, rel=4e-3)  # what the slow deflection and the vibration's own size do is left out
+
+
+@pytest.mark.parametrize(("number", "half"), [(2, "pre"), (17, "pre"), (17, "post")])
+def test_frequency_is_there_where_only_the_amplitude_is_uncertain(vibrations: dict[int, SteadyVibration], number: int, half: str) -> None:
+    steady = vibrations[number]
+    (measure,) = [m for m in steady.measures.measures if m.half == half and m.channel == "tip_acceleration"]
+    assert measure.first_mode_frequency is not None
+    assert measure.first_mode_frequency == pytest.approx(steady.truth[half == "post"], rel=0.02)  # found: 1.0, 1.8 and 0.7 %
+    assert measure.first_mode_amplitude is None
+    assert measure.first_mode_amplitude_uncertainty is None
+    assert "amplitude" in measure.reason
+    assert "frequency" not in measure.reason
+
+
+@pytest.mark.verify
+def test_frequencies_of_all_runs_lie_within_their_claims() -> None:
+    assert_claims_hold([run(number) for number in range(1, 25)])
+
+
+@pytest.mark.verify
+def test_frequencies_of_random_scenes_lie_within_their_claims() -> None:
+    """Scenes of a seed that nothing was tuned to; of some, no steady state is found directly."""
+    found = [steady_vibration(scene.mechanism) for scene in itertools.islice(random_scenes(4711), 40)]
+    resolved = [each for each in found if each is not None]
+    assert len(resolved) >= 20
+    assert_claims_hold(resolved)

@@ -1,6 +1,8 @@
 """Cutting cycles and judging when they have settled, on sequences whose limit is known."""
 
 import itertools
+import math
+from collections.abc import Iterable
 
 import numpy as np
 import pytest
@@ -147,3 +149,59 @@ def test_crank_that_turns_back_is_refused() -> None:
     time = np.linspace(0.0, 1.0, 200)
     with pytest.raises(ValueError, match="turns back"):
         cut_cycles(time, 20.0 * np.sin(4.0 * time), {})
+
+
+def fed(values: Iterable[float], settling: Settling) -> Settling:
+    """Cycles that differ from sin + 1 by these multiples of a cosine."""
+    for number, value in enumerate(values):
+        settling.feed(cycle(number, np.sin(ANGLES) + 1.0 + value * np.cos(ANGLES)))
+    return settling
+
+
+def test_a_slow_approach_says_how_many_cycles_it_would_take() -> None:
+    settling = fed((0.95**n for n in range(60)), Settling())
+    assert settling.given_up
+    outlook = settling.outlook
+    assert outlook.ratio == pytest.approx(0.95, rel=1e-3)
+    assert outlook.stalled_since is None
+    assert outlook.remaining_error == pytest.approx(true_error(0.95, 60, 1.0), rel=0.02)
+    # the distance falls below 1e-3 of the signals' RMS after as many cycles, counted from the first
+    needed = 1 + math.log(1e-3 / true_error(0.95, 1, 1.0)) / math.log(0.95)
+    assert outlook.cycles_needed == pytest.approx(needed, abs=1.5)
+    assert "0.950-fold" in outlook.sentence()
+    assert f"{outlook.cycles_needed} cycles" in outlook.sentence()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_that_does_not_die_away_is_told_with_the_cycle_since_which(seed: int) -> None:
+    """An approach that ends in noise: 0.6^n falls below 0.01 in the tenth cycle, where the changes are noise."""
+    random = np.random.default_rng(seed)
+    settling = fed((0.6**n + 0.01 * random.standard_normal() for n in range(60)), Settling())
+    assert settling.given_up
+    outlook = settling.outlook
+    assert outlook.ratio is None
+    assert outlook.cycles_needed is None
+    assert outlook.stalled_since is not None
+    assert 6 <= outlook.stalled_since <= 14
+    assert f"since cycle {outlook.stalled_since}" in outlook.sentence()
+    assert "try finer settings" in outlook.sentence()
+
+
+def test_few_cycles_promise_nothing() -> None:
+    assert fed([0.1], Settling()).outlook.change is None
+    assert fed([0.1, 0.05, 0.02], Settling()).outlook.stalled_since is None
+    for number in (1, 3):
+        assert "fewer than two" in (words := fed([0.1] * number, Settling()).outlook.sentence()) or "too few" in words
+
+
+def test_a_known_multiplier_keeps_a_fast_part_from_hiding_the_slow_one() -> None:
+    """Beside a steady state: of a disturbance of 4e-3 a twentieth is lost in a cycle, one of 5e-3 is gone in two."""
+    values = [4e-3 * 0.95**n + 5e-3 * 0.05**n for n in range(60)]
+    without, with_it = (next(s.cycles for s in [Settling(least_ratio=r)] if settles(s, values)) for r in (0.0, 0.95))
+    left = [values[cycles - 1] * np.sqrt(0.5) / np.sqrt(1.5) for cycles in (without, with_it)]
+    assert left[0] > 1.5e-3
+    assert left[1] < 1e-3
+
+
+def settles(settling: Settling, values: list[float]) -> bool:
+    return any(settling.feed(cycle(number, np.sin(ANGLES) + 1.0 + value * np.cos(ANGLES))) for number, value in enumerate(values))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.steady_run import settle
+from cases.marching import settle
 from engines.base import EngineFailure
 from engines.start import Start
 from engines.trajectory import Trajectory

@@ -1,77 +1,63 @@
-"""The 24 runs of the thesis: every engine against the reference, with the tolerances that the cases' data give and explain."""
+"""The 24 runs of the thesis: engines differ by no more than they claim, and the thesis' own model is as stiff as is known."""
 
-import dataclasses
 import math
 
 import pytest
 
-from cases.case import Case
 from cases.case_file import load_case
-from cases.comparison import CaseResult, compare
+from cases.comparison import CONSENSUS, HALVES, CaseResult, claim
 from cases.cross_validation import cross_validate
-from cases.engine_run import EngineRun, engine_run
 from cases.library import case_names
-from cases.measures import CHANNELS, measure_cycle, time_scale
-from cases.steady_run import OUTPUT_STEP, SETTLED, Task, whole_cycles
+from cases.measures import CHANNELS
 from cases.store import Store
-from engines.pseudo_coordinate.reference import ReferenceEngine
-from engines.registry import engine
-from engines.start import Start
+from engines.registry import MAIN
 
 RUNS = [name for name in case_names() if name.startswith("thesis-")]
-#: Those of every test run: all crank lengths and tip bodies, the slowest and the fastest.
-SHORT = ("thesis-01", "thesis-06", "thesis-08", "thesis-10", "thesis-15", "thesis-17", "thesis-20", "thesis-24")
+#: Those of every test run: the slowest and the fastest crank, all crank lengths, with tip body and without.
+SHORT = ("thesis-01", "thesis-10", "thesis-24")
+#: One cubic is too stiff between slider and tip: its frozen-crank first frequency is 11 to 16 % above the converged one over the whole
+#: cycle (run 24: 1.127, 1.111 and 1.163 at 180, 90 and 0 deg).
+LEAST_RATIO, LARGEST_RATIO = 1.11, 1.16
 
 
-def steady(case: Case, name: str) -> EngineRun:
-    run = engine_run(Task(mechanism=case.mechanism, duration=case.duration, engine=name))
-    return EngineRun(run.document, run.cycle)
-
-
-def periodic_start(case: Case) -> Start:
-    reference = ReferenceEngine()
-    return reference.periodic_start(case.mechanism, reference.settings_for(reference.default_accuracy, case.mechanism))
-
-
-def two_cycles_from(case: Case, name: str, start: Start) -> EngineRun:
-    """The second of two cycles, measured like a steady one; `start` is where a cycle begins."""
-    chosen = engine(name)
-    simulation = chosen.prepare(case.mechanism, start, chosen.settings_for(chosen.default_accuracy, case.mechanism))
-    # it begins where a cycle does; a twentieth more for a crank that turns slower than there
-    duration = OUTPUT_STEP * math.ceil(2.1 * 2.0 * math.pi / start.crank_speed / OUTPUT_STEP)
-    cycle = whole_cycles(simulation.advance(duration, OUTPUT_STEP))[1]
-    columns = {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
-    channels = {channel: columns[channel] for channel in CHANNELS}
-    found = measure_cycle(time_scale(case.mechanism), cycle.time, cycle.crank_angle, channels)
-    document = {
-        "engine": name,
-        "status": SETTLED,
-        "measures": [dataclasses.asdict(measure) for measure in found.measures],
-        "consensus": [dataclasses.asdict(consensus) for consensus in found.consensus],
-    }
-    return EngineRun(document, columns)
+def result_of(name: str, store: Store, engines: tuple[str, ...] = MAIN, accuracy: float | None = None) -> CaseResult:
+    (result,) = cross_validate([load_case(name)], store, engines, accuracy, jobs=1)
+    return result
 
 
 @pytest.mark.parametrize("name", SHORT)
-def test_every_engine_stays_within_the_tolerances_of_the_case(name: str) -> None:
-    """The engines that march for minutes begin in the reference's periodic state."""
-    case = load_case(name)
-    start = periodic_start(case)
-    runs = {engine: steady(case, engine) for engine in ("reference", "thesis")}
-    runs |= {engine: two_cycles_from(case, engine, start) for engine in ("mujoco", "exudyn")}
-    assert_within_tolerances(compare(case, runs))
+def test_engines_stay_within_what_they_claim(name: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Without exudyn, which takes a quarter of a minute for each; below it is asked for less."""
+    check(result_of(name, Store(tmp_path_factory.mktemp("store")), ("thesis", "reference", "mujoco")))
+
+
+def test_so_does_exudyn_where_the_slider_passes_a_gauge_at_an_extreme(tmp_path_factory: pytest.TempPathFactory) -> None:
+    check(result_of("thesis-06", Store(tmp_path_factory.mktemp("store")), ("reference", "exudyn"), 1e-2))
 
 
 @pytest.mark.verify
 @pytest.mark.parametrize("name", RUNS)
-def test_every_engine_finds_its_steady_state_from_the_standard_start(name: str) -> None:
+def test_every_engine_finds_its_steady_state_and_stays_within_what_it_claims(name: str) -> None:
     """What the report shows; kept where it finds it, and taken from there."""
-    (result,) = cross_validate([load_case(name)], Store(), jobs=1)
-    assert_within_tolerances(result)
+    result = result_of(name, Store())
+    assert {"mujoco", "exudyn"} == {check.engine for check in result.checks}
+    check(result)
 
 
-def assert_within_tolerances(result: CaseResult) -> None:
+def check(result: CaseResult) -> None:
     assert not result.failures, [run.document["remark"] for run in result.failures]
-    # the single cubic is judged by its frequency alone, which not every run resolves
-    assert {"mujoco", "exudyn"} <= {check.engine for check in result.checks}
     assert not result.missed, [check.as_dict() for check in result.missed]
+    assert result.passed
+    assert_as_stiff_as_published(result)
+
+
+def assert_as_stiff_as_published(result: CaseResult) -> None:
+    """First-mode frequency of the single cubic over the converged one, wherever both resolve it."""
+    thesis, reference = result.runs.get("thesis"), result.runs["reference"]
+    for half in HALVES if thesis is not None else ():
+        for quantity, channel in ((CONSENSUS, None), *(("first_mode_frequency", channel) for channel in CHANNELS)):
+            mine, its = claim(thesis, reference, quantity, half, channel), claim(reference, thesis, quantity, half, channel)
+            if mine is not None and its is not None:
+                ratio = mine.value / its.value
+                width = ratio * math.hypot(mine.uncertainty / mine.value, its.uncertainty / its.value)
+                assert LEAST_RATIO - width <= ratio <= LARGEST_RATIO + width, (half, channel, ratio)

@@ -114,5 +114,8 @@ class FakeEngine(Engine):
         self.check(mechanism)
         return FakeSimulation(start, settings)
 
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> None:
+        """None, and that is the engine's own answer: its motion has nothing to do with the periodic state of the mechanism."""
+
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
         return np.array([10.0, 20.0, 30.0])[:count] + crank_angle

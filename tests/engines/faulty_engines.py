@@ -52,6 +52,10 @@ class Sound(FakeEngine):
             diary.write(f"{self.name}\n")
         return Swing(start, settings, self)
 
+    def error(self, step: float) -> float:
+        """Relative error of deflection and strain; `comparisons` counts on the second order in the step."""
+        return 0.01 * step**2
+
     def spoil(self, trajectory: Trajectory) -> None:
         """What goes wrong: nothing here."""
 
@@ -64,7 +68,7 @@ class Swing(FakeSimulation):
     def _motion(self, times: NDArray[np.float64]) -> Trajectory:
         trajectory = super()._motion(times)
         trajectory.columns["crank_speed"] = np.full_like(times, self._start.crank_speed)
-        trajectory.columns["tip_deflection"] = np.sin(trajectory["crank_angle"]) * (1.0 + 0.01 * self._settings.step)
+        trajectory.columns["tip_deflection"] = np.sin(trajectory["crank_angle"]) * (1.0 + self._engine.error(self._settings.step))
         trajectory.columns["strain_1"] = 0.001 * trajectory["tip_deflection"]
         self._engine.spoil(trajectory)
         return trajectory
@@ -72,6 +76,41 @@ class Swing(FakeSimulation):
 
 class AlsoSound(Sound):
     name = "also-sound"
+
+
+class Carries(Sound):
+    """Models a slider with mass, which the others refuse."""
+
+    name = "carries"
+
+    def check(self, mechanism: Mechanism) -> None:
+        """Accept everything."""
+
+
+class Coarse(Sound):
+    """2 % off, and says so."""
+
+    name = "coarse"
+    default_accuracy = 5e-2
+
+    def error(self, step: float) -> float:
+        return 0.5 * step**2
+
+
+class Overclaims(Sound):
+    """5 % off, which no step cures and no comparison of steps shows."""
+
+    name = "overclaims"
+
+    def error(self, step: float) -> float:
+        return 0.05 + 0.01 * step**2
+
+
+class OfItsOwnEquations(Overclaims):
+    """The same, but what it estimates is the error of its integration."""
+
+    name = "own-equations"
+    estimates = "integration"
 
 
 class Waits(Sound):
@@ -180,7 +219,25 @@ class SaysNonsense(Sound):
 
 
 ENGINES = (
-    *(Sound, AlsoSound, Waits, Raises, ReturnsNan, Hangs, Hoards, HoardsInC, Segfaults, IsKilled, Quits, CutsTheLine, FillsTheDisk),
+    *(
+        Sound,
+        AlsoSound,
+        Carries,
+        Coarse,
+        Overclaims,
+        OfItsOwnEquations,
+        Waits,
+        Raises,
+        ReturnsNan,
+        Hangs,
+        Hoards,
+        HoardsInC,
+        Segfaults,
+        IsKilled,
+        Quits,
+        CutsTheLine,
+        FillsTheDisk,
+    ),
     SaysNonsense,
 )
 #: Entry points by name; the last one's library is not installed.

@@ -147,7 +147,7 @@ def test_few_elements_are_not_taken_for_a_cable_that_stretches():
     def part(pair: Comparison) -> float:
         runs = (pair.run.as_dict(), pair.other.as_dict())
         run, other = (simulate(mechanism, 0.3, **settings) for settings in runs)
-        return accurate.estimated_part(run, run, other, pair.factor, mechanism.follower.length)[0]
+        return accurate.estimated_part(run, accurate.Compared(run, other, pair.factor), mechanism.follower.length)[0]
 
     *_, stretch = ENGINE.comparisons(rung, mechanism, 1e-3)
     coarse = Comparison(stretch.run.replaced(elements=6), stretch.other.replaced(elements=6), stretch.factor)

@@ -19,9 +19,11 @@ import numpy as np
 import pandas as pd
 
 from cases.case_file import load_case
-from cases.engine_run import engine_run
+from cases.engine_run import EngineRun
 from cases.library import case_names
+from cases.runner import Named, run_tasks
 from cases.steady_run import Task
+from cases.store import Store
 from cases.workers import Job, Limits, run_jobs
 from engines.accurate import ESTIMATED
 from engines.base import EngineFailure, Refusal
@@ -81,12 +83,20 @@ def modes_row(case: str, name: str) -> Row:
     return row
 
 
-def steady_row(case: str, name: str) -> Row:
-    """Measures of the settled cycle at the default accuracy: frequencies with uncertainty, extremes with what the estimate says of them."""
-    loaded = load_case(case)
-    if not isinstance(loaded.scene, Mechanism):
-        return {"status": "refused"}
-    run = engine_run(Task(mechanism=loaded.mechanism, duration=loaded.duration, engine=name))
+def steady_rows(pairs: Sequence[tuple[str, str]], jobs: int | None) -> dict[tuple[str, str], Row]:
+    """Measures of the settled cycle at the default accuracy, by case and engine; taken from the store of results where they are there."""
+    loaded = {case: load_case(case) for case, _ in pairs}
+    tasks = [
+        Named((case, name), Task(mechanism=loaded[case].mechanism, duration=loaded[case].duration, engine=name))
+        for case, name in pairs
+        if isinstance(loaded[case].scene, Mechanism)
+    ]
+    runs = run_tasks(tasks, Store(), jobs, "steady states", Limits(seconds=LONGEST))
+    return {pair: steady_row(runs[pair]) if pair in runs else {"status": "refused"} for pair in pairs}
+
+
+def steady_row(run: EngineRun) -> Row:
+    """Frequencies with uncertainty, extremes with what the estimate says of them."""
     document = run.document
     row: Row = {"status": document["status"]}
     if not document["settled"]:
@@ -105,11 +115,15 @@ def steady_row(case: str, name: str) -> Row:
     return row
 
 
-_MAKERS: Final[Mapping[str, Callable[[str, str], Row]]] = {"trajectories": trajectory_row, "modes": modes_row, "steady": steady_row}
+_MAKERS: Final[Mapping[str, Callable[[str, str], Row]]] = {"trajectories": trajectory_row, "modes": modes_row}
 
 
 def rows_of(kind: str, pairs: Iterable[tuple[str, str]], jobs: int | None = None) -> pd.DataFrame:
     """Rows of (case, engine) pairs, computed in processes of their own."""
+    pairs = list(pairs)
+    if kind == "steady":
+        of_pair = steady_rows(pairs, jobs)
+        return pd.DataFrame([{"case": case, "engine": name, **of_pair[case, name]} for case, name in pairs])
     wanted = {f"{case} {name}": (case, name) for case, name in pairs}
     found: dict[str, Row] = {}
     work = [Job(label, _MAKERS[kind], pair) for label, pair in wanted.items()]

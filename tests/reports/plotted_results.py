@@ -11,7 +11,7 @@ from cases.case_file import load_case
 from cases.comparison import CaseResult, compare
 from cases.engine_run import EngineRun
 from cases.measures import CHANNELS
-from cases.steady_run import SETTLED
+from cases.steady_run import INACCURATE, SETTLED
 from engines.trajectory import OPTIONAL, REQUIRED
 from reference_model.rigid import rigid_kinetostatics, rigid_motion
 
@@ -21,7 +21,18 @@ STIFFER = {"thesis": 1.13, "reference": 1.0, "exudyn": 1.002, "mujoco": 0.997}  
 
 def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, samples: int = 400, turning: int = 1) -> EngineRun:
     """A run of any status; a failed one has no cycle, a rigid case no vibration."""
-    document: dict[str, Any] = {"engine": engine, "status": status, "measures": [], "consensus": [], "solve_seconds": 1.0}
+    document: dict[str, Any] = {
+        "engine": engine,
+        "estimate_of": "integration" if engine == "thesis" else "total",
+        "status": status,
+        "start": None if status in ("failed", "refused") else "standard",
+        "measures": [],
+        "consensus": [],
+        "unestimated": "" if status in (SETTLED, INACCURATE) else status,
+        "settling_error": 5e-4,
+        "solve_seconds": 1.0,
+        "reached": status == SETTLED,
+    }
     if status in ("failed", "refused"):
         return EngineRun(document, {})
     mechanism, factor = case.mechanism, STIFFER.get(engine, 1.01)
@@ -52,7 +63,9 @@ def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, s
     if bends and status == SETTLED:
         for half in ("pre", "post"):
             frequency = 17.0 * factor * (1.0 + 0.004 * random.standard_normal())
-            document["consensus"].append({"half": half, "first_mode_frequency": frequency, "uncertainty": 0.1})
+            document["consensus"].append(
+                {"half": half, "first_mode_frequency": frequency, "uncertainty": 0.1, "first_mode_frequency_estimate": 0.02}
+            )
             document["measures"] += [_measure(half, name, frequency, columns[name], random) for name in CHANNELS]
     return EngineRun(document, columns)
 
@@ -65,11 +78,15 @@ def _measure(half: str, channel: str, frequency: float, values: np.ndarray, rand
         "channel": channel,
         "first_mode_frequency": frequency if resolvable else None,
         "first_mode_frequency_uncertainty": 0.2 if resolvable else None,
+        "first_mode_frequency_estimate": 0.02 if resolvable else None,
         "first_mode_amplitude": peak * (0.5 + 0.02 * random.standard_normal()) if resolvable else None,
         "first_mode_amplitude_uncertainty": 0.02 * peak if resolvable else None,
+        "first_mode_amplitude_estimate": 0.01 * peak if resolvable else None,
         "second_mode_frequency": None,
         "minimum": -peak * (1.0 + 0.01 * random.standard_normal()),
         "maximum": peak * (1.0 + 0.01 * random.standard_normal()),
+        "minimum_estimate": 0.01 * peak,
+        "maximum_estimate": 0.01 * peak,
         "reason": "" if resolvable else "made up",
     }
 

@@ -26,7 +26,7 @@ from reports.findings.frozen_crank import (
 from reports.findings.measured import Comparison, statement_values
 from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, verdicts
-from reports.tables.tolerances import cause
+from reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
 from tests.reports.reported_results import reported_result
 
 
@@ -215,44 +215,70 @@ def test_a_soft_joint_lowers_both_halves_alike(run_24: CaseResult) -> None:
     assert ANGLES[0] == pytest.approx(np.pi)
 
 
-def missed_extreme(result: CaseResult) -> CaseResult:
-    """The same with exudyn's maxima 5 % of the peak off in strain 3."""
-    for half in ("pre", "post"):
-        reference = result.runs["reference"]
-        for measure in result.runs["exudyn"].document["measures"]:
-            other = reference.measure(half, measure["channel"])
-            if measure["half"] == half and measure["channel"] == "strain_3" and other is not None:
-                measure["maximum"] = other["maximum"] + 0.05 * reference.peak("strain_3")
-    return compare(result.case, result.runs)
-
-
-def maximum_of_strain_3(result: CaseResult) -> Check:
-    """The missed tolerance of exudyn's maximum before the return."""
+def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Check]:
+    """The same with exudyn's maximum of strain 3 before the return off by so many times what both claim, and its check."""
+    reference, exudyn = (result.runs[name].measure("pre", "strain_3") for name in ("reference", "exudyn"))
+    assert reference is not None
+    assert exudyn is not None
     wanted = ("exudyn", "maximum", "pre", "strain_3")
-    (check,) = (found for found in result.missed if (found.engine, found.quantity, found.half, found.channel) == wanted)
-    return check
+
+    def found(of: CaseResult) -> Check:
+        (check,) = (c for c in of.checks if (c.engine, c.quantity, c.half, c.channel) == wanted)
+        return check
+
+    off = reference["maximum"] + excess * found(result).tolerance
+    for measure in result.runs["exudyn"].document["measures"]:
+        if (measure["half"], measure["channel"]) == ("pre", "strain_3"):
+            measure["maximum"] = off
+    other = compare(result.case, result.runs)
+    return other, found(other)
 
 
-def test_the_cause_of_a_miss_follows_the_estimates() -> None:
-    result = missed_extreme(reported_result("thesis-24"))
-    (check,) = (
-        c for c in result.missed if c.engine == "exudyn" and c.channel == "strain_3" and c.half == "pre" and c.quantity == "maximum"
-    )
-    assert check.deviation == pytest.approx(0.05)
-    assert "discretization" not in cause(result, check)  # 3 x (0.09 % + 0.09 %) does not reach 5 %
-    result.runs["exudyn"].document["error_estimates"]["strain_3"] = 0.02
-    assert "discretization" in cause(result, check)
+def test_a_departure_is_told_with_what_both_claim() -> None:
+    result, check = departing(reported_result("thesis-24"))
+    assert check in result.missed
+    rows = [row for row in departures([result]).rows if row[4].value == "pre" and row[5].value == "strain_3" and row[3].value == "maximum"]
+    (row,) = (row for row in rows if row[1].value == "exudyn")
+    numbers = dict(zip([column.key for column in departures([result]).columns], row, strict=True))
+    peak = result.runs["reference"].peak("strain_3")
+    # made up: estimates of 1 % of the peak, settling errors of 5e-4 of the RMS
+    rms = float(np.sqrt(np.mean(result.runs["reference"].cycle["strain_3"] ** 2)))
+    assert numbers["claim"].value == pytest.approx(0.01 + 5e-4 * rms / peak)
+    assert numbers["tolerance"].value == pytest.approx(2.0 * (0.01 + 5e-4 * rms / peak))
+    assert numbers["difference"].value == pytest.approx(3.0 * numbers["tolerance"].value)  # type: ignore[operator]
+    beyond = {(row[0].value, row[1].value, row[2].value): row[4].value for row in summary([result]).rows}
+    assert beyond["exudyn", "reference", "maximum"] == sum(c.engine == "exudyn" and c.quantity == "maximum" for c in result.missed) >= 1
+
+
+def test_a_departure_that_is_marginal_is_called_so() -> None:
+    for excess, marginal in ((1.0 + 0.5 * MARGINAL, True), (1.0 + 2.0 * MARGINAL, False)):
+        result, check = departing(reported_result("thesis-24"), excess)
+        assert ("marginal" in cause(result, check)) is marginal
+
+
+def test_a_departure_of_an_engine_that_misses_its_accuracy_says_so() -> None:
+    result, check = departing(reported_result("thesis-24"))
+    assert "accuracy asked" not in cause(result, check)
+    result.runs["exudyn"].document["reached"] = False
+    assert "exudyn does not reach the accuracy asked" in cause(result, check)
 
 
 def test_a_strain_extreme_while_the_slider_is_at_the_gauge_is_told() -> None:
-    result = missed_extreme(reported_result("thesis-24"))
-    (check,) = (
-        c for c in result.missed if c.engine == "exudyn" and c.channel == "strain_3" and c.half == "pre" and c.quantity == "maximum"
-    )
-    cycle = result.runs["reference"].cycle
-    gauge = result.case.mechanism.follower.strain_gauges[2]
+    result, check = departing(reported_result("thesis-24"))
+    follower = result.case.mechanism.follower
+    cycle, gauge = result.runs["reference"].cycle, follower.strain_gauges[2]
     half = cycle["crank_angle"] <= 2.0 * np.pi
-    for distance, told in ((0.0, True), (0.2, False)):  # m
+    for distance, told in ((0.0, True), (10.0 * KINK * follower.length, False)):
         at_gauge = int(np.argmin(np.where(half, np.abs(cycle["slider_position"] - (gauge - distance)), np.inf)))
         cycle["strain_3"] = np.where(np.arange(half.size) == at_gauge, 1.0, 0.0)
         assert ("passes the gauge" in cause(result, check)) is told
+
+
+def test_classes_count_runs() -> None:
+    results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
+    rows = {row[0].value: [cell.value for cell in row[1:]] for row in classes(results).rows}
+    assert {engine: sum(counts) for engine, counts in rows.items()} == dict.fromkeys(("thesis", "reference", "exudyn", "mujoco"), 2)  # type: ignore[arg-type]
+    # the cubic is 13 % off in these made-up results, the reference claims 1 % of the peaks, and what failed has no class
+    assert rows["thesis"][-2:] == [2, 0]
+    assert rows["reference"] == [0, 0, 2, 0, 0, 0, 0]
+    assert rows["exudyn"][-1] == 1

@@ -1,0 +1,89 @@
+"""Machines such as an engineer would bring: they settle, and engines agree within what they claim."""
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from cases.case import Case
+from cases.comparison import CaseResult
+from cases.cross_validation import cross_validate
+from cases.engine_run import EngineRun
+from cases.random_scenes import LEAST_STIFFNESS_RATIO, MACHINE_DURATION, OUTPUT_STEP, sensible_machines
+from cases.store import Store
+from reference_model.natural_modes import stiffness_ratio
+
+ENGINES = ("reference", "mujoco")
+SEED = 603
+#: A machine whose disturbances die away faster must settle; a slower one may be refused before it marches.
+SURELY_SETTLING = 0.85
+#: Part of the machines that may be too violent, and are listed.
+TOO_VIOLENT = 0.05
+
+
+def machines(count: int) -> list[Case]:
+    """Cases of the first `count` machines."""
+    return [
+        Case(name=scene.name, title="", tags=(), scene=scene.mechanism, duration=MACHINE_DURATION, output_step=OUTPUT_STEP)
+        for scene in itertools.islice(sensible_machines(SEED), count)
+    ]
+
+
+def multiplier(result: CaseResult) -> float | None:
+    """Largest modulus of the Floquet multipliers, where the reference found a periodic state."""
+    orbit = result.runs["reference"].document.get("periodic_orbit")
+    return max((abs(complex(*each)) for each in orbit["multipliers"]), default=None) if orbit else None
+
+
+def deflections_differ(run: EngineRun, other: EngineRun) -> float:
+    """RMS difference of the tip deflections over the settled cycle at equal crank angles, over the sum of what both claim."""
+    grid = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+    curves = []
+    for each in (run, other):
+        turned = np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0])
+        curves.append(CubicSpline(turned, each.cycle["tip_deflection"])(grid))
+    difference = float(np.sqrt(np.mean((curves[0] - curves[1]) ** 2) / np.mean(curves[1] ** 2)))
+    return difference / sum(each.document["error_estimates"]["tip_deflection"] + each.document["settling_error"] for each in (run, other))
+
+
+def verdict(result: CaseResult) -> str:
+    """What is wrong with a machine (a clause), "" if it settled and its engines agree."""
+    slow = multiplier(result)
+    for name, run in result.runs.items():
+        if run.status == "settled":
+            continue
+        told = run.status == "not settled" and "not marched" in run.document["remark"] and "multiplier" in run.document["remark"]
+        if not (told and slow is not None and slow >= SURELY_SETTLING):
+            return f"{name} {run.status}: {run.document['remark']}"
+    if any(run.status != "settled" for run in result.runs.values()):
+        return ""
+    if result.passed is not True:
+        return result.reason
+    ratio = deflections_differ(*result.runs.values())
+    return "" if ratio <= 1.0 else f"deflections differ by {ratio:.2g} times what both claim"
+
+
+def check(results: Sequence[CaseResult], record_property: Any) -> None:
+    wrong = {result.case.name: found for result in results if (found := verdict(result))}
+    record_property("settled", sum(all(run.status == "settled" for run in result.runs.values()) for result in results))
+    record_property("too violent", wrong)
+    assert len(wrong) <= TOO_VIOLENT * len(results), wrong
+
+
+def test_machines_are_sensible_and_the_same_each_time() -> None:
+    found = machines(3)
+    assert found == machines(3)
+    assert len({case.mechanism for case in found}) == 3
+    assert all(stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO for case in found)
+
+
+def test_twelve_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
+    check(cross_validate(machines(12), Store(tmp_path), ENGINES), record_property)
+
+
+@pytest.mark.verify
+def test_two_hundred_machines_settle_and_engines_agree(record_property: Any) -> None:
+    check(cross_validate(machines(200), Store(), ENGINES), record_property)
