@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from engines.base import ModelDescription
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
-_LEAST = 1e-12  # kg and kg m^2: MuJoCo accepts no body without mass and inertia
+# kg and kg m^2: MuJoCo accepts no body with 1e-15 or less. A small machine's link has some 1e-13 kg m^2: with 1e-12 here, 60 links of an
+# arm of 7 cm were 5 % off, 33 links 2.5 %.
+_LEAST = 2e-15
 _AXIS = (0.0, 0.0, 1.0)
 
 

@@ -189,3 +189,13 @@ def test_is_registered_and_available() -> None:
 def test_a_damper_beside_a_rigid_joint_is_refused() -> None:
     with pytest.raises(Refusal, match=r"slider\.joint_damping: 1 N\*s/m does nothing in a rigid joint"):
         MujocoEngine().check(run_24(slider={"joint_damping": 1.0}))
+
+
+def test_small_links_have_no_more_than_their_own_inertia() -> None:
+    """A light arm in 250 links: rods of 1e-13 kg m^2, as small machines have."""
+    mechanism = run_24(follower={"mass_per_length": 1e-4})
+    model = chain.build(mechanism, 250, 0.0)
+    rod = 1e-4 * (mechanism.follower.length / 250) ** 3 / 12.0
+    assert rod < 2e-13
+    assert model.body("link 1").inertia[2] == pytest.approx(rod, rel=1e-9)
+    assert model.body("link 249").inertia[2] == pytest.approx(rod, rel=1e-9)
