@@ -97,11 +97,8 @@ def cycles_needed(multiplier: float, error: float) -> float:
 
 
 def begins_in_orbit(engine: Engine) -> bool:
-    """Whether an engine that marches shall begin in the orbit of `reference`.
-
-    Not if it has a search of its own, or solves other equations, whose orbit is another one.
-    """
-    return type(engine).steady_state is Engine.steady_state and engine.estimates != "integration"
+    """Whether an engine shall begin in the orbit of `reference`; not if it solves other equations, whose orbit is another one."""
+    return engine.estimates != "integration"
 
 
 def find_orbit(mechanism: Mechanism) -> tuple[dict[str, Any], dict[str, Array]]:

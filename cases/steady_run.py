@@ -1,9 +1,10 @@
 """One engine on one scene, brought to its steady state, with an error estimate of its own.
 
-First the standard start is simulated over the case's duration, to the accuracy asked (`engines.accurate`): that fixes the settings
-and their error estimate. With these settings the simulation then runs cycle after cycle until it has settled
-(`cases.measures.steady_state`), from the periodic state that `reference` found (`cases.orbit`) or from the standard start. An engine
-that finds its periodic steady state directly need not run there; where it finds none it marches like the others. If it is known
+A run begins in the periodic state that `reference` found (`cases.orbit`), or in the standard start. From there the case's duration is
+simulated to the accuracy asked (`engines.accurate`): that fixes the settings and their error estimate. The standard start itself would be
+no measure of it: a stiff follower rings for thousands of cycles if its load, or its weight, is there of a sudden. With these settings the
+simulation then runs cycle after cycle until it has settled (`cases.measures.steady_state`). An engine that finds its periodic steady
+state directly need not run there; where it finds none it marches like the others. If it is known
 beforehand that marching cannot settle, it is not begun. What is kept is the last cycle, with every column of the trajectory.
 
 At the same instant of the way the runs are taken by which the engine estimates its error (`Comparison`): from the same start, after as
@@ -23,7 +24,7 @@ from engines.accurate import Compared, check_trajectory, compared, same_motion, 
 from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
 from engines.registry import engine as engine_of_name
 from engines.settings import SettingError, Settings
-from engines.start import standard_start
+from engines.start import Start, standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
 
@@ -54,6 +55,12 @@ class Task:
     estimated: bool = True  # whether the measures of the cycle shall have estimates, which takes some runs more
     straight: bool = False  # march from the standard start even if there is an orbit to begin in
     orbit: Orbit | None = None  # where to begin, as found by `cases.runner`; None: the standard start
+
+    @property
+    def start(self) -> Start:
+        """Where the run begins."""
+        found = None if self.orbit is None or self.straight else self.orbit.start
+        return found or standard_start(self.mechanism)
 
 
 @dataclass(frozen=True)
@@ -144,9 +151,9 @@ def _words_of(error: Exception) -> str:
 
 
 def _settings(engine: Engine, task: Task, document: dict[str, Any]) -> Settings:
-    """The settings that reach the accuracy from the standard start, with their estimate in the document."""
+    """The settings that reach the accuracy from where the run begins, with their estimate in the document."""
     duration = OUTPUT_STEP * round(task.duration / OUTPUT_STEP)
-    result = simulate(engine, task.mechanism, standard_start(task.mechanism), duration, OUTPUT_STEP, task.settings, task.accuracy)
+    result = simulate(engine, task.mechanism, task.start, duration, OUTPUT_STEP, task.settings, task.accuracy)
     document.update(
         accuracy=result.accuracy,
         settings=result.settings.as_dict(),
@@ -167,7 +174,7 @@ class _Way:
 
     def __init__(self, engine: Engine, task: Task, settings: Settings, document: dict[str, Any]) -> None:
         self._engine, self._mechanism, self._settings, self._document = engine, task.mechanism, settings, document
-        self._start = standard_start(task.mechanism)
+        self._start = task.start
         self._orbit = None if task.straight else task.orbit
 
     def cycle(self) -> Columns:
@@ -186,8 +193,7 @@ class _Way:
         elif orbit is not None:
             if hopeless := orbit.hopeless(_error(document)):
                 raise Hopeless(hopeless)
-            assert orbit.start is not None  # the state is not stable otherwise
-            self._start, document["start"], multiplier = orbit.start, FROM_ORBIT, orbit.multiplier or 0.0
+            document["start"], multiplier = FROM_ORBIT, orbit.multiplier or 0.0
         cycle = settle(self._prepared(self._settings), self._start.crank_speed, document, multiplier)
         if not document["settled"]:
             _add_remark(document, f"not settled after {document['cycles']} cycles: {document['settling']['sentence']}")
