@@ -11,6 +11,7 @@ At the same instant of the way the runs are taken by which the engine estimates 
 many cycles. They show what the settings do to whatever is measured in the cycle (`cases.cycle_estimates`).
 """
 
+import contextlib
 import math
 import time
 from dataclasses import dataclass, field
@@ -231,16 +232,19 @@ class _Way:
         return found, ""
 
     def _same_cycle(self, settings: Settings) -> Columns | EngineFailure:
+        """The steady cycle with other settings: found directly like the delivered one, or after as many cycles; settled at least."""
         try:
             if self._document["start"] == DIRECT:
-                found = self._searched(settings)
-                if found is None or not found.stable:
-                    return EngineFailure(0.0, "no stable periodic state was found", "try other settings")
-                return self._one_cycle(found)[0]
+                with contextlib.suppress(NoSteadyState):
+                    found = self._searched(settings)
+                    if found is not None and found.stable:
+                        return self._one_cycle(found)[0]
+                settling: dict[str, Any] = {}
+                cycle = settle(self._prepared(settings), self._start.crank_speed, settling)
+                unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
+                return cycle if settling["settled"] else unsettled
             cycles = march(self._prepared(settings), self._start.crank_speed, {})
             return columns_of(next(islice(cycles, self._document["cycles"] - 1, None)))
-        except NoSteadyState as reason:
-            return EngineFailure(0.0, f"no periodic state was found: {reason}", "try other settings")
         except EngineFailure as failure:
             return failure
 

@@ -65,8 +65,8 @@ def test_a_tolerance_is_what_both_claim_and_what_the_measurement_leaves_open() -
     assert check_of(found, "maximum").tolerance == pytest.approx(PEAK * 6e-3 + 2.0 * SETTLING * RMS, rel=1e-3)  # RMS of 1001 samples
     assert check_of(found, "first_mode_frequency").tolerance == pytest.approx(17.0 * 6e-3 + 0.2)
     assert check_of(found, "first_mode_amplitude").tolerance == pytest.approx(6e-3 + 0.06)
-    # four channels alike: a weighted mean has half the uncertainty, at least 0.5 % of the value
-    assert check_of(found, CONSENSUS, None).tolerance == pytest.approx(17.0 * 6e-3 + 0.085 * (2.0 + 2e-3), rel=1e-6)
+    # four channels alike, correlated by a half: the mean has the root of 5/8 of the uncertainty
+    assert check_of(found, CONSENSUS, None).tolerance == pytest.approx(17.0 * 6e-3 + 0.2 * math.sqrt(0.625), rel=1e-6)
     assert check_of(found, "maximum").difference == pytest.approx(PEAK * 2e-3)
     assert found.passed is True
     assert found.reason == ""

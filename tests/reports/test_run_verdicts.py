@@ -37,7 +37,7 @@ def test_engines_that_are_right_agree(call: Call) -> None:
     assert len(case["checks"]) >= 4
     assert "also-sound: within what is claimed of sound in all" in answer.output
     for engine in case["engines"]:
-        assert (engine["start"], engine["accuracy_class"], engine["unestimated"]) == ("standard", "0.1 %", "")
+        assert (engine["start"], engine["accuracy_class"], engine["unestimated"]) == ("periodic orbit of reference", "0.1 %", "")
 
 
 def test_an_engine_that_is_coarse_and_says_so_agrees_in_a_class_of_its_own(call: Call) -> None:
