@@ -14,6 +14,7 @@ many cycles. They show what the settings do to whatever is measured in the cycle
 import contextlib
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any, Final
@@ -81,6 +82,9 @@ class SteadyRun:
     unestimated: str = ""
 
 
+Runs = Mapping[Settings, Trajectory]
+
+
 class Hopeless(Exception):
     """Marching cannot settle; the text is a sentence that says why."""
 
@@ -117,8 +121,8 @@ def steady_run(task: Task) -> SteadyRun:
         if reason:
             return SteadyRun({**document, "status": UNAVAILABLE, "remark": reason}, {})
         document["version"] = engine.version()
-        settings = _settings(engine, task, document)
-        way = _Way(engine, task, settings, document)
+        settings, done = _settings(engine, task, document)
+        way = _Way(engine, task, settings, done, document)
         cycle = way.cycle()
         if document["settled"]:
             document["status"] = SETTLED if document["reached"] else INACCURATE
@@ -151,8 +155,8 @@ def _words_of(error: Exception) -> str:
     return f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
 
 
-def _settings(engine: Engine, task: Task, document: dict[str, Any]) -> Settings:
-    """The settings that reach the accuracy from where the run begins, with their estimate in the document."""
+def _settings(engine: Engine, task: Task, document: dict[str, Any]) -> tuple[Settings, Runs]:
+    """The settings that reach the accuracy from where the run begins, with their estimate in the document, and all runs made for it."""
     duration = OUTPUT_STEP * round(task.duration / OUTPUT_STEP)
     result = simulate(engine, task.mechanism, task.start, duration, OUTPUT_STEP, task.settings, task.accuracy)
     document.update(
@@ -167,14 +171,15 @@ def _settings(engine: Engine, task: Task, document: dict[str, Any]) -> Settings:
         estimate_seconds=result.estimate_seconds + result.solve_seconds,
         degrees_of_freedom=result.description.degrees_of_freedom,
     )
-    return result.settings
+    return result.settings, result.runs
 
 
 class _Way:
     """How the steady cycle of a run is come by, so that runs with other settings can go the same way."""
 
-    def __init__(self, engine: Engine, task: Task, settings: Settings, document: dict[str, Any]) -> None:
+    def __init__(self, engine: Engine, task: Task, settings: Settings, done: Runs, document: dict[str, Any]) -> None:
         self._engine, self._mechanism, self._settings, self._document = engine, task.mechanism, settings, document
+        self._done = done
         self._start = task.start
         self._orbit = None if task.straight else task.orbit
 
@@ -243,6 +248,10 @@ class _Way:
                 cycle = settle(self._prepared(settings), self._start.crank_speed, settling)
                 unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
                 return cycle if settling["settled"] else unsettled
+            if settings in self._done:  # the run for the estimate began in the same start; it may be long enough
+                made = whole_cycles(self._done[settings])
+                if len(made) >= self._document["cycles"]:
+                    return columns_of(made[self._document["cycles"] - 1])
             cycles = march(self._prepared(settings), self._start.crank_speed, {})
             return columns_of(next(islice(cycles, self._document["cycles"] - 1, None)))
         except EngineFailure as failure:

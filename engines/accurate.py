@@ -58,6 +58,7 @@ class Result:
         compile_seconds: compiling or loading machine code before anything was timed.
         estimate_seconds: wall time of all other runs: those it was compared with and the rungs climbed.
         description: bodies, joints and degrees of freedom of the delivered run.
+        runs: all trajectories that were computed for it, by their settings; the delivered one among them.
     """
 
     trajectory: Trajectory
@@ -73,6 +74,7 @@ class Result:
     compile_seconds: float
     estimate_seconds: float
     description: ModelDescription
+    runs: Mapping[Settings, Trajectory] = field(default_factory=dict, repr=False)
 
 
 def simulate(
@@ -351,6 +353,7 @@ class _Runs(Generic[S]):
             compile_seconds=self.compile_seconds,
             estimate_seconds=max(0.0, total - delivered),
             description=self.engine.describe(self.scene, judged.settings),
+            runs={settings: trajectory for settings, (trajectory, _) in self._done.items()},
         )
 
 
