@@ -9,8 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-import numpy as np
-
 from cases.case import Case
 from cases.cycle_estimates import EXTREMES, mean_estimate
 from cases.engine_run import EngineRun
@@ -36,8 +34,8 @@ class Claim:
     Attributes:
         value: the number.
         estimate: the engine's estimate of its error.
-        uncertainty: of the measurement: one standard deviation of a frequency or amplitude; of an extreme the settling error times the
-            channel's RMS.
+        uncertainty: of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the channel may be off by
+            because it has not settled.
     """
 
     value: float
@@ -220,10 +218,7 @@ def claim(run: EngineRun, other: EngineRun, quantity: str, half: str, channel: s
     measure = run.measure(half, channel)
     if measure is None or measure[quantity] is None or measure[f"{quantity}_estimate"] is None:
         return None
-    if quantity in EXTREMES:
-        uncertainty = run.document["settling_error"] * float(np.sqrt(np.mean(run.cycle[channel] ** 2)))
-    else:
-        uncertainty = measure[f"{quantity}_uncertainty"]
+    uncertainty = run.document["settling_errors"][channel] if quantity in EXTREMES else measure[f"{quantity}_uncertainty"]
     return Claim(measure[quantity], measure[f"{quantity}_estimate"], uncertainty)
 
 

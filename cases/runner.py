@@ -103,6 +103,7 @@ def _failed(task: Task, cause: str) -> EngineRun:
         "start": None,
         "settling": None,
         "settling_error": None,
+        "settling_errors": None,
         "measures": [],
         "consensus": [],
         "unestimated": cause,

@@ -19,7 +19,9 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any, Final
 
-from cases.marching import OUTPUT_STEP, Columns, check_pace, columns_of, march, settle, whole_cycles
+import numpy as np
+
+from cases.marching import Columns, check_pace, columns_of, march, output_step, settle, whole_cycles
 from cases.measures import CHANNELS
 from cases.orbit import UNKNOWN_ERROR, Orbit
 from engines.accurate import Compared, check_trajectory, compared, same_motion, simulate
@@ -109,6 +111,7 @@ def steady_run(task: Task) -> SteadyRun:
         "settled": False,
         "cycles": 0,
         "settling_error": None,
+        "settling_errors": None,
         "settling": None,
         "solve_seconds": None,
         "periodic_orbit": None,
@@ -157,8 +160,9 @@ def _words_of(error: Exception) -> str:
 
 def _settings(engine: Engine, task: Task, document: dict[str, Any]) -> tuple[Settings, Runs]:
     """The settings that reach the accuracy from where the run begins, with their estimate in the document, and all runs made for it."""
-    duration = OUTPUT_STEP * round(task.duration / OUTPUT_STEP)
-    result = simulate(engine, task.mechanism, task.start, duration, OUTPUT_STEP, task.settings, task.accuracy)
+    step = output_step(task.mechanism)
+    duration = step * math.ceil(task.duration / step - 1e-9)
+    result = simulate(engine, task.mechanism, task.start, duration, step, task.settings, task.accuracy)
     document.update(
         accuracy=result.accuracy,
         settings=result.settings.as_dict(),
@@ -180,6 +184,7 @@ class _Way:
     def __init__(self, engine: Engine, task: Task, settings: Settings, done: Runs, document: dict[str, Any]) -> None:
         self._engine, self._mechanism, self._settings, self._document = engine, task.mechanism, settings, document
         self._done = done
+        self._step = output_step(task.mechanism)
         self._start = task.start
         self._orbit = None if task.straight else task.orbit
 
@@ -190,7 +195,7 @@ class _Way:
             Hopeless: that it will not settle is known beforehand.
             EngineFailure: the run broke down.
         """
-        document, orbit, multiplier = self._document, self._orbit, 0.0
+        document, orbit, multiplier = self._document, self._orbit, None
         if cycle := self._found_directly():
             return cycle
         document["start"] = STANDARD
@@ -199,8 +204,8 @@ class _Way:
         elif orbit is not None:
             if hopeless := orbit.hopeless(_error(document)):
                 raise Hopeless(hopeless)
-            document["start"], multiplier = FROM_ORBIT, orbit.multiplier or 0.0
-        cycle = settle(self._prepared(self._settings), self._start.crank_speed, document, multiplier)
+            document["start"], multiplier = FROM_ORBIT, orbit.multiplier
+        cycle = settle(self._prepared(self._settings), self._start.crank_speed, self._step, document, multiplier)
         if not document["settled"]:
             _add_remark(document, f"not settled after {document['cycles']} cycles: {document['settling']['sentence']}")
         return cycle
@@ -221,7 +226,7 @@ class _Way:
                 raise found
             return found
 
-        pairs = self._engine.comparisons(self._settings, self._mechanism, OUTPUT_STEP)
+        pairs = self._engine.comparisons(self._settings, self._mechanism, self._step)
         if any(pair.run == pair.other for pair in pairs):
             return (), "these settings leave no others to compare with"
         try:
@@ -245,14 +250,14 @@ class _Way:
                     if found is not None and found.stable:
                         return self._one_cycle(found)[0]
                 settling: dict[str, Any] = {}
-                cycle = settle(self._prepared(settings), self._start.crank_speed, settling)
+                cycle = settle(self._prepared(settings), self._start.crank_speed, self._step, settling)
                 unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
                 return cycle if settling["settled"] else unsettled
             if settings in self._done:  # the run for the estimate began in the same start; it may be long enough
                 made = whole_cycles(self._done[settings])
                 if len(made) >= self._document["cycles"]:
                     return columns_of(made[self._document["cycles"] - 1])
-            cycles = march(self._prepared(settings), self._start.crank_speed, {})
+            cycles = march(self._prepared(settings), self._start.crank_speed, self._step, {})
             return columns_of(next(islice(cycles, self._document["cycles"] - 1, None)))
         except EngineFailure as failure:
             return failure
@@ -287,17 +292,17 @@ class _Way:
             settled=True,
             cycles=math.ceil(found.cycles_of_work),
             settling_error=found.residual,
+            settling_errors={name: found.residual * float(np.max(np.abs(cycle[name]))) for name in CHANNELS},
             solve_seconds=found.solve_seconds + piece.solve_seconds,
             simulated_seconds=found.cycles_of_work * found.period + float(piece["time"][-1]),
         )
         document["periodic_orbit"]["period"] = float(cycle["time"][-1] - cycle["time"][0])
         return cycle
 
-    @staticmethod
-    def _one_cycle(found: SteadyState) -> tuple[Columns, Trajectory]:
-        duration = OUTPUT_STEP * (math.ceil(found.period / OUTPUT_STEP) + ROWS_AFTER)
-        piece = found.simulation.advance(duration, OUTPUT_STEP)
-        check_trajectory(piece, duration, OUTPUT_STEP)
+    def _one_cycle(self, found: SteadyState) -> tuple[Columns, Trajectory]:
+        duration = self._step * (math.ceil(found.period / self._step) + ROWS_AFTER)
+        piece = found.simulation.advance(duration, self._step)
+        check_trajectory(piece, duration, self._step)
         cycle = whole_cycles(piece)[0]
         check_pace(cycle)
         return columns_of(cycle), piece

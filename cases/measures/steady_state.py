@@ -122,20 +122,24 @@ class Settling:
     a single ratio promise too much. Where the mechanism's largest Floquet multiplier is known it is no less than that: beside a
     steady state a fast part of the change hides the slow one.
 
+    Once the transient has died, the changes are the noise of the computation and shrink no more. Where the multiplier m is known, no
+    more can be left than what noise keeps alive: the greatest of the last three changes over 1 - m.
+
     Attributes:
         tolerance: of the remaining error.
         greatest_number: of cycles after which the search is given up.
-        least_ratio: mu is at least this.
+        multiplier: m, None where it is not known.
         cycles: number of cycles seen.
         changes: c between successive cycles, one fewer than cycles.
     """
 
-    def __init__(self, tolerance: float = TOLERANCE, greatest_number: int = GREATEST_NUMBER, least_ratio: float = 0.0) -> None:
+    def __init__(self, tolerance: float = TOLERANCE, greatest_number: int = GREATEST_NUMBER, multiplier: float | None = None) -> None:
         self.tolerance = tolerance
         self.greatest_number = greatest_number
-        self.least_ratio = least_ratio
+        self.multiplier = multiplier
         self.cycles = 0
         self.changes: list[float] = []
+        self._largest: list[dict[str, float]] = []  # change of each channel, in its own unit
         self._last: dict[str, Array] = {}
         self._end = 0.0
 
@@ -153,6 +157,7 @@ class Settling:
             if present.keys() != self._last.keys():
                 raise ValueError(f"channels changed from {', '.join(self._last)} to {', '.join(present)}")
             self.changes.append(relative_change(self._last, present))
+            self._largest.append({name: float(np.max(np.abs(present[name] - self._last[name]))) for name in present})
         self._last = present
         self._end = float(cycle.time[-1])
         self.cycles += 1
@@ -164,13 +169,29 @@ class Settling:
         if len(self.changes) < 3:
             return np.inf
         observed = [new / old if old > 0.0 else 0.0 for old, new in zip(self.changes[-3:-1], self.changes[-2:], strict=True)]
-        return max(self.least_ratio, *observed)
+        return max(self.multiplier or 0.0, *observed)
 
     @property
     def error_estimate(self) -> float:
         """Distance of the last cycle from the steady state relative to the signals' RMS; infinite where not yet known."""
+        count, factor = self._left
+        return factor * max(self.changes[-count:]) if math.isfinite(factor) else math.inf
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """How far off each channel may be at any angle, in its own unit; no less than its last change, which may be noise."""
+        count, factor = self._left
+        return {name: max(factor, 1.0) * max(change[name] for change in self._largest[-count:]) for name in self._last}
+
+    @property
+    def _left(self) -> tuple[int, float]:
+        """Of how many changes the greatest counts, and how many times that may be left."""
         ratio = self.ratio
-        return self.changes[-1] * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+        if ratio < 1.0:
+            return 1, ratio / (1.0 - ratio)
+        if len(self.changes) < 3 or self.multiplier is None or self.multiplier >= 1.0:
+            return 1, math.inf
+        return 3, 1.0 / (1.0 - self.multiplier)
 
     @property
     def settled(self) -> bool:
@@ -188,7 +209,7 @@ class Settling:
             return Outlook(change, None, None, None, None)
         (slope, _), covariance = np.polyfit(np.arange(logarithms.size), logarithms, 1, cov=True)
         if slope < -CERTAIN * math.sqrt(covariance[0, 0]):
-            ratio = max(math.exp(slope), self.least_ratio)
+            ratio = max(math.exp(slope), self.multiplier or 0.0)
             left = change * ratio / (1.0 - ratio)
             more = math.ceil(math.log(max(left / self.tolerance, 1.0)) / -math.log(ratio))
             return Outlook(change, left, ratio, self.cycles + more, None)

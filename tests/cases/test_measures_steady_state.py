@@ -187,6 +187,25 @@ def test_noise_that_does_not_die_away_is_told_with_the_cycle_since_which(seed: i
     assert "try finer settings" in outlook.sentence()
 
 
+@pytest.mark.parametrize("multiplier", [1e-6, 0.7])
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_is_what_is_left_where_the_multiplier_is_known(seed: int, multiplier: float) -> None:
+    """Without it nobody knows what the noise hides. The error covers the last cycle's distance from the cycle without noise."""
+    random = np.random.default_rng(seed)
+    distances = [0.0]
+    for _ in range(60):
+        distances.append(multiplier * distances[-1] + 5e-5 * random.standard_normal())
+    settling = Settling(multiplier=multiplier)
+    assert settles(settling, distances)
+    assert settling.cycles < 10
+    assert settling.errors["strain_1"] > abs(distances[settling.cycles - 1])
+
+
+def test_noise_of_an_unstable_motion_never_settles() -> None:
+    settling = Settling(multiplier=1.01)
+    assert not settles(settling, [1e-5 * (-1.0) ** n for n in range(60)])
+
+
 def test_few_cycles_promise_nothing() -> None:
     assert fed([0.1], Settling()).outlook.change is None
     assert fed([0.1, 0.05, 0.02], Settling()).outlook.stalled_since is None
@@ -197,7 +216,7 @@ def test_few_cycles_promise_nothing() -> None:
 def test_a_known_multiplier_keeps_a_fast_part_from_hiding_the_slow_one() -> None:
     """Beside a steady state: of a disturbance of 4e-3 a twentieth is lost in a cycle, one of 5e-3 is gone in two."""
     values = [4e-3 * 0.95**n + 5e-3 * 0.05**n for n in range(60)]
-    without, with_it = (next(s.cycles for s in [Settling(least_ratio=r)] if settles(s, values)) for r in (0.0, 0.95))
+    without, with_it = (next(s.cycles for s in [Settling(multiplier=m)] if settles(s, values)) for m in (None, 0.95))
     left = [values[cycles - 1] * np.sqrt(0.5) / np.sqrt(1.5) for cycles in (without, with_it)]
     assert left[0] > 1.5e-3
     assert left[1] < 1e-3

@@ -12,6 +12,8 @@ from engines.start import Start
 from engines.trajectory import Trajectory
 from tests.engines.fake_engine import FakeSettings, FakeSimulation
 
+STEP = 5e-4  # s
+
 
 class Turning(FakeSimulation):
     """The fake motion with a crank that begins at one speed and approaches another at a rate of 1/s."""
@@ -38,13 +40,13 @@ class Turning(FakeSimulation):
         (10.0, -10.0, "the crank stands still or turns back"),
         (10.0, 1e-9, "the crank takes more than 100 s for a turn; let it turn faster"),
         (1e-9, 1e-9, "the crank takes more than 100 s for a turn; let it turn faster"),
-        (1e6, 1e6, "the crank takes 6.28e-06 s for a turn; let it turn slower: 0.01 s or more"),
-        (10.0, 1e4, "for a turn; let it turn slower: 0.01 s or more"),
+        (1e6, 1e6, "the crank takes 6.28e-06 s for a turn, much less than its drive says"),
+        (10.0, 1e4, "for a turn, much less than its drive says"),
     ],
 )
 def test_a_crank_that_does_not_turn_ends_the_search_with_a_sentence(first: float, final: float, told: str) -> None:
     with pytest.raises(EngineFailure) as failure:
-        settle(Turning(first, final), first, {})
+        settle(Turning(first, final), first, STEP, {})
     assert told in str(failure.value)
     assert failure.value.time < 300.0
 
@@ -52,7 +54,7 @@ def test_a_crank_that_does_not_turn_ends_the_search_with_a_sentence(first: float
 @pytest.mark.parametrize(("first", "final"), [(0.0, 10.0), (0.5, 10.0), (10.0, 2.0), (-10.0, -9.0)])
 def test_a_crank_that_finds_its_speed_settles(first: float, final: float) -> None:
     document: dict[str, Any] = {}
-    cycle = settle(Turning(first, final), first, document)
+    cycle = settle(Turning(first, final), first, STEP, document)
     assert document["settled"]
     # one turn at the final speed; by the fourth cycle, the earliest that can settle, exp(-t) has died away to below 5 %
     assert cycle["time"][-1] - cycle["time"][0] == pytest.approx(2.0 * math.pi / abs(final), rel=0.05)

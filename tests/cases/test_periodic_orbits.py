@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from cases import steady_run as module
 from cases.case_file import load_case
 from cases.library import case_names
-from cases.marching import OUTPUT_STEP, columns_of, settle, whole_cycles
+from cases.marching import columns_of, output_step, settle, whole_cycles
 from cases.measures import CHANNELS
 from cases.orbit import Orbit, find_orbit
 from cases.steady_run import FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, SteadyRun, Task, steady_run
@@ -89,7 +89,7 @@ def marched(name: str, settings: dict[str, str]) -> dict[str, Array]:
     mechanism, reference, document = load_case(name).mechanism, ReferenceEngine(), dict[str, Any]()
     start = standard_start(mechanism)
     first = reference.settings_for(1e-3, mechanism).with_texts(settings)
-    cycle = settle(reference.prepare(mechanism, start, first), start.crank_speed, document)
+    cycle = settle(reference.prepare(mechanism, start, first), start.crank_speed, output_step(mechanism), document)
     assert document["settled"]
     return cycle
 
@@ -179,7 +179,7 @@ def test_the_reference_marched_from_its_own_orbit_stays_there(found: SteadyRun) 
     mechanism, reference = load_case("thesis-24").mechanism, ReferenceEngine()
     settings = reference.settings_for(1e-3, mechanism).with_texts(SETTINGS)
     start = reference.periodic_start(mechanism, settings)
-    trajectory = reference.prepare(mechanism, start, settings).advance(0.8, OUTPUT_STEP)
+    trajectory = reference.prepare(mechanism, start, settings).advance(0.8, output_step(mechanism))
     cycle = whole_cycles(trajectory)[-1]
     columns = columns_of(cycle)
     # the start is a deflection on 240 points and its projection: 1e-4

@@ -1,6 +1,7 @@
 """Machines such as an engineer would bring: they settle, and engines agree within what they claim."""
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,9 +13,10 @@ from cases.case import Case
 from cases.comparison import CaseResult
 from cases.cross_validation import cross_validate
 from cases.engine_run import EngineRun
-from cases.random_scenes import LEAST_STIFFNESS_RATIO, MACHINE_DURATION, OUTPUT_STEP, sensible_machines
+from cases.random_scenes import LEAST_STIFFNESS_RATIO, OUTPUT_STEP, Scene, sensible_machines
 from cases.store import Store
 from reference_model.natural_modes import stiffness_ratio
+from reference_model.rigid import crank_pace
 
 ENGINES = ("reference", "mujoco")
 SEED = 603
@@ -25,11 +27,13 @@ TOO_VIOLENT = 0.05
 
 
 def machines(count: int) -> list[Case]:
-    """Cases of the first `count` machines."""
-    return [
-        Case(name=scene.name, title="", tags=(), scene=scene.mechanism, duration=MACHINE_DURATION, output_step=OUTPUT_STEP)
-        for scene in itertools.islice(sensible_machines(SEED), count)
-    ]
+    """Cases of the first `count` machines, their error estimated over one turn of the crank."""
+    return [case_of(scene) for scene in itertools.islice(sensible_machines(SEED), count)]
+
+
+def case_of(scene: Scene) -> Case:
+    turn = 2.0 * math.pi / crank_pace(scene.mechanism)
+    return Case(name=scene.name, title="", tags=(), scene=scene.mechanism, duration=turn, output_step=OUTPUT_STEP)
 
 
 def multiplier(result: CaseResult) -> float | None:

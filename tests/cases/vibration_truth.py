@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from cases.marching import output_step, whole_cycles
 from cases.measures import CHANNELS, Cycle, CycleMeasures, TimeScale, measure_cycle, time_scale
-from cases.steady_run import OUTPUT_STEP, ROWS_AFTER, whole_cycles
+from cases.steady_run import ROWS_AFTER
 from engines.base import NoSteadyState
 from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
 from engines.pseudo_coordinate.simulation import ExplicitSimulation
@@ -68,31 +69,32 @@ def steady_vibration(mechanism: Mechanism) -> SteadyVibration | None:
     assert isinstance(simulation.model, MovingShapeModel)
     assert scale is not None
     farthest = simulation.state.copy()
-    cycle = whole_cycles(simulation.advance(OUTPUT_STEP * (math.ceil(found.period / OUTPUT_STEP) + ROWS_AFTER), OUTPUT_STEP))[0]
+    step = output_step(mechanism)
+    cycle = whole_cycles(simulation.advance(step * (math.ceil(found.period / step) + ROWS_AFTER), step))[0]
     turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
     half = float(CubicSpline(turned, cycle.time)(np.pi) - cycle.time[0])
     nearest = simulation.model.integrate(farthest, half, 1, INTEGRATION).states[-1]
     ends = (farthest, half), (nearest, float(cycle.time[-1] - cycle.time[0]) - half)
-    truths, scatters = zip(*(_mean_frequency(simulation.model, scale, state, duration) for state, duration in ends), strict=True)
+    truths, scatters = zip(*(_mean_frequency(simulation.model, scale, state, duration, step) for state, duration in ends), strict=True)
     measures = measure_cycle(scale, cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in CHANNELS})
     return SteadyVibration(cycle, measures, truths, scatters)
 
 
-def _mean_frequency(model: MovingShapeModel, scale: TimeScale, state: Array, duration: float) -> tuple[float, float]:
-    """Mean over `duration` (s) from `state`, Hz, and its standard deviation over launch phases."""
+def _mean_frequency(model: MovingShapeModel, scale: TimeScale, state: Array, duration: float, step: float) -> tuple[float, float]:
+    """Mean over `duration` (s) from `state`, Hz, and its standard deviation over launch phases; recorded every `step` (s)."""
     size = max(LAUNCH * abs(state[1]), 1e-7)
-    rows = math.ceil(duration / OUTPUT_STEP) + ROWS_AFTER
+    rows = math.ceil(duration / step) + ROWS_AFTER
     rate = model.modes + 3
     launches = []
-    for index, step in ((1, size), (rate, size * 2.0 * np.pi * float(scale.frequencies(state[0])[0]))):
+    for index, push in ((1, size), (rate, size * 2.0 * np.pi * float(scale.frequencies(state[0])[0]))):
         motions = []
         for sign in (1.0, -1.0):
             moved = state.copy()
-            moved[index] += sign * step
-            motions.append(model.integrate(moved, OUTPUT_STEP, rows, INTEGRATION).states)
+            moved[index] += sign * push
+            motions.append(model.integrate(moved, step, rows, INTEGRATION).states)
         change, omega = motions[0] - motions[1], 2.0 * np.pi * scale.frequencies(motions[0][:, 0])[:, 0]
         launches.append(np.array([change[:, 1], -change[:, rate] / omega]))
-    time = OUTPUT_STEP * np.arange(rows + 1)
+    time = step * np.arange(rows + 1)
     means = []
     for launch in 2.0 * np.pi * np.arange(LAUNCHES) / LAUNCHES:
         coordinate, quarter = np.cos(launch) * launches[0] + np.sin(launch) * launches[1]
