@@ -5,6 +5,9 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PARALLEL ?= 2
 
+# Otherwise every process would compile all sources that it imports anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: report test verify lint clean
 
 report: $(READY)

@@ -1,7 +1,7 @@
 """Cycle after cycle of a running simulation, until the motion has settled."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -51,33 +51,42 @@ def _frequencies(mechanism: Mechanism) -> Iterator[NDArray[np.float64]]:
         yield from (frozen_crank_modes(mechanism, angle, 3).frequencies for angle in np.linspace(0.0, math.pi, 5))
 
 
-def settle(simulation: Simulation, crank_speed: float, step: float, document: dict[str, Any], multiplier: float | None = None) -> Columns:
-    """Advance cycle after cycle until settled or given up; the last whole cycle, column by column.
+def settle(cycles: Iterable[Cycle], document: dict[str, Any], multiplier: float | None = None) -> Columns:
+    """Take cycle after cycle until settled or given up, or until there are no more; the last one taken, column by column.
+
+    Args:
+        cycles: one after the other, with all columns of the trajectory.
+        document: gets "settled", "cycles", "settling_error", "settling_errors" and "settling".
+        multiplier: largest Floquet multiplier of the steady state, where it is known.
+
+    Returns:
+        Empty if there is no cycle.
+    """
+    settling, last = Settling(multiplier=multiplier), Columns()
+    for cycle in cycles:
+        last = columns_of(cycle)
+        if settling.feed(channels_of(last)) or settling.given_up:
+            break
+    error = settling.error_estimate
+    known = math.isfinite(error)
+    document.update(settled=settling.settled, cycles=settling.cycles, settling_error=error if known else None)
+    document["settling_errors"] = settling.errors if known else None
+    document["settling"] = None if settling.settled else settling.outlook.as_dict()
+    return last
+
+
+def march(simulation: Simulation, crank_speed: float, step: float, document: dict[str, Any]) -> Iterator[Cycle]:
+    """The whole cycles of a simulation, with all its columns, without end.
 
     Args:
         simulation: stands where the search begins.
         crank_speed: rad/s, about; only the length of the pieces depends on it.
         step: of the rows recorded, s.
-        document: gets "settled", "cycles", "settling_error", "settling_errors", "settling", "solve_seconds" and "simulated_seconds".
-        multiplier: largest Floquet multiplier of the steady state, where it is known.
+        document: gets "solve_seconds" and "simulated_seconds".
 
     Raises:
         EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured.
     """
-    settling = Settling(multiplier=multiplier)
-    for cycle in march(simulation, crank_speed, step, document):
-        if settling.feed(channels_of(columns_of(cycle))) or settling.given_up:
-            break
-    error = settling.error_estimate
-    document.update(settled=settling.settled, cycles=settling.cycles, settling_error=error if math.isfinite(error) else None)
-    document["settling_errors"] = settling.errors if math.isfinite(error) else None
-    if not settling.settled:
-        document["settling"] = settling.outlook.as_dict()
-    return columns_of(cycle)
-
-
-def march(simulation: Simulation, crank_speed: float, step: float, document: dict[str, Any]) -> Iterator[Cycle]:
-    """The whole cycles of a simulation, with all its columns, without end; arguments and exceptions are those of `settle`."""
     solve_seconds, speed, last_passage = 0.0, crank_speed, simulation.time
     rows: Trajectory | None = None
     while True:
@@ -89,37 +98,37 @@ def march(simulation: Simulation, crank_speed: float, step: float, document: dic
         document.update(solve_seconds=solve_seconds, simulated_seconds=simulation.time)
         rows = join([rows, piece]) if rows else piece
         speed = float(np.mean(piece["crank_speed"]))
-        try:
-            cycles = whole_cycles(rows)
-        except ValueError as halted:
-            raise EngineFailure(
-                simulation.time, "the crank stands still or turns back", "let it turn one way, by torque or speed"
-            ) from halted
+        cycles = whole_cycles(rows)
         if cycles:
             last_passage = simulation.time
         elif simulation.time - last_passage > MOST_ROWS * step:
             raise EngineFailure(simulation.time, f"the crank takes more than {MOST_ROWS * step:g} s for a turn", "let it turn faster")
-        for cycle in cycles:
-            check_pace(cycle)
-            yield cycle
+        yield from cycles
         if cycles:
             # the next cycle begins where this one ended; a few rows before that keep the interpolation whole
             first = max(0, int(np.searchsorted(rows["time"], cycles[-1].time[-1])) - 4)
             rows = Trajectory({name: values[first:] for name, values in rows.columns.items()}, 0.0)
 
 
-def check_pace(cycle: Cycle) -> None:
-    """Raise `EngineFailure` if the crank turns too fast for the rows recorded."""
-    turn = float(cycle.time[-1] - cycle.time[0])
-    if len(cycle.time) < FEWEST_ROWS:
-        cause = f"the crank takes {turn:.3g} s for a turn, much less than its drive says"
-        raise EngineFailure(float(cycle.time[0]), cause, "let it begin at about the speed at which it goes on")
-
-
 def whole_cycles(rows: Trajectory) -> list[Cycle]:
-    """The whole cycles in a trajectory, with all its columns."""
+    """The whole cycles in a trajectory, with all its columns.
+
+    Raises:
+        EngineFailure: the crank turns back, or too fast for the rows recorded.
+    """
     columns = dict(rows.columns)
-    return cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)
+    try:
+        cycles = cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)
+    except ValueError as halted:
+        raise EngineFailure(
+            float(rows["time"][-1]), "the crank stands still or turns back", "let it turn one way, by torque or speed"
+        ) from halted
+    for cycle in cycles:
+        if len(cycle.time) < FEWEST_ROWS:
+            turn = float(cycle.time[-1] - cycle.time[0])
+            cause = f"the crank takes {turn:.3g} s for a turn, much less than its drive says"
+            raise EngineFailure(float(cycle.time[0]), cause, "let it begin at about the speed at which it goes on")
+    return cycles
 
 
 def columns_of(cycle: Cycle) -> Columns:

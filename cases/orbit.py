@@ -56,11 +56,13 @@ class Orbit:
         start: the periodic steady state at the slider's farthest place; None where there is none to begin in.
         multiplier: largest modulus of its Floquet multipliers; None where no periodic state was found.
         reason: why there is none to begin in (a clause), "" if there is.
+        period: s; 0 where there is none to begin in.
     """
 
     start: Start | None
     multiplier: float | None
     reason: str = ""
+    period: float = 0.0
 
     def hopeless(self, error: float) -> str:
         """Why marching from here cannot settle (a sentence); "" if it can.
@@ -120,7 +122,8 @@ def find_orbit(mechanism: Mechanism) -> tuple[dict[str, Any], dict[str, Array]]:
     for name, field in (("deflection", begin.deflection), ("rate", begin.deflection_rate)):
         assert isinstance(field, PPoly)
         arrays |= {f"{name}_x": field.x, f"{name}_c": field.c}
-    return {"multiplier": multiplier, "reason": "", "crank_angle": begin.crank_angle, "crank_speed": begin.crank_speed}, arrays
+    about = {"crank_angle": begin.crank_angle, "crank_speed": begin.crank_speed, "period": found.period}
+    return {"multiplier": multiplier, "reason": "", **about}, arrays
 
 
 def orbits(mechanisms: Iterable[Mechanism], store: Store, jobs: int | None = None, limits: Limits | None = None) -> dict[str, Orbit]:
@@ -147,4 +150,5 @@ def _orbit(entry: Entry) -> Orbit:
     if document["reason"]:
         return Orbit(None, document["multiplier"], document["reason"])
     curves = [Curve(arrays[f"{name}_x"], arrays[f"{name}_c"]) for name in ("deflection", "rate")]
-    return Orbit(Start(document["crank_angle"], document["crank_speed"], *curves), document["multiplier"])
+    start = Start(document["crank_angle"], document["crank_speed"], *curves)
+    return Orbit(start, document["multiplier"], period=document["period"])

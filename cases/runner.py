@@ -16,8 +16,8 @@ from cases.stored_jobs import Result, stored
 from cases.workers import Job, Limits, Outcome
 from engines.registry import engine
 
-#: The slowest first, so that the last core does not wait for one of them: `reference` where its equations are not yet machine code.
-_ORDER: Final = {"reference": 0, "exudyn": 1, "mujoco": 2, "thesis": 9}
+#: The slowest first, so that the last core does not wait for one of them.
+_SLOWEST: Final = ("exudyn", "mujoco", "reference")
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,22 @@ def run_tasks(
         raise ValueError("two tasks have one name")
     tasks = _with_orbits(tasks, store, jobs, limits)
     keys = {named.name: task_key(named.task) for named in tasks}
-    ordered = sorted(tasks, key=lambda named: _ORDER.get(named.task.engine, 5))
-    work = [Job(keys[named.name], engine_run, (named.task,)) for named in ordered]
+    work = [Job(keys[named.name], engine_run, (named.task,)) for named in _in_order(tasks)]
     entries, others = stored(work, store, title, at_once=jobs, limits=limits, keep=_kept)
     found = {key: EngineRun(entry.document, entry.arrays) for key, entry in entries.items()}
     for named in tasks:
         if (key := keys[named.name]) not in found:
             found[key] = _of_the_machine(others[key], named.task)
     return {name: found[key] for name, key in keys.items()}
+
+
+def _in_order(tasks: Sequence[Named]) -> list[Named]:
+    """One of each engine first: what it compiles is there for the others, which would compile the same beside it."""
+    by_engine: dict[str, list[Named]] = {}
+    for named in tasks:
+        by_engine.setdefault(named.task.engine, []).append(named)
+    slowest = sorted(by_engine, key=lambda name: _SLOWEST.index(name) if name in _SLOWEST else len(_SLOWEST))
+    return [by_engine[name][0] for name in reversed(slowest)] + [named for name in slowest for named in by_engine[name][1:]]
 
 
 def _with_orbits(tasks: Sequence[Named], store: Store, jobs: int | None, limits: Limits | None) -> list[Named]:

@@ -1,9 +1,10 @@
 """One engine on one scene, brought to its steady state, with an error estimate of its own.
 
-A run begins in the periodic state that `reference` found (`cases.orbit`), or in the standard start. From there the case's duration is
-simulated to the accuracy asked (`engines.accurate`): that fixes the settings and their error estimate. The standard start itself would be
-no measure of it: a stiff follower rings for thousands of cycles if its load, or its weight, is there of a sudden. With these settings the
-simulation then runs cycle after cycle until it has settled (`cases.measures.steady_state`). An engine that finds its periodic steady
+A run begins in the periodic state that `reference` found (`cases.orbit`), or in the standard start. From the one as many cycles as
+settling takes at least, from the other the case's duration is simulated to the accuracy asked (`engines.accurate`): that fixes the
+settings and their error estimate. Where there is an orbit the standard start would be no measure of it: a stiff follower rings for
+thousands of cycles if its load, or its weight, is there of a sudden. With these settings the simulation then runs cycle after cycle
+until it has settled (`cases.measures.steady_state`). An engine that finds its periodic steady
 state directly need not run there; where it finds none it marches like the others. If it is known
 beforehand that marching cannot settle, it is not begun. What is kept is the last cycle, with every column of the trajectory.
 
@@ -21,8 +22,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.marching import Columns, check_pace, columns_of, march, output_step, settle, whole_cycles
+from cases.marching import Columns, columns_of, march, output_step, settle, whole_cycles
 from cases.measures import CHANNELS
+from cases.measures.steady_state import FEWEST_CYCLES
 from cases.orbit import UNKNOWN_ERROR, Orbit
 from engines.accurate import Compared, check_trajectory, compared, same_motion, simulate
 from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
@@ -31,6 +33,9 @@ from engines.settings import SettingError, Settings
 from engines.start import Start, standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
+
+#: By how much an engine's cycles may be longer than those of `reference`.
+LONGER: Final = 1.01
 
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
 ROWS_AFTER: Final = 4
@@ -52,7 +57,7 @@ class Task:
     """What a run is asked to do; everything in it determines the result."""
 
     mechanism: Mechanism
-    duration: float  # s, the stretch on which the error is estimated
+    duration: float  # s, the stretch on which the error is estimated from the standard start
     engine: str
     accuracy: float | None = None  # error of the tip deflection; None: the engine's default
     settings: dict[str, str] = field(default_factory=dict)
@@ -65,6 +70,12 @@ class Task:
         """Where the run begins."""
         found = None if self.orbit is None or self.straight else self.orbit.start
         return found or standard_start(self.mechanism)
+
+    def estimated_on(self, step: float) -> float:
+        """The stretch on which the error is estimated, s: from the periodic state a little more than the fewest cycles that settle."""
+        begins_in_orbit = not self.straight and self.orbit is not None and self.orbit.start is not None
+        stretch = FEWEST_CYCLES * LONGER * self.orbit.period if begins_in_orbit and self.orbit else self.duration
+        return step * math.ceil(stretch / step - 1e-9)
 
 
 @dataclass(frozen=True)
@@ -161,8 +172,7 @@ def _words_of(error: Exception) -> str:
 def _settings(engine: Engine, task: Task, document: dict[str, Any]) -> tuple[Settings, Runs]:
     """The settings that reach the accuracy from where the run begins, with their estimate in the document, and all runs made for it."""
     step = output_step(task.mechanism)
-    duration = step * math.ceil(task.duration / step - 1e-9)
-    result = simulate(engine, task.mechanism, task.start, duration, step, task.settings, task.accuracy)
+    result = simulate(engine, task.mechanism, task.start, task.estimated_on(step), step, task.settings, task.accuracy)
     document.update(
         accuracy=result.accuracy,
         settings=result.settings.as_dict(),
@@ -205,7 +215,12 @@ class _Way:
             if hopeless := orbit.hopeless(_error(document)):
                 raise Hopeless(hopeless)
             document["start"], multiplier = FROM_ORBIT, orbit.multiplier
-        cycle = settle(self._prepared(self._settings), self._start.crank_speed, self._step, document, multiplier)
+        made = self._done.get(self._settings)  # the run for the estimate began in the same start; it may be all that is needed
+        cycle = settle(whole_cycles(made), document, multiplier) if made is not None else {}
+        if document["settled"] and made is not None:
+            document.update(solve_seconds=made.solve_seconds, simulated_seconds=float(made["time"][-1]))
+            return cycle
+        cycle = settle(march(self._prepared(self._settings), self._start.crank_speed, self._step, document), document, multiplier)
         if not document["settled"]:
             _add_remark(document, f"not settled after {document['cycles']} cycles: {document['settling']['sentence']}")
         return cycle
@@ -250,10 +265,10 @@ class _Way:
                     if found is not None and found.stable:
                         return self._one_cycle(found)[0]
                 settling: dict[str, Any] = {}
-                cycle = settle(self._prepared(settings), self._start.crank_speed, self._step, settling)
+                cycle = settle(march(self._prepared(settings), self._start.crank_speed, self._step, settling), settling)
                 unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
                 return cycle if settling["settled"] else unsettled
-            if settings in self._done:  # the run for the estimate began in the same start; it may be long enough
+            if settings in self._done:
                 made = whole_cycles(self._done[settings])
                 if len(made) >= self._document["cycles"]:
                     return columns_of(made[self._document["cycles"] - 1])
@@ -304,7 +319,6 @@ class _Way:
         piece = found.simulation.advance(duration, self._step)
         check_trajectory(piece, duration, self._step)
         cycle = whole_cycles(piece)[0]
-        check_pace(cycle)
         return columns_of(cycle), piece
 
 

@@ -84,8 +84,10 @@ def run_studies(store: Store, jobs: int | None = None, limits: Limits | None = N
     found, failures = _stored(work, store, jobs, limits)
     accuracy, confirmation = _accuracy_tables(found, failures)
     rows = found[("convergence",)][0]["rows"] if ("convergence",) in found else []
-    sensitivity = _sensitivity(store, jobs, limits, failures)
-    both_ways = _both_ways(case, store, jobs, limits, failures)
+    tasks = [*_open_tasks(), *_tasks_of_both_ways(case)]  # together: a package that marches straight takes as long as all the others
+    results = run_tasks(tasks, store, jobs, "what the thesis leaves open, and another start", limits)
+    sensitivity = _sensitivity(results, failures)
+    both_ways = _both_ways(results, failures)
     return Studies(accuracy, confirmation, pd.DataFrame(rows), sensitivity, both_ways, tuple(failures))
 
 
@@ -201,7 +203,10 @@ DAMPING_LAW: Final = "beam damping on the transverse velocity alone"
 DAMPING_LAW_ACCURACY: Final = 3e-3
 
 
-def _sensitivity(store: Store, jobs: int | None, limits: Limits | None, failures: list[str]) -> pd.DataFrame:
+Runs = Mapping[tuple[str, ...], EngineRun]
+
+
+def _open_tasks() -> list[Named]:
     tasks = []
     for name in OPEN_RUNS:
         case = load_case(name)
@@ -219,7 +224,10 @@ def _sensitivity(store: Store, jobs: int | None, limits: Limits | None, failures
                 estimated=False,
             )
             tasks.append(Named((name, law), task))
-    results = run_tasks(tasks, store, jobs, "what the thesis leaves open", limits)
+    return tasks
+
+
+def _sensitivity(results: Runs, failures: list[str]) -> pd.DataFrame:
     rows: list[dict[str, Any]] = []
     for name in OPEN_RUNS:
         changes = list(open_changes(load_case(name).mechanism))
@@ -237,11 +245,14 @@ def _sensitivity(store: Store, jobs: int | None, limits: Limits | None, failures
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
-def _both_ways(case: Case, store: Store, jobs: int | None, limits: Limits | None, failures: list[str]) -> pd.DataFrame:
+def _tasks_of_both_ways(case: Case) -> list[Named]:
     about: dict[str, Any] = {"mechanism": case.mechanism, "duration": case.duration}
     tasks = [Named((name, "orbit"), Task(engine=name, **about)) for name in PACKAGES]
     tasks += [Named((name, "straight"), Task(engine=name, straight=True, estimated=False, **about)) for name in PACKAGES]
-    results = run_tasks(tasks, store, jobs, "the same steady state from another start", limits)
+    return tasks
+
+
+def _both_ways(results: Runs, failures: list[str]) -> pd.DataFrame:
     rows: list[dict[str, Any]] = []
     for name in PACKAGES:
         orbit, straight = results[name, "orbit"], results[name, "straight"]

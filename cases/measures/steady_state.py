@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-3  # of the remaining error, relative to the signals' RMS
 GREATEST_NUMBER = 60  # of cycles
+FEWEST_CYCLES = 4  # by which a sequence can be known to have settled
 GRID = 720  # crank angles per cycle on which cycles are compared
 SAME_INSTANT = 1e-3  # of a cycle, by which the end of one and the beginning of the next may differ
 AT_THE_END = 1e-9  # rad, by which a series may miss the farthest place and still begin or end there
@@ -166,7 +167,7 @@ class Settling:
     @property
     def ratio(self) -> float:
         """The observed mu; infinite before the fourth cycle."""
-        if len(self.changes) < 3:
+        if self.cycles < FEWEST_CYCLES:
             return np.inf
         observed = [new / old if old > 0.0 else 0.0 for old, new in zip(self.changes[-3:-1], self.changes[-2:], strict=True)]
         return max(self.multiplier or 0.0, *observed)
@@ -189,7 +190,7 @@ class Settling:
         ratio = self.ratio
         if ratio < 1.0:
             return 1, ratio / (1.0 - ratio)
-        if len(self.changes) < 3 or self.multiplier is None or self.multiplier >= 1.0:
+        if self.cycles < FEWEST_CYCLES or self.multiplier is None or self.multiplier >= 1.0:
             return 1, math.inf
         return 3, 1.0 / (1.0 - self.multiplier)
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.marching import settle
+from cases.marching import march, settle
 from engines.base import EngineFailure
 from engines.start import Start
 from engines.trajectory import Trajectory
@@ -46,7 +46,7 @@ class Turning(FakeSimulation):
 )
 def test_a_crank_that_does_not_turn_ends_the_search_with_a_sentence(first: float, final: float, told: str) -> None:
     with pytest.raises(EngineFailure) as failure:
-        settle(Turning(first, final), first, STEP, {})
+        settle(march(Turning(first, final), first, STEP, {}), {})
     assert told in str(failure.value)
     assert failure.value.time < 300.0
 
@@ -54,7 +54,7 @@ def test_a_crank_that_does_not_turn_ends_the_search_with_a_sentence(first: float
 @pytest.mark.parametrize(("first", "final"), [(0.0, 10.0), (0.5, 10.0), (10.0, 2.0), (-10.0, -9.0)])
 def test_a_crank_that_finds_its_speed_settles(first: float, final: float) -> None:
     document: dict[str, Any] = {}
-    cycle = settle(Turning(first, final), first, STEP, document)
+    cycle = settle(march(Turning(first, final), first, STEP, {}), document)
     assert document["settled"]
     # one turn at the final speed; by the fourth cycle, the earliest that can settle, exp(-t) has died away to below 5 %
     assert cycle["time"][-1] - cycle["time"][0] == pytest.approx(2.0 * math.pi / abs(final), rel=0.05)

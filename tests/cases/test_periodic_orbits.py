@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from cases import steady_run as module
 from cases.case_file import load_case
 from cases.library import case_names
-from cases.marching import columns_of, output_step, settle, whole_cycles
+from cases.marching import columns_of, march, output_step, settle, whole_cycles
 from cases.measures import CHANNELS
 from cases.orbit import Orbit, find_orbit
 from cases.steady_run import FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, SteadyRun, Task, steady_run
@@ -89,7 +89,8 @@ def marched(name: str, settings: dict[str, str]) -> dict[str, Array]:
     mechanism, reference, document = load_case(name).mechanism, ReferenceEngine(), dict[str, Any]()
     start = standard_start(mechanism)
     first = reference.settings_for(1e-3, mechanism).with_texts(settings)
-    cycle = settle(reference.prepare(mechanism, start, first), start.crank_speed, output_step(mechanism), document)
+    marching = march(reference.prepare(mechanism, start, first), start.crank_speed, output_step(mechanism), document)
+    cycle = settle(marching, document)
     assert document["settled"]
     return cycle
 
