@@ -51,9 +51,6 @@ ORDER_IN_SPACE: Final = 3.0
 SAFE_IN_TIME: Final = 1.6
 SAFE_IN_SPACE: Final = 1.6
 
-#: Order that is counted on where no third run shows it: no more than what those strains have.
-UNSHOWN: Final = 1.0
-
 #: Fewer elements than these have no order yet (12 differ from 6 by less than they err) and are compared with more.
 FEWEST_WITH_ORDER: Final = 24
 
@@ -91,14 +88,14 @@ def in_time(own: ExudynSettings, output_step: float) -> Comparison:
     steps, fewest = _steps(own, output_step), math.ceil(output_step / LARGEST_STEP - 1e-9)
     half = (steps + 1) // 2
 
-    def pair(run: int, other: int, order: float, before: Comparison | None = None, instead: Comparison | None = None) -> Comparison:
+    def pair(run: int, other: int, before: Comparison | None = None, instead: Comparison | None = None) -> Comparison:
         compared, with_this = (own if count == steps else own.replaced(step=output_step / count) for count in (run, other))
-        return Comparison(compared, with_this, (run / other) ** order, before, instead)
+        return Comparison(compared, with_this, (run / other) ** SAFE_IN_TIME, before, instead)
 
-    smaller = pair(steps, 2 * steps, SAFE_IN_TIME) if output_step / (2 * steps) >= LEAST_STEP else None
-    if half > fewest:
-        return pair(steps, half, SAFE_IN_TIME, pair(half, max((half + 1) // 2, fewest), SAFE_IN_TIME), smaller)
-    return smaller if half == steps and smaller is not None else pair(steps, half, UNSHOWN, None, smaller)
+    smaller = pair(steps, 2 * steps) if output_step / (2 * steps) >= LEAST_STEP else None
+    if half == steps and smaller is not None:
+        return smaller
+    return pair(steps, half, pair(half, max((half + 1) // 2, fewest)) if half > fewest else None, smaller)
 
 
 def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
