@@ -26,9 +26,10 @@ SURELY_SETTLING = 0.85
 TOO_VIOLENT = 0.05
 
 
-def machines(count: int) -> list[Case]:
-    """Cases of the first `count` machines, their error estimated over one turn of the crank."""
-    return [case_of(scene) for scene in itertools.islice(sensible_machines(SEED), count)]
+def machines(count: int, longest_turn: float = math.inf) -> list[Case]:
+    """Cases of the first `count` machines whose crank takes no longer for a turn (s), their error estimated over one turn."""
+    some = (case_of(scene) for scene in sensible_machines(SEED))
+    return list(itertools.islice((case for case in some if case.duration <= longest_turn), count))
 
 
 def case_of(scene: Scene) -> Case:
@@ -84,8 +85,9 @@ def test_machines_are_sensible_and_the_same_each_time() -> None:
     assert all(stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO for case in found)
 
 
-def test_twelve_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
-    check(cross_validate(machines(12), Store(tmp_path), ENGINES), record_property)
+def test_twelve_quick_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
+    """Quick to compute, too: machines of 5 to 60 rpm are among the two hundred."""
+    check(cross_validate(machines(12, longest_turn=1.0), Store(tmp_path), ENGINES), record_property)
 
 
 @pytest.mark.verify

@@ -60,6 +60,7 @@ def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, s
     }
     for gauge, name in enumerate(CHANNELS[1:], start=1):
         columns[name] = bends * 1e-4 * (gauge * np.sin(angle) + vibration)
+    document["settling_errors"] = {name: 5e-4 * float(np.max(np.abs(columns[name]))) for name in CHANNELS}
     if bends and status == SETTLED:
         for half in ("pre", "post"):
             frequency = 17.0 * factor * (1.0 + 0.004 * random.standard_normal())

@@ -49,7 +49,7 @@ from tests.reports.scene_file import SCENE
 #: Engine -> what is said of it.
 FAULTS = {
     "raises": "failed at t = 0 s: the engine raised ZeroDivisionError: a bug; report this to the author of the engine",
-    "returns-nan": "failed at t = 0.002 s: strain_2 is no longer a finite number; try finer settings",
+    "returns-nan": "failed at t = 0.0008 s: strain_2 is no longer a finite number; try finer settings",
     "hangs": "stopped at the time limit of 20 s",
     "hoards": "ran out of memory (limit 1024 MiB)",
     "hoards-in-c": 'killed by SIGABRT (its last words: "fatal error: cannot allocate memory")',
