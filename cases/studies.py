@@ -27,6 +27,7 @@ from engines.base import EngineFailure
 from engines.convergence import convergence_table
 from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import MAIN, engine
+from engines.settings import as_texts
 from engines.start import standard_start
 from reference_model.mechanism import Mechanism, Tip
 
@@ -84,10 +85,11 @@ def run_studies(store: Store, jobs: int | None = None, limits: Limits | None = N
     found, failures = _stored(work, store, jobs, limits)
     accuracy, confirmation = _accuracy_tables(found, failures)
     rows = found[("convergence",)][0]["rows"] if ("convergence",) in found else []
-    tasks = [*_open_tasks(), *_tasks_of_both_ways(case)]  # together: a package that marches straight takes as long as all the others
+    from_orbit = run_tasks(_from_orbit(case), store, jobs, "from the periodic orbit", limits)
+    tasks = [*_straight(case, from_orbit), *_open_tasks()]  # together: one that marches straight takes as long as all the others
     results = run_tasks(tasks, store, jobs, "what the thesis leaves open, and another start", limits)
     sensitivity = _sensitivity(results, failures)
-    both_ways = _both_ways(results, failures)
+    both_ways = _both_ways({**from_orbit, **results}, failures)
     return Studies(accuracy, confirmation, pd.DataFrame(rows), sensitivity, both_ways, tuple(failures))
 
 
@@ -245,11 +247,26 @@ def _sensitivity(results: Runs, failures: list[str]) -> pd.DataFrame:
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
-def _tasks_of_both_ways(case: Case) -> list[Named]:
-    about: dict[str, Any] = {"mechanism": case.mechanism, "duration": case.duration}
-    tasks = [Named((name, "orbit"), Task(engine=name, **about)) for name in PACKAGES]
-    tasks += [Named((name, "straight"), Task(engine=name, straight=True, estimated=False, **about)) for name in PACKAGES]
-    return tasks
+def _from_orbit(case: Case) -> list[Named]:
+    return [Named((name, "orbit"), Task(mechanism=case.mechanism, duration=case.duration, engine=name)) for name in PACKAGES]
+
+
+def _straight(case: Case, from_orbit: Runs) -> list[Named]:
+    """With the settings of the runs from the orbit, so that nothing differs but the start."""
+    return [
+        Named(
+            (name, "straight"),
+            Task(
+                mechanism=case.mechanism,
+                duration=case.duration,
+                engine=name,
+                settings=as_texts(from_orbit[name, "orbit"].document.get("settings") or {}),
+                straight=True,
+                estimated=False,
+            ),
+        )
+        for name in PACKAGES
+    ]
 
 
 def _both_ways(results: Runs, failures: list[str]) -> pd.DataFrame:

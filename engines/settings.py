@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Self, get_type_hints
 
@@ -58,6 +59,11 @@ class Settings:
     def as_dict(self) -> dict[str, Any]:
         """Plain values by name, for results and reports."""
         return dataclasses.asdict(self)
+
+
+def as_texts(values: Mapping[str, Any]) -> dict[str, str]:
+    """Plain values by name, as of `Settings.as_dict`, in the form that `Settings.with_texts` takes."""
+    return {name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in values.items()}
 
 
 def _parse(field: dataclasses.Field[Any], text: str, kind: type) -> Any:

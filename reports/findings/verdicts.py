@@ -29,7 +29,7 @@ ALIKE: Final = 0.1
 FALLS: Final = 0.5
 #: A mode has a pattern of signs if it shows it at this share of the crank angles.
 MOSTLY: Final = 0.9
-#: Frequencies that differ by more than this depend on what was changed; three times the consensus' least uncertainty of 0.5 %.
+#: Frequencies that differ by more than this depend on what was changed; three times what the measure itself may be off by in a strong run.
 DEPENDS: Final = 0.015
 
 

@@ -37,8 +37,8 @@ def answer(content: Content) -> Chapter:
             "A run is brought to its steady state by each engine; all numbers are of its last cycle, from the slider's farthest place"
             " (crank angle 180°) over the quick return (360°) to the next. Pre-return is the first half, post-return the second.",
             "The first-mode frequency is fitted to the drifting oscillation in each half and channel (tip acceleration, strains 1 to"
-            " 3); its consensus weighs the channels that resolve it. ± is one standard deviation of the measure itself, at least 0.5 %"
-            " of the consensus: two engines that share a wrong model can agree far better than that.",
+            " 3); its consensus weighs the channels that resolve it. ± is one standard deviation of the measure itself: two engines that"
+            " share a wrong model can agree far better than that.",
             "n. r. means not resolvable: the measure gives no number rather than a bad one. – means that there is nothing to show.",
             f"Δ is relative to the engine {REFERENCE}; of frequencies, over the channels that both engines resolve. It is the thesis'"
             f" approach, converged ({engine(REFERENCE).method}). That it is right follows from the engines that share nothing with it:"

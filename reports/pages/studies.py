@@ -17,7 +17,7 @@ from reports.words import case_label, counted, listed, number, percent, size, ti
 _ABSENT: Final = "This belongs to runs 10 and 24 of the thesis and is shown when both are among the cases."
 #: What two solutions may differ by to confirm each other.
 CONFIRMED: Final = 5e-4
-#: A change of more than this part is worth a word; the measure itself has a floor of 0.5 %.
+#: A change of more than this part is worth a word; in a strong run the measure itself may be half of it off.
 NOTABLE: Final = 0.01
 
 

@@ -64,8 +64,9 @@ def both_ways(frame: pd.DataFrame) -> Table:
     """One row per engine that marched from both starts; columns as the study has them."""
     builder = TableBuilder(
         "both_starts",
-        "Run 24 marched from the periodic state of the reference and from the standard start: cycles until settled, the distance that is"
-        " left to steady by the run's own estimate, and the difference of the two last cycles (RMS over the channels, relative to theirs).",
+        "Run 24 marched from the periodic state of the reference and, with the same settings, from the standard start: cycles until"
+        " settled, the distance that is left to steady by the run's own estimate, and the difference of the two last cycles (RMS over the"
+        " channels, relative to theirs).",
         (
             Column("engine", "engine"),
             Column("orbit_cycles", "cycles", form="d", group="from the periodic state"),

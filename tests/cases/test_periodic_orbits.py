@@ -20,7 +20,7 @@ from cases.studies import cycle_difference
 from engines.base import NoSteadyState, SteadyState
 from engines.pseudo_coordinate.reference import ReferenceEngine
 from engines.registry import engine
-from engines.settings import Settings
+from engines.settings import Settings, as_texts
 from engines.start import Start, standard_start
 from reference_model.mechanism import Mechanism
 from reference_model.moving_model import MovingShapeModel
@@ -154,8 +154,7 @@ def assert_same_steady_state(name: str, engine_name: str) -> None:
     reference = ReferenceEngine()
     start = reference.periodic_start(mechanism, reference.settings_for(reference.default_accuracy, mechanism))
     multiplier = find_orbit(mechanism)[0]["multiplier"]
-    settings = chosen.settings_for(chosen.default_accuracy, mechanism).as_dict()
-    texts = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in settings.items()}
+    texts = as_texts(chosen.settings_for(chosen.default_accuracy, mechanism).as_dict())
     straight = steady_run(task(name, engine_name, settings=texts))
     from_orbit = steady_run(task(name, engine_name, settings=texts, orbit=Orbit(start, multiplier)))
     documents = straight.document, from_orbit.document

@@ -50,7 +50,7 @@ from tests.reports.scene_file import SCENE
 FAULTS = {
     "raises": "failed at t = 0 s: the engine raised ZeroDivisionError: a bug; report this to the author of the engine",
     "returns-nan": "failed at t = 0.0008 s: strain_2 is no longer a finite number; try finer settings",
-    "hangs": "stopped at the time limit of 20 s",
+    "hangs": "stopped at the time limit of 12 s",
     "hoards": "ran out of memory (limit 1024 MiB)",
     "hoards-in-c": 'killed by SIGABRT (its last words: "fatal error: cannot allocate memory")',
     "segfaults": "killed by SIGSEGV",
@@ -113,7 +113,7 @@ class Campaign:
     """One run of all faulty engines between two sound ones."""
 
     def __init__(self, folder: Path) -> None:
-        limits = ("--time-limit", "20 s", "--memory-limit", "1", "--jobs", "3")
+        limits = ("--time-limit", "12 s", "--memory-limit", "1", "--jobs", "3")
         program = started("run", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder))
         self.folder = folder
         self.answer = answer_of(program)
