@@ -68,14 +68,19 @@ class Task:
     @property
     def start(self) -> Start:
         """Where the run begins."""
-        found = None if self.orbit is None or self.straight else self.orbit.start
-        return found or standard_start(self.mechanism)
+        found = self._begun_from
+        return (found and found.start) or standard_start(self.mechanism)
 
     def estimated_on(self, step: float) -> float:
         """The stretch on which the error is estimated, s: from the periodic state a little more than the fewest cycles that settle."""
-        begins_in_orbit = not self.straight and self.orbit is not None and self.orbit.start is not None
-        stretch = FEWEST_CYCLES * LONGER * self.orbit.period if begins_in_orbit and self.orbit else self.duration
+        found = self._begun_from
+        stretch = self.duration if found is None else FEWEST_CYCLES * LONGER * found.period
         return step * math.ceil(stretch / step - 1e-9)
+
+    @property
+    def _begun_from(self) -> Orbit | None:
+        """The orbit that the run begins in; None: the standard start."""
+        return None if self.straight or self.orbit is None or self.orbit.start is None else self.orbit
 
 
 @dataclass(frozen=True)
@@ -215,9 +220,9 @@ class _Way:
             if hopeless := orbit.hopeless(_error(document)):
                 raise Hopeless(hopeless)
             document["start"], multiplier = FROM_ORBIT, orbit.multiplier
-        made = self._done.get(self._settings)  # the run for the estimate began in the same start; it may be all that is needed
-        cycle = settle(whole_cycles(made), document, multiplier) if made is not None else {}
-        if document["settled"] and made is not None:
+        made = self._done[self._settings]  # the run for the estimate began in the same start; it may be all that is needed
+        cycle = settle(whole_cycles(made), document, multiplier)
+        if document["settled"]:
             document.update(solve_seconds=made.solve_seconds, simulated_seconds=float(made["time"][-1]))
             return cycle
         cycle = settle(march(self._prepared(self._settings), self._start.crank_speed, self._step, document), document, multiplier)
