@@ -84,7 +84,8 @@ def in_time(own: ExudynSettings, output_step: float) -> Comparison:
     """Half as many steps between two outputs, and half of those, where there are any, for what the differences show of the order.
 
     Twice as many where there is one, for a step cannot pass an output, and where the coarser run breaks down. Two steps and one show no
-    order; in the thesis' 24 runs, most of them so estimated, six columns of the settled cycle differ from `reference` by 0.9 of the estimate at most.
+    order. In the thesis' 24 runs, most of them so estimated, six columns of the settled cycle differ from `reference` by 0.9 of the
+    estimate at most.
     """
     steps, fewest = _steps(own, output_step), math.ceil(output_step / LARGEST_STEP - 1e-9)
     half = (steps + 1) // 2
