@@ -36,7 +36,7 @@ from engines.accurate import Result as Accurate
 from engines.base import EngineFailure, Refusal
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
-from engines.pseudo_coordinate.reference import ReferenceSettings
+from engines.own.reference import ReferenceSettings
 from engines.registry import UnknownEngine, engine, usable_engine
 from engines.settings import Settings
 from engines.start import standard_start

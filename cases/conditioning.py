@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from engines.accurate import run_once
 from engines.base import EngineFailure
-from engines.pseudo_coordinate.reference import ReferenceEngine
+from engines.own.reference import ReferenceEngine
 from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism, TorqueDrive

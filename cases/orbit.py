@@ -20,8 +20,8 @@ from cases.store import Entry, Store, key_of
 from cases.stored_jobs import stored
 from cases.workers import Job, Limits
 from engines.base import Engine, EngineFailure, NoSteadyState, Refusal
-from engines.pseudo_coordinate.reference import ReferenceEngine
-from engines.pseudo_coordinate.simulation import ExplicitSimulation
+from engines.own.reference import ReferenceEngine
+from engines.own.simulation import OwnSimulation
 from engines.start import Start, standard_start
 from reference_model.mechanism import Mechanism
 
@@ -116,7 +116,7 @@ def find_orbit(mechanism: Mechanism) -> tuple[dict[str, Any], dict[str, Array]]:
     multiplier = abs(found.multipliers[0])
     if not found.stable:
         return {"multiplier": multiplier, "reason": "the periodic state is not stable"}, {}
-    assert isinstance(found.simulation, ExplicitSimulation)
+    assert isinstance(found.simulation, OwnSimulation)
     begin = found.simulation.present_start()
     arrays: dict[str, Array] = {}
     for name, field in (("deflection", begin.deflection), ("rate", begin.deflection_rate)):

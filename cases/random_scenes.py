@@ -16,7 +16,7 @@ from numpy.random import Generator
 
 from engines.accurate import run_once
 from engines.base import EngineFailure
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive

@@ -25,7 +25,7 @@ from cases.workers import PRELOAD, Job, Limits, Outcome
 from engines.accurate import ESTIMATED, run_once, simulate
 from engines.base import EngineFailure
 from engines.convergence import convergence_table
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import MAIN, engine
 from engines.settings import as_texts
 from engines.start import standard_start

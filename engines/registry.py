@@ -28,14 +28,14 @@ GROUP: Final = "quickreturn.engines"
 _LONGEST_NAME: Final = 60  # characters of an unknown name that are shown
 
 _MODULES: Final = {
-    "thesis": "engines.pseudo_coordinate.thesis:ThesisEngine",
-    "reference": "engines.pseudo_coordinate.reference:ReferenceEngine",
+    "thesis": "engines.own.thesis:ThesisEngine",
+    "reference": "engines.own.reference:ReferenceEngine",
     "exudyn": "engines.exudyn.engine:ExudynEngine",
     "mujoco": "engines.mujoco.engine:MujocoEngine",
-    "fixed-shapes": "engines.pseudo_coordinate.fixed_shapes:FixedShapesEngine",
-    "multiplier": "engines.rivals.multiplier:MultiplierEngine",
-    "stiff-spring": "engines.rivals.stiff_spring:StiffSpringEngine",
-    "nodal-load": "engines.rivals.nodal_load:NodalLoadEngine",
+    "fixed-shapes": "engines.own.fixed_shapes:FixedShapesEngine",
+    "multiplier": "engines.own.multiplier:MultiplierEngine",
+    "stiff-spring": "engines.own.stiff_spring:StiffSpringEngine",
+    "nodal-load": "engines.own.nodal_load:NodalLoadEngine",
 }
 
 

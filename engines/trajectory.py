@@ -5,11 +5,13 @@ Meanings and signs are those of the column table below; they are the same in eve
 
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Columns that every engine delivers, with unit and meaning.
 REQUIRED: Final = MappingProxyType(
@@ -73,8 +75,10 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self.columns["time"])
 
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """The trajectory as a table, required columns first, then the optional ones in fixed order."""
+        import pandas as pd  # 0.2 s that nothing but a table needs
+
         names = [name for name in (*REQUIRED, *OPTIONAL) if name in self.columns]
         return pd.DataFrame({name: self.columns[name] for name in names})
 

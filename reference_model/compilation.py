@@ -23,7 +23,15 @@ _INSIDE: Final[dict[str, Any]] = {**_OPTIONS, "no_cpython_wrapper": True}
 #: For `numba.extending.overload`, with machine code that becomes part of every caller's.
 OVERLOADED: Final[Any] = {**_INSIDE, "forceinline": True}
 
+#: For the one function whose address is handed around.
+KERNEL: Final[dict[str, Any]] = {"error_model": "numpy", "fastmath": FASTMATH, "_nrt": False}
+
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def stage(function: Function) -> Function:
+    """A part of the equations of motion: compiled with what calls it, without entries of its own and without reference counts."""
+    return cast(Function, _njit(**_INSIDE, _nrt=False)(function))
 
 
 def compiled(function: Function) -> Function:

@@ -68,7 +68,7 @@ class Base:
 
 @dataclass(frozen=True, kw_only=True)
 class SpinUp:
-    """A base whose angle is prescribed: from rest to a steady speed without a jump in acceleration (DERIVATION.md, equation 14.1)."""
+    """A base whose angle is prescribed: from rest to a steady speed without a jump in acceleration (DERIVATION.md, equation 11.1)."""
 
     speed: float  # rad/s, from `time` on; 0 holds the base
     time: float  # s, above 0

@@ -1,20 +1,46 @@
-"""The explicit model of one scene: shapes, compiled equations, integration and observables under one roof."""
+"""The explicit model of one scene: shapes, treatment of the slider, equations, integration and observables under one roof."""
 
-from dataclasses import dataclass, field
-from typing import Literal
+import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+from scipy.linalg import eig, null_space
+from scipy.optimize import brentq
 
-from reference_model.dynamics import right_hand_side
-from reference_model.integrate import Integration, integrate_dop853, integrate_lsoda
-from reference_model.mechanism import Mechanism
-from reference_model.observables import COLUMNS, observe
-from reference_model.parameters import Parameters, Workspace, build_parameters, build_workspace, state_size
-from reference_model.shapes import ShapeSet
-from reference_model.tables import POINTS, Tables, build_tables
+from reference_model.beam import tables as beam
+from reference_model.beam.modes import ModeFamily
+from reference_model.columns import COLUMNS, FOLLOWER_COLUMNS, JOINT_COLUMNS
+from reference_model.integrate import Equations, Integration, dop853
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from reference_model.motion.address import Placed
+from reference_model.motion.equations import evaluate, kernel, observe_states
+from reference_model.motion.layout import (
+    BASE,
+    ELIMINATED,
+    EXTRAS,
+    FOOT_1,
+    FOOT_2,
+    GAP_RATE,
+    PARAMETERS_TYPE,
+    S_RATE,
+    SPRING,
+    WORKSPACE_TYPE,
+    Parameters,
+    state_size,
+    workspace,
+)
+from reference_model.motion.observe import WIDTH
+from reference_model.motion.parameters import CLOSED, Treatment, characteristic_frequency, parameters
+from reference_model.natural_modes import clamped_modes
+from reference_model.rigid import deflection_scale, rigid_motion
+from reference_model.shapes import ShapeSet, no_shapes, vibrating
 
 Array = NDArray[np.float64]
+#: Place of the slider and arc lengths (k,) to tangent angles of the shapes and their derivatives by that place, each (k, n).
+Angles = Callable[[float, Array], tuple[Array, Array]]
 
 
 class ObservationFailed(RuntimeError):
@@ -25,113 +51,275 @@ class ObservationFailed(RuntimeError):
         self.row = row
 
 
-@dataclass(frozen=True)
-class ExplicitModel:
-    """The pseudo-coordinate model of a scene with fixed shapes.
+class BeamModel:
+    """One beam in the angle of its tangent, with given shapes and a treatment of the slider; made by the class's three methods.
 
     Args:
-        mechanism: the scene; a rigid slider joint.
-        shapes: the follower's shapes (`no_shapes` if it is rigid).
-        exact_geometry: exact planar geometry, or the thesis' second-order foreshortening.
-        recover: recover curvature and shape from equilibrium at output times; else the shapes are shown as they are.
-        transverse_damping: the beam damping acts on the transverse velocity alone.
+        scene: the mechanism, or the follower alone.
+        constants: of the equations.
+        shapes: tangent angle and its derivative by the slider's place, of every shape at arc lengths, for a place of the slider.
+        size: what errors of an amplitude are relative to, kg^(1/2) m.
 
-    Raises:
-        UnsuitableShapes: a slider with rotary inertia on shapes whose curvature jumps.
+    Attributes:
+        parameters: the constants.
+        workspace: what the state evaluated last left behind.
     """
 
-    mechanism: Mechanism
-    shapes: ShapeSet
-    exact_geometry: bool
-    recover: bool
-    transverse_damping: bool = False
-    parameters: Parameters = field(init=False, repr=False)
-    _workspace: Workspace = field(init=False, repr=False)
-    _output_mesh: Tables = field(init=False, repr=False)
-    _output_workspace: Workspace = field(init=False, repr=False)
+    def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, size: float) -> None:
+        self.scene = scene
+        self.parameters = constants
+        self.workspace = workspace(constants)
+        self._shapes = shapes
+        self._size = size
+        self._at = Placed(constants, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
-    def __post_init__(self) -> None:
-        cells = quadrature_cells(self.shapes)
-        parameters = build_parameters(
-            self.mechanism, self.shapes, exact_geometry=self.exact_geometry, cells=cells, transverse_damping=self.transverse_damping
-        )
-        mesh = build_tables(self.shapes, 2 * ((cells or len(self.shapes.edges) - 1) // 2 + 1))
-        for name, value in (
-            ("parameters", parameters),
-            ("_workspace", build_workspace(parameters.tables)),
-            ("_output_mesh", mesh),
-            ("_output_workspace", build_workspace(mesh)),
-        ):
-            object.__setattr__(self, name, value)
+    @classmethod
+    def following(cls, mechanism: Mechanism, modes: int, treatment: Treatment = CLOSED) -> "BeamModel":
+        """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower."""
+        if mechanism.follower.is_rigid:
+            return cls.staying(mechanism, no_shapes(mechanism.follower.length), treatment)
+        (tables, reach), family = beam.following(mechanism, modes)
+        constants = parameters(mechanism, modes, tables, reach, treatment)
+        return cls(mechanism, constants, partial(_of_family, family), _amplitude(mechanism, deflection_scale(mechanism)))
+
+    @classmethod
+    def staying(
+        cls, mechanism: Mechanism, shapes: ShapeSet, treatment: Treatment = CLOSED, *, transverse_damping: bool = False
+    ) -> "BeamModel":
+        """Shapes that stay where they are: slopes of clamped-free modes, or of cubic elements.
+
+        Raises:
+            ValueError: a slider with rotary inertia on shapes whose curvature jumps.
+        """
+        if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
+            raise ValueError("a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one element")
+        own, squares = vibrating(shapes, mechanism.follower.mass_per_length, mechanism.follower.bending_stiffness)
+        of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
+        tables, reach = (beam.elements if of_elements else beam.staying)(mechanism, own, squares)
+        constants = parameters(mechanism, own.count, tables, reach, treatment, transverse_damping=transverse_damping)
+        return cls(mechanism, constants, partial(_of_set, own), _amplitude(mechanism, deflection_scale(mechanism)))
+
+    @classmethod
+    def alone(cls, scene: FollowerAlone, shapes: int | ShapeSet, *, transverse_damping: bool = False) -> "BeamModel":
+        """The follower alone, in its first clamped modes (at least 1) or in given shapes."""
+        if isinstance(shapes, int):
+            found = clamped_modes(scene, shapes)
+            n, squares = shapes, (2.0 * np.pi * found.frequencies) ** 2
+            tables = beam.clamped(scene, lambda x: found.deflection(x, 1).T, squares, None)
+        else:
+            own, squares = vibrating(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
+            n = own.count
+            nodes = own.edges if own.coefficients.shape[1] == 4 else None
+            tables = beam.clamped(scene, lambda x: own.evaluate(x, 1), squares, nodes)
+        constants = parameters(scene, n, tables, scene.follower.length, transverse_damping=transverse_damping)
+        return cls(scene, constants, _no_angles, _amplitude(scene, 0.01 * scene.follower.length))
+
+    def with_fewer_shapes(self, count: int) -> "BeamModel":
+        """The model with the first shapes alone, on the same points: columns of the same tables."""
+        p, t = self.parameters, self.parameters.tables
+        places = t.cells * t.S
+        extras = t.kinds * p.n * places
+        of_points = np.arange(extras).reshape(t.kinds, p.n, places)[:, :count].ravel()
+        of_shapes = extras + (np.arange(EXTRAS)[:, None] * p.n + np.arange(count)).ravel()
+        kept = np.concatenate([of_points, of_shapes, extras + EXTRAS * p.n + np.arange(t.cells)])
+        tables = t._replace(coefficients=np.ascontiguousarray(t.coefficients[:, :, kept]))
+        fewer = p._replace(n=count, speeds=p.speeds - p.n + count, tables=tables)
+
+        def shapes(s: float, x: Array) -> tuple[Array, Array]:
+            psi, psi_s = self._shapes(s, x)
+            return psi[:, :count], psi_s[:, :count]
+
+        return BeamModel(self.scene, fewer, shapes, self._size)
+
+    @property
+    def shapes(self) -> int:
+        """Number of shapes."""
+        return self.parameters.n
+
+    @property
+    def closes_loop(self) -> bool:
+        """Whether the follower's angle is no coordinate: the slider is on the centre line by construction."""
+        return self.parameters.treatment == ELIMINATED
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Number of free speeds: the flexible coordinates, and the crank unless its speed is prescribed."""
-        return self.shapes.count + (1 if self.mechanism.crank_is_free else 0)
+        """Number of free speeds: amplitudes, with an open loop the follower's angle, and the crank unless its speed is prescribed."""
+        return self.parameters.speeds - self.parameters.first
 
-    def initial_state(self, crank_angle: float, crank_speed: float, eta: Array | None = None, eta_rate: Array | None = None) -> Array:
-        """State vector (2 n + 4,) for given crank and flexible coordinates (zero unless given)."""
-        n = self.shapes.count
+    def straight_state(self, crank_angle: float, crank_speed: float) -> Array:
+        """State vector with the follower straight and moving as the rigid mechanism does."""
+        assert isinstance(self.scene, Mechanism)
+        n, m = self.parameters.n, self.parameters.speeds
+        motion = rigid_motion(self.scene, np.array(crank_angle), crank_speed)
         y = np.zeros(state_size(self.parameters))
-        y[0], y[n + 1] = crank_angle, crank_speed
-        if eta is not None:
-            y[1 : n + 1] = eta
-        if eta_rate is not None:
-            y[n + 2 : 2 * n + 2] = eta_rate
+        y[0], y[m], y[m + 1] = crank_angle, motion.slider_position, crank_speed
+        if not self.closes_loop:
+            y[n + 1], y[m + 2 + n] = motion.follower_angle, motion.follower_speed
         return y
 
-    def integrate(
-        self,
-        y: Array,
-        output_step: float,
-        intervals: int,
-        tolerance: float,
-        *,
-        method: Literal["DOP853", "LSODA"],
-        first_step: float = 0.0,
-    ) -> Integration:
-        """States on a uniform grid from the state `y`; see `reference_model.integrate`."""
-        if method == "LSODA":
-            return integrate_lsoda(self.parameters, self._workspace, y, output_step, intervals, tolerance)
-        return integrate_dop853(self.parameters, self._workspace, y, output_step, intervals, tolerance, first_step)
+    def state_at_rest(self) -> Array:
+        """State vector of the follower alone at time 0, straight and still."""
+        y = np.zeros(state_size(self.parameters))
+        y[self.parameters.speeds], y[self.parameters.speeds + 1] = self.parameters.tables.low, 1.0
+        return y
 
-    def observe(self, states: Array) -> dict[str, Array]:
-        """Observables of states (k, 2 n + 4), by the names of `reference_model.observables.COLUMNS`, each of shape (k,).
+    def bent_state(
+        self, crank_angle: float, crank_speed: float, slider: tuple[float, float], x: Array, angle: Array, angle_rate: Array
+    ) -> Array:
+        """State vector closest to a given shape, without gap or gap rate.
 
-        Raises:
-            ObservationFailed: a state in which the loop cannot close.
+        Args:
+            crank_angle: rad.
+            crank_speed: rad/s.
+            slider: arc length (m) and its rate (m/s) that close the loop for the given shape.
+            x: arc lengths, m, shape (k,).
+            angle: tangent angle relative to the base there, rad, shape (k,).
+            angle_rate: its rate at fixed arc length, rad/s, shape (k,).
         """
-        out = np.zeros((len(states), len(COLUMNS)))
-        rows = observe(
-            self.parameters, self._workspace, self._output_mesh, self._output_workspace, np.ascontiguousarray(states), self.recover, out
-        )
-        if rows < len(states):
-            raise ObservationFailed(rows)
-        return dict(zip(COLUMNS, np.ascontiguousarray(out.T), strict=True))
+        n, m, p, f = self.parameters.n, self.parameters.speeds, self.parameters, self.workspace.facts
+        y = self.straight_state(crank_angle, crank_speed)
+        s, s_rate = slider
+        psi, psi_s = self._shapes(s, x)
+        eta = np.linalg.lstsq(psi, angle, rcond=None)[0]
+        y[1 : n + 1] = eta
+        y[m + 2 : m + 2 + n] = np.linalg.lstsq(psi, angle_rate - psi_s @ eta * s_rate, rcond=None)[0]
+        v1, v2 = p.LA * math.cos(crank_angle) - p.d, p.LA * math.sin(crank_angle)
+
+        def excess(place: float) -> float:
+            """The projected shape differs a little from the given one, and so does the place that closes its loop."""
+            y[m] = place
+            self.can_move(y)
+            return float(np.hypot(f[FOOT_1], f[FOOT_2])) - math.hypot(v1, v2)
+
+        y[m] = brentq(excess, 0.98 * s, min(1.02 * s, p.tables.high), xtol=1e-15)
+        if not self.closes_loop:
+            self.can_move(y)
+            y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f[FOOT_2], f[FOOT_1]), 0.0
+            self.can_move(y)
+            y[m + 2 + n] = -f[GAP_RATE] / self.workspace.row_of_gap[n + 1]
+        return y
 
     def can_move(self, y: Array) -> bool:
         """Whether the loop closes and the accelerations exist in the state `y`."""
-        return bool(right_hand_side(self.parameters, self._workspace, y, np.empty_like(y)))
+        p, w = self._at
+        return bool(evaluate(kernel(), p.address, w.address, y, np.empty_like(y)))
 
-    def project_deflection(self, deflection: Array, slope: Array) -> Array:
-        """Flexible coordinates (n,) closest to a deflection (m) and slope given at `projection_points`, in the mass norm and slope."""
-        if self.shapes.count == 0:
-            return np.zeros(0)
-        x = self.projection_points()
-        A = np.vstack([self.shapes.evaluate(x), self.mechanism.follower.length * self.shapes.evaluate(x, 1)])
-        b = np.concatenate([deflection, self.mechanism.follower.length * slope])
-        return np.linalg.lstsq(A, b, rcond=None)[0]
+    @property
+    def equations(self) -> Equations:
+        """The equations of motion as the integrator takes them."""
+        p, w = self._at
+        return Equations(kernel(), p.address, w.address, self.workspace.slider)
 
-    def projection_points(self) -> Array:
-        """Arc lengths (m) at which `project_deflection` wants deflection and slope."""
-        return np.linspace(0.0, self.mechanism.follower.length, 8 * (self.shapes.count + 4) + 1)
+    def error_scales(self, crank_speed: float) -> Array:
+        """Sizes against which the relative tolerance is taken, one per controlled state: fixed, so that none vanishes (equation 5.10).
+
+        The scene's deflection for amplitudes and that times a characteristic frequency for their rates, a hundredth of the length for the
+        slider and of a radian for the follower's angle, a tenth of a radian for the crank and a tenth of its speed.
+        """
+        p, frequency = self.parameters, characteristic_frequency(self.parameters)
+        base = [] if self.closes_loop or p.treatment == BASE else [0.01]
+        # the place on a straight follower is known from the crank's angle, the state only follows it
+        at_rest = [0.1, *[self._size] * p.n, *base, 0.01 * p.L if p.n or base else p.L]
+        rates = [0.1 * max(abs(crank_speed), 1.0), *[self._size * frequency] * p.n, *[0.01 * frequency] * len(base)]
+        return np.array(at_rest + rates)
+
+    def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
+        """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
+        scales = self.error_scales(float(y[self.parameters.speeds + 1])) * tolerance
+        return dop853(self.equations, y, output_step, intervals, scales, self.parameters.reach, first_step)
+
+    def observe(self, states: Array) -> dict[str, Array]:
+        """Observables of states (k, size), each of shape (k,), by the names in `reference_model.columns`.
+
+        Those of an open loop come with what its joint does, those of the follower alone with its own.
+
+        Raises:
+            ObservationFailed: a state that cannot be.
+        """
+        out = np.zeros((len(states), WIDTH))
+        p, w = self._at
+        rows = observe_states(kernel(), p.address, w.address, np.ascontiguousarray(states), out)
+        if rows < len(states):
+            raise ObservationFailed(rows)
+        found = dict(zip((*COLUMNS, *JOINT_COLUMNS), np.ascontiguousarray(out.T), strict=True))
+        if self.parameters.treatment == BASE:
+            found["base_torque"] = found["crank_torque"]
+            return {name: found[name] for name in FOLLOWER_COLUMNS}
+        return {name: found[name] for name in COLUMNS} if self.closes_loop else found
+
+    def deflection(self, y: Array) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
+        """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""
+        n, m, L = self.parameters.n, self.parameters.speeds, self.parameters.L
+        s = y[m]
+        x = np.unique(np.concatenate([np.linspace(0.0, s, 121), np.linspace(s, L, 121)]))
+        self.can_move(y)
+        psi, psi_s = self._shapes(s, x)
+        angle = psi @ y[1 : n + 1]
+        rate = psi @ y[m + 2 : m + 2 + n] + psi_s @ y[1 : n + 1] * self.workspace.facts[S_RATE]
+        slope, slope_rate = np.sin(angle), np.cos(angle) * rate
+        # cubic through the slopes, integrated: exact to the fourth power of the spacing
+        place = CubicHermiteSpline(x, slope, np.gradient(slope, x)).antiderivative()(x)
+        speed = CubicHermiteSpline(x, slope_rate, np.gradient(slope_rate, x)).antiderivative()(x)
+        return CubicHermiteSpline(x, place, slope), CubicHermiteSpline(x, speed, slope_rate)
+
+    def natural_frequencies(self, crank_angle: float, count: int) -> Array:
+        """Lowest natural frequencies (Hz) with the crank held, follower straight, at rest, undamped; of an open loop (equation 7.1).
+
+        Where force and motion are not conjugate the equations are not symmetric: of complex roots the modulus.
+        """
+        squares = np.sort(np.abs(self._frozen_squares(crank_angle)))
+        return np.asarray(np.sqrt(squares[:count]) / (2.0 * np.pi), dtype=np.float64)
+
+    def growth_rates(self, crank_angle: float) -> Array:
+        """Rates (1/s) at which the same small vibrations grow of themselves, one per pair of roots: zero for a conjugate joint."""
+        return np.asarray(np.abs(np.real(np.sqrt(-self._frozen_squares(crank_angle).astype(complex)))), dtype=np.float64)
+
+    def mass_matrix(self) -> Array:
+        """Of the state evaluated last, for all free speeds, from the factor that it was replaced by."""
+        factor = self.workspace.reduced[self.parameters.first :, self.parameters.first :]
+        D = 1.0 / np.diag(factor)
+        lower = np.tril(factor, -1) / D + np.eye(len(D))
+        return np.asarray((lower * D) @ lower.T)
+
+    def _frozen_squares(self, crank_angle: float) -> NDArray[np.complex128]:
+        """Squares of the angular frequencies."""
+        p, w = self.parameters, self.workspace
+        # mass matrix, row and spread are there even where the force that follows is not
+        self.can_move(self.straight_state(crank_angle, 0.0))
+        mass = self.mass_matrix()[1 - p.first :, 1 - p.first :]
+        stiffness = np.zeros_like(mass)
+        first = p.tables.kinds * p.n * p.tables.cells * p.tables.S
+        stiffness[: p.n, : p.n] = np.diag(w.row[first : first + p.n])
+        if not self.closes_loop:
+            row, spread = w.row_of_gap[1:], w.spread[1:]
+            if p.treatment == SPRING:
+                stiffness += p.joint_stiffness * np.outer(row, row)
+            else:
+                free, test = null_space(row[None, :]), null_space(spread[None, :])
+                mass, stiffness = test.T @ mass @ free, test.T @ stiffness @ free
+        # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
+        return np.asarray(1.0 / eig(mass, stiffness, right=False), dtype=np.complex128)
 
 
-def quadrature_cells(shapes: ShapeSet) -> int:
-    """Cells of the quadrature mesh: 0 (the shapes' own) for elements, else enough for products of the highest modes.
+def _amplitude(scene: Scene, deflection: float) -> float:
+    """Size of an amplitude for a deflection (m)."""
+    return deflection * math.sqrt((scene.follower.mass_per_length or 1.0) * scene.follower.length)
 
-    POINTS Gauss points a cell must come to about pi points for every wave of a product of two of the highest modes.
-    """
-    if not shapes.has_continuous_curvature or len(shapes.edges) == 2:
-        return 0
-    return max(2, int(np.ceil(np.pi * shapes.count / POINTS)) + 2)
+
+def _of_family(family: ModeFamily, s: float, x: Array) -> tuple[Array, Array]:
+    """psi_i and its derivative by s at arc lengths x (k,), each (k, n)."""
+    found = np.empty((2, len(x), family.squares.shape[1]))
+    place = np.array([s])
+    for span, inside in enumerate((x <= s, x > s)):
+        u = x[inside] / s if span == 0 else (x[inside] - s) / (family.length - s)
+        psi, psi_s, _, _ = family.shapes_at(place, u, span)
+        found[0, inside], found[1, inside] = psi[0], psi_s[0]
+    return found[0], found[1]
+
+
+def _of_set(shapes: ShapeSet, s: float, x: Array) -> tuple[Array, Array]:
+    return shapes.evaluate(x, 1), np.zeros((len(x), shapes.count))
+
+
+def _no_angles(s: float, x: Array) -> tuple[Array, Array]:
+    raise NotImplementedError("the follower alone begins straight")

@@ -91,7 +91,7 @@ class FrozenModes(BeamModes):
 
 
 def clamped_modes(scene: FollowerAlone, count: int) -> BeamModes:
-    """The `count` lowest natural modes of the follower clamped at its base (equation 14.2), which does not turn, with its tip body."""
+    """The `count` lowest natural modes of the follower clamped at its base (equation 11.2), which does not turn, with its tip body."""
     follower = scene.follower
     spans = ((0.0, follower.length),)
     (numbers,) = numbering = _numbering(1, count + SPARE_SHAPES)

@@ -1,6 +1,6 @@
 """The periodic steady state without waiting for it, and its Floquet multipliers.
 
-A steady state is a fixed point of the cycle's map (equation 13.2). Newton's method finds it where marching only creeps towards it.
+A steady state is a fixed point of the cycle's map (equation 10.2). Newton's method finds it where marching only creeps towards it.
 What makes it cheap: few quantities are slow. The modes beyond the first ones forget a disturbance within a cycle, so that Newton's
 step is needed for the crank's speed and the first modes alone, while the map itself carries the rest (Newton-Picard method: K.
 Lust, D. Roose, A. Spence, A. R. Champneys, SIAM Journal on Scientific Computing 19, 1998, 1188). And the map's derivatives for
@@ -15,8 +15,8 @@ from typing import Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.moving_model import MovingShapeModel
-from reference_model.section_map import CycleBroken, Passage, SectionMap, with_fewer_modes
+from reference_model.model import BeamModel
+from reference_model.section_map import CycleBroken, Passage, SectionMap
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ class PeriodicOrbit:
     residual: float
 
 
-def periodic_orbit(model: MovingShapeModel, guess: Array, tolerance: float = 1e-6, integration: float = 1e-9) -> PeriodicOrbit:
+def periodic_orbit(model: BeamModel, guess: Array, tolerance: float = 1e-6, integration: float = 1e-9) -> PeriodicOrbit:
     """The periodic steady state of a scene.
 
     Args:
@@ -85,13 +85,13 @@ def periodic_orbit(model: MovingShapeModel, guess: Array, tolerance: float = 1e-
         NoPeriodicOrbit: not converged.
     """
     try:
-        return _search(SectionMap(model.parameters, integration), guess, tolerance)
+        return _search(SectionMap(model, integration), guess, tolerance)
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
 
 
 def _search(whole: SectionMap, guess: Array, tolerance: float) -> PeriodicOrbit:
-    slow = SectionMap(with_fewer_modes(whole.parameters, min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
+    slow = SectionMap(whole.model.with_fewer_shapes(min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
     coarse = _newton(_marched(slow, _with_modes(guess, slow.parameters.n)), None, GUESS)
     jacobian = coarse.jacobian
     if coarse.carried > CARRIED:
@@ -114,14 +114,14 @@ def _search(whole: SectionMap, guess: Array, tolerance: float) -> PeriodicOrbit:
     )
 
 
-def floquet_multipliers(model: MovingShapeModel, orbit: PeriodicOrbit, integration: float = 1e-9) -> NDArray[np.complex128]:
+def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: float = 1e-9) -> NDArray[np.complex128]:
     """All 2 n + 1 multipliers (2 n with prescribed speed) of the whole model, largest modulus first; takes as many cycles more.
 
     Raises:
         NoPeriodicOrbit: the state is not one of a cycle.
     """
     try:
-        return _eigenvalues(_jacobian(_Cycle.of(SectionMap(model.parameters, integration), orbit.state, orbit.period)))
+        return _eigenvalues(_jacobian(_Cycle.of(SectionMap(model, integration), orbit.state, orbit.period)))
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
 
@@ -178,7 +178,7 @@ def _marched(slow: SectionMap, guess: Array) -> _Cycle:
 
 
 def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPoint:
-    """Simplified Newton steps (equation 13.4), damped where they do not help.
+    """Simplified Newton steps (equation 10.4), damped where they do not help.
 
     P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3.
 
@@ -220,7 +220,7 @@ def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPo
 
 
 def _jacobian(cycle: _Cycle) -> Array:
-    """Derivatives of the map by the free quantities, by finite differences from a cycle (equation 13.5)."""
+    """Derivatives of the map by the free quantities, by finite differences from a cycle (equation 10.5)."""
     here, there = cycle.point, cycle.map.point(cycle.passage.state)
     disturbances = np.maximum(DISTURBANCE * cycle.passage.sizes, LEAST_DISTURBANCE * cycle.map.noise(cycle.state))
     columns = []
@@ -232,7 +232,7 @@ def _jacobian(cycle: _Cycle) -> Array:
 
 
 def _eigenvalues(jacobian: Array) -> NDArray[np.complex128]:
-    """Of the map's Jacobian, the Floquet multipliers (equation 13.7); largest modulus first."""
+    """Of the map's Jacobian, the Floquet multipliers (equation 10.7); largest modulus first."""
     found = np.linalg.eigvals(jacobian).astype(np.complex128)
     return found[np.argsort(-np.abs(found), kind="stable")]
 
@@ -253,7 +253,7 @@ def _with_modes(state: Array, modes: int) -> Array:
 
 
 def _among_all_modes(jacobian: Array, slow: SectionMap, whole: SectionMap) -> Array:
-    """The slow quantities' derivatives among all: what the other modes were a cycle ago is forgotten (equation 13.6)."""
+    """The slow quantities' derivatives among all: what the other modes were a cycle ago is forgotten (equation 10.6)."""
     n = whole.parameters.n
     numbered = _with_modes(np.arange(1.0, 2 * slow.parameters.n + 6), n)
     is_slow = whole.point(numbered) > 0.0

@@ -1,4 +1,4 @@
-"""The rigid quick-return mechanism in closed form: kinematics and kinetostatics (DERIVATION.md, section 8).
+"""The rigid quick-return mechanism in closed form: kinematics and kinetostatics (DERIVATION.md, section 9).
 
 Everything is vectorised over the crank angle. It is the limit of infinite bending stiffness, and the start of every case.
 """
@@ -29,7 +29,7 @@ class RigidMotion:
 def rigid_motion(
     mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
 ) -> RigidMotion:
-    """Kinematics of the rigid mechanism, equations 8.1 to 8.5.
+    """Kinematics of the rigid mechanism, equations 9.1 to 9.5.
 
     Args:
         mechanism: gives d and LA.
@@ -52,7 +52,7 @@ def rigid_motion(
 
 
 def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
-    """Rigid follower with base block and tip body: moment of inertia about P (kg m^2) and first moment (kg m), equation 8.6."""
+    """Rigid follower with base block and tip body: moment of inertia about P (kg m^2) and first moment (kg m), equation 9.6."""
     beam = mechanism.follower
     tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
     arm = beam.length + tip.center_of_mass
@@ -76,7 +76,7 @@ STATIC_SCALE: Final = 3.0
 def deflection_scale(mechanism: Mechanism) -> float:
     """The size (m) that errors of the deflection are measured against in a scene: what it does, and never more than a fixed size.
 
-    Equation 6.8.
+    Equation 5.10.
     """
     usual = USUAL_SCALE * mechanism.follower.length
     if mechanism.follower.is_rigid:
@@ -86,7 +86,7 @@ def deflection_scale(mechanism: Mechanism) -> float:
 
 
 def static_deflection(mechanism: Mechanism, crank_speed: float, angles: int = 48) -> float:
-    """RMS over a turn of the tip deflection (m) that the loads of the rigid motion would cause if they stood still, equation 8.9.
+    """RMS over a turn of the tip deflection (m) that the loads of the rigid motion would cause if they stood still, equation 9.9.
 
     Args:
         mechanism: the scene; 0 for a rigid follower.
@@ -110,7 +110,7 @@ def static_deflection(mechanism: Mechanism, crank_speed: float, angles: int = 48
 def rigid_kinetostatics(
     mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
 ) -> tuple[Array, Array]:
-    """Slider force on the follower (N, along its normal) and drive torque on the crank (N m) for a given motion, equations 8.7 and 8.8.
+    """Slider force on the follower (N, along its normal) and drive torque on the crank (N m) for a given motion, equations 9.7 and 9.8.
 
     The drive torque is all that the motor must give, the crank's viscous damping included (a prescribed speed has none).
 

@@ -1,6 +1,6 @@
 """A cycle of the explicit model as a map: from one passage of the slider's farthest place to the next (a Poincare map).
 
-At the farthest place, q1 = 180 deg + k 360 deg, the free quantities are eta, q1' (unless prescribed) and eta' (equation 13.1); the
+At the farthest place, q1 = 180 deg + k 360 deg, the free quantities are eta, q1' (unless prescribed) and eta' (equation 10.1); the
 slider's arc length follows from the loop, and energies do not act back. A cycle is integrated in time for about as long as it
 takes, and the rest of the turn, forward or back, in the crank angle, so that it ends exactly at the farthest place (M. Henon, On
 the numerical computation of Poincare maps, Physica D 5, 1982, 412).
@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_model.compilation import compiled
-from reference_model.equations import right_hand_side
-from reference_model.integrate import REACHED_END, error_scales, integrate_dop853
-from reference_model.moving_parameters import EXTRAS, KINDS, MovingParameters, MovingWorkspace, moving_workspace
+from reference_model.integrate import REACHED_END
+from reference_model.model import BeamModel
+from reference_model.motion.address import call_equations
+from reference_model.motion.layout import FOOT_1, FOOT_2
 
 Array = NDArray[np.float64]
 
@@ -54,7 +55,7 @@ class SectionMap:
     """The map of a model's cycle for its free quantities, the "point".
 
     Args:
-        parameters: of the model.
+        model: whose loop is closed.
         tolerance: of the integration.
 
     Attributes:
@@ -62,14 +63,14 @@ class SectionMap:
         calls: right-hand sides evaluated so far.
     """
 
-    def __init__(self, parameters: MovingParameters, tolerance: float) -> None:
-        self.parameters = parameters
+    def __init__(self, model: BeamModel, tolerance: float) -> None:
+        self.model = model
+        self.parameters = model.parameters
         self.tolerance = tolerance
         self.cycles = 0
         self.calls = 0
-        self._workspace = moving_workspace(parameters.tables, parameters.n)
-        n = parameters.n
-        self._free = np.array([*range(1, n + 1), *([n + 2] if parameters.crank_is_free else []), *range(n + 3, 2 * n + 3)])
+        n = self.parameters.n
+        self._free = np.array([*range(1, n + 1), *([n + 2] if self.parameters.first == 0 else []), *range(n + 3, 2 * n + 3)])
 
     def point(self, state: Array) -> Array:
         """The free quantities of a state."""
@@ -84,13 +85,13 @@ class SectionMap:
         y = like.copy()
         y[self._free] = point
         y[-2:] = 0.0
-        if not _close_loop(self.parameters, self._workspace, y, np.empty_like(y)):
+        if not self._close_loop(y):
             raise CycleBroken("the loop cannot be closed")
         return y
 
     def noise(self, state: Array) -> Array:
         """Size of the integration's local error for each free quantity, shape as the point's."""
-        return self.tolerance * error_scales(self.parameters, float(state[self.parameters.n + 2]))[self._free]
+        return self.tolerance * self.model.error_scales(float(state[self.parameters.n + 2]))[self._free]
 
     def time_to_go(self, state: Array) -> float:
         """About how long it takes from a state to the slider's next passage through its farthest place, s."""
@@ -113,7 +114,7 @@ class SectionMap:
         states = [start[None]]
         elapsed, calls = 0.0, 0
         for _ in range(3):
-            result = integrate_dop853(self.parameters, self._workspace, states[-1][-1], duration / ROWS, ROWS, self.tolerance, step)
+            result = self.model.integrate(states[-1][-1], duration / ROWS, ROWS, self.tolerance, step)
             calls, step = calls + result.calls, result.next_step
             if result.status != REACHED_END or result.states[-1, n + 2] * start[n + 2] <= 0.0:
                 raise CycleBroken("the integration ended within the cycle")
@@ -126,12 +127,30 @@ class SectionMap:
         parts = 1 + int(abs(duration) / step * PARTS)
         if parts > LONGEST_REST:
             raise CycleBroken("the cycle ended far from the slider's farthest place")
-        elapsed += _turn_to(self.parameters, self._workspace, y, end, parts, np.empty((4, len(y))))
+        elapsed += turn_to(self.model, y, end, parts)
         if not math.isfinite(elapsed):
             raise CycleBroken("the crank stood still")
         self.cycles += 1
         self.calls += calls + 4 * parts
         return Passage(y, elapsed, calls + 4 * parts, step, self._sizes(np.concatenate(states)))
+
+    def _close_loop(self, y: Array) -> bool:
+        """Put the slider where |p(s)| = |PC|, by the secant method from the straight follower; False where it cannot."""
+        p, facts = self.parameters, self.model.workspace.facts
+        distance = math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0]))
+        s, slope, last_s, last_excess, excess = distance, 1.0, 0.0, 0.0, math.inf
+        for i in range(30):
+            y[p.speeds] = s
+            if not self.model.can_move(y):
+                return False
+            excess = math.hypot(facts[FOOT_1], facts[FOOT_2]) - distance
+            if abs(excess) < 1e-15 * p.L:
+                return True
+            if i > 0 and s != last_s:
+                slope = (excess - last_excess) / (s - last_s)
+            last_s, last_excess = s, excess
+            s -= excess / slope
+        return abs(excess) < 1e-12 * p.L
 
     def _sizes(self, states: Array) -> Array:
         n = self.parameters.n
@@ -141,15 +160,6 @@ class SectionMap:
         return sizes[self._free]
 
 
-def with_fewer_modes(p: MovingParameters, modes: int) -> MovingParameters:
-    """The model with the first modes alone, on the same points: columns of the same tables."""
-    t = p.tables
-    fields = KINDS * p.n * 2 * t.S
-    of_points = np.arange(fields).reshape(KINDS, p.n, 2 * t.S)[:, :modes].ravel()
-    kept = np.concatenate([of_points, fields + (np.arange(EXTRAS)[:, None] * p.n + np.arange(modes)).ravel()])
-    return p._replace(n=modes, tables=t._replace(coefficients=np.ascontiguousarray(t.coefficients[:, :, kept])))
-
-
 def _next_farthest(crank_angle: float, crank_speed: float) -> float:
     """The next crank angle 180 deg + k 360 deg in the direction of rotation; a whole turn on where it stands there."""
     way = math.copysign(1.0, crank_speed)
@@ -157,50 +167,30 @@ def _next_farthest(crank_angle: float, crank_speed: float) -> float:
     return way * (math.pi + 2.0 * math.pi * turns)
 
 
-def load_code(parameters: MovingParameters, state: Array) -> None:
-    """Compile a map's code, or load it, at a state of the model: what is timed afterwards counts no compiling."""
-    workspace, y = moving_workspace(parameters.tables, parameters.n), state.copy()
-    _close_loop(parameters, workspace, y, np.empty_like(y))
-    _turn_to(parameters, workspace, y, float(y[0]), 1, np.empty((4, len(y))))
-
-
-@compiled
-def _close_loop(p: MovingParameters, w: MovingWorkspace, y: NDArray[np.float64], rate: NDArray[np.float64]) -> bool:
-    """Put the slider where |p(s)| = |PC|, by the secant method from the straight follower; False where it cannot."""
-    n, G, N = p.n, p.tables.G, 2 * p.tables.S
-    distance = math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0]))
-    s, slope, last_s, last_excess = distance, 1.0, 0.0, 0.0
-    for i in range(30):
-        y[n + 1] = s
-        if not right_hand_side(p, w, y, rate):
-            return False
-        excess = math.hypot(w.z[G], w.z[N + G]) - distance
-        if abs(excess) < 1e-15 * p.L:
-            return True
-        if i > 0 and s != last_s:
-            slope = (excess - last_excess) / (s - last_s)
-        last_s, last_excess = s, excess
-        s -= excess / slope
-    return abs(excess) < 1e-12 * p.L
-
-
-@compiled
-def _turn_to(p: MovingParameters, w: MovingWorkspace, y: NDArray[np.float64], angle: float, parts: int, K: NDArray[np.float64]) -> float:
-    """Move the state to a crank angle in classical Runge-Kutta steps of equal angle (equation 13.3).
+def turn_to(model: BeamModel, y: Array, angle: float, parts: int) -> float:
+    """Move the state `y` to a crank angle in classical Runge-Kutta steps of equal angle (equation 10.3).
 
     Returns:
         The time (s) that passes, nan where it cannot.
     """
+    equations = model.equations
+    return float(_turn_to(equations.function, equations.parameters, equations.workspace, y, angle, parts, np.empty((5, len(y)))))
+
+
+@compiled
+def _turn_to(
+    function: int, parameters: int, workspace: int, y: NDArray[np.float64], angle: float, parts: int, K: NDArray[np.float64]
+) -> float:
     size = len(y)
     h = (angle - y[0]) / parts
     elapsed = 0.0
-    trial = np.empty(size)
+    trial = K[4]
     for _ in range(parts):
         for stage in range(4):
             reach = 0.0 if stage == 0 else h if stage == 3 else 0.5 * h
             for i in range(size):
                 trial[i] = y[i] + (reach * K[stage - 1, i] if stage > 0 else 0.0)
-            if not right_hand_side(p, w, trial, K[stage]):
+            if call_equations(function, parameters, workspace, trial.ctypes.data, K[stage].ctypes.data, 0) == 0:
                 return math.nan
             pace = 1.0 / K[stage, 0]
             elapsed += h * pace * (1.0 if stage in (0, 3) else 2.0) / 6.0

@@ -1,8 +1,8 @@
 """Fixed shape functions of the follower, apart from the mechanics that use them.
 
-Every family is handed over in one form: polynomials on cells. The mechanics (`tables`, `kinematics`, `dynamics`) evaluate cells and
-never ask where the shapes come from. All shapes are clamped at the base, phi(0) = phi'(0) = 0, so that q2 is the tangent there
-(DERIVATION.md, equation 1.2).
+Every family is handed over in one form: polynomials on cells. The mechanics (`beam.tables`, `thesis`) evaluate cells and never
+ask where the shapes come from. All shapes are clamped at the base, phi(0) = phi'(0) = 0, so that q2 is the tangent there
+(DERIVATION.md, equation 2.10).
 """
 
 import math
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 #: Degree of the polynomials that represent a transcendental mode on one cell; with at most a quarter of a wave per cell the
@@ -111,3 +112,29 @@ def _clamped_free_mode(k: int, xi: NDArray[np.float64], derivative: int) -> NDAr
 def no_shapes(length: float) -> ShapeSet:
     """The rigid follower: no shape at all."""
     return ShapeSet(np.array([0.0, length]), np.zeros((1, 1, 0)), True)
+
+
+def vibrating(shapes: ShapeSet, mass_per_length: float, bending_stiffness: float) -> tuple[ShapeSet, NDArray[np.float64]]:
+    """The same shapes combined so that mass and stiffness matrices of the clamped beam are diagonal (equation 2.10).
+
+    Args:
+        shapes: any.
+        mass_per_length: kg/m; where it is 0 that of another beam, 1 kg/m, scales the shapes.
+        bending_stiffness: N m^2.
+
+    Returns:
+        Shapes whose coordinates are amplitudes (kg^(1/2) m), and their squared angular frequencies, shape (n,), 1/s^2.
+    """
+    if shapes.count == 0:
+        return shapes, np.zeros(0)
+    gauss, weights = np.polynomial.legendre.leggauss(shapes.coefficients.shape[1])
+    lengths = np.diff(shapes.edges)
+    x = (shapes.edges[:-1, None] + 0.5 * (gauss + 1.0) * lengths[:, None]).ravel()
+    dx = (0.5 * weights * lengths[:, None]).ravel()
+    value, curvature = shapes.evaluate(x), shapes.evaluate(x, 2)
+    mass = (mass_per_length or 1.0) * value.T @ (dx[:, None] * value)
+    stiffness = bending_stiffness * curvature.T @ (dx[:, None] * curvature)
+    # M v = v / omega^2 K v: rounding errors are relative to the largest eigenvalue, which then belongs to the lowest mode
+    inverse_squares, vectors = eigh(mass, stiffness)
+    inverse_squares, vectors = inverse_squares[::-1], vectors[:, ::-1] / np.sqrt(inverse_squares[::-1])
+    return ShapeSet(shapes.edges, shapes.coefficients @ vectors, shapes.has_continuous_curvature), 1.0 / inverse_squares

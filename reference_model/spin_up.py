@@ -1,4 +1,4 @@
-"""Angle of a base that is spun up as prescribed (DERIVATION.md, section 14)."""
+"""Angle of a base that is spun up as prescribed (DERIVATION.md, section 11)."""
 
 import math
 
@@ -7,7 +7,7 @@ from reference_model.compilation import compiled
 
 @compiled
 def base_motion(speed: float, time: float, t: float) -> tuple[float, float, float]:
-    """Angle (rad), rate (rad/s) and acceleration (rad/s^2) of the base at the instant `t` (s), equation 14.1.
+    """Angle (rad), rate (rad/s) and acceleration (rad/s^2) of the base at the instant `t` (s), equation 11.1.
 
     Args:
         speed: from `time` on, rad/s.

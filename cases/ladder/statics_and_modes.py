@@ -18,13 +18,13 @@ from cases.ladder.rigid_loop import RigidLoop, rigid_loop
 from cases.ladder.row import Row, smoothed
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
-from engines.pseudo_coordinate.fixed_shapes import FixedShapesSettings
-from engines.pseudo_coordinate.reference import ReferenceSettings
-from engines.pseudo_coordinate.thesis import ThesisSettings
+from engines.own.fixed_shapes import FixedShapesSettings
+from engines.own.multiplier import MultiplierSettings
+from engines.own.nodal_load import NodalLoadSettings
+from engines.own.reference import ReferenceSettings
+from engines.own.stiff_spring import StiffSpringSettings
+from engines.own.thesis import ThesisSettings
 from engines.registry import engine
-from engines.rivals.multiplier import MultiplierSettings
-from engines.rivals.nodal_load import NodalLoadSettings
-from engines.rivals.stiff_spring import StiffSpringSettings
 from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.trajectory import Trajectory

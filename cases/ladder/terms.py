@@ -24,11 +24,11 @@ from scipy.interpolate import PPoly
 from cases.ladder.row import Row, smoothed
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
-from engines.pseudo_coordinate.fixed_shapes import FixedShapesSettings
-from engines.pseudo_coordinate.reference import ReferenceSettings
-from engines.pseudo_coordinate.simulation import ExplicitSimulation
+from engines.own.fixed_shapes import FixedShapesSettings
+from engines.own.multiplier import MultiplierSettings
+from engines.own.reference import ReferenceSettings
+from engines.own.simulation import OwnSimulation
 from engines.registry import engine
-from engines.rivals.multiplier import MultiplierSettings
 from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.start_state import StartState, reconstruct
@@ -107,7 +107,7 @@ def state_of(mechanism: Mechanism, time: float) -> Start:
     """Where the reference's motion from the standard start has led at `time` (s), a multiple of 10 ms."""
     simulation = engine("reference").prepare(mechanism, standard_start(mechanism), OWN)
     simulation.advance(time, 1e-2)
-    assert isinstance(simulation, ExplicitSimulation)
+    assert isinstance(simulation, OwnSimulation)
     return simulation.present_start()
 
 

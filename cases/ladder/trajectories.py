@@ -23,7 +23,7 @@ from cases.case_file import load_case
 from cases.ladder.row import Row, smoothed
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
-from engines.pseudo_coordinate.reference import ReferenceSettings
+from engines.own.reference import ReferenceSettings
 from engines.registry import engine
 from engines.settings import Settings
 from engines.start import standard_start

@@ -7,7 +7,7 @@ A compliant joint gives the slider a carriage, a point that the ALE joint keeps 
 and the crank tip. Nothing holds the carriage along the tangent, so it stands where the spring has no pull on it there: at the foot
 of the crank tip. The gap lies along the normal, and the spring may be the same in all directions. The damper may not: as the normal
 turns, the crank tip moves along the tangent relative to the carriage, and a damper in all directions would drag the carriage along
-(RIVALS.md, section 8).
+(RIVALS.md, section 2).
 """
 
 from dataclasses import dataclass
@@ -110,7 +110,7 @@ class Gap:
 
 
 def gap(cable: Cable, line: Motion, slider: tuple[Array, Array], crank_tip: Motion) -> Gap:
-    """The gap and its derivatives; n.t = 0 leaves the slider's travel out of the rate (equation R1.3).
+    """The gap and its derivatives; n.t = 0 leaves the slider's travel out of the rate (DERIVATION.md, equation 3.4).
 
     Args:
         cable: the follower.

@@ -16,7 +16,7 @@ from cases.library import case_names
 from cases.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes, sensible_machines
 from cases.store import Store
 from engines.accurate import ESTIMATED
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.start import standard_start
 
 BAD = [[], ["--random", "0"], ["--machines", "-3"], ["--library", "--jobs", "-1"], ["--random", "1", "--accuracy", "1,5"]]

@@ -17,7 +17,7 @@ from cases.runner import Named, run_tasks
 from cases.steady_run import DIRECT, FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, Task, steady_run
 from cases.store import Store, key_of
 from engines.base import NoSteadyState
-from engines.pseudo_coordinate.reference import ReferenceEngine
+from engines.own.reference import ReferenceEngine
 from engines.registry import MAIN, RIVALS, engine
 from engines.start import Start, standard_start
 from reference_model.mechanism import Mechanism

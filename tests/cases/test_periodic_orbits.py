@@ -18,12 +18,12 @@ from cases.orbit import Orbit, find_orbit
 from cases.steady_run import FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, SteadyRun, Task, steady_run
 from cases.studies import cycle_difference
 from engines.base import NoSteadyState, SteadyState
-from engines.pseudo_coordinate.reference import ReferenceEngine
+from engines.own.reference import ReferenceEngine
 from engines.registry import engine
 from engines.settings import Settings, as_texts
 from engines.start import Start, standard_start
 from reference_model.mechanism import Mechanism
-from reference_model.moving_model import MovingShapeModel
+from reference_model.model import BeamModel
 from reference_model.periodic import periodic_orbit
 from reference_model.section_map import SectionMap
 
@@ -50,10 +50,10 @@ def marched_distance(name: str) -> float:
     """Distance between the orbit and the state after 60 cycles or more of marching, relative to the sizes along the cycle."""
     mechanism = load_case(name).mechanism
     # two modes: the way to the orbit is the same whatever the number of modes, and 24 times a hundred cycles take their time
-    model = MovingShapeModel(mechanism, 2)
+    model = BeamModel.following(mechanism, 2)
     state = model.straight_state(math.pi, mechanism.crank.drive.initial_speed)
     orbit = periodic_orbit(model, state, 1e-7, 1e-10)
-    march = SectionMap(model.parameters, 1e-10)
+    march = SectionMap(model, 1e-10)
     # the slowest disturbance must shrink to 1e-8
     for _ in range(math.ceil(math.log(1e-8) / math.log(abs(orbit.multipliers[0])))):
         passage = march.passage(state, orbit.period)

@@ -55,4 +55,14 @@ def test_run_24_settles_with_the_stiffest_follower() -> None:
 @pytest.mark.parametrize("engine", ["reference", "thesis", "mujoco", "exudyn"])
 @pytest.mark.parametrize("stiffness", [10.0**power for power in range(6)])
 def test_run_24_settles_in_every_engine(stiffness: float, engine: str) -> None:
+    if engine == "exudyn" and stiffness == 1e5:
+        pytest.skip("below")
     check(run_24(stiffness, driven=True), engine)
+
+
+@pytest.mark.verify
+def test_exudyn_says_that_the_stiffest_follower_is_beyond_it() -> None:
+    """It deflects by 3e-7 of its length; modes of 10 kHz ring, and Newton's iteration stops at the rounding errors of shorter steps."""
+    run = steady_run(Task(mechanism=run_24(1e5, driven=True), duration=2.0, engine="exudyn"))
+    assert run.document["status"] != SETTLED
+    assert "misses the accuracy" in run.document["remark"]

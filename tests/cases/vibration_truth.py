@@ -1,9 +1,9 @@
 """The first mode's frequency in a periodic steady state, without the fit and its time scale's corrections.
 
-The moving-shape model's first coordinate is the modal coordinate of the crank held still. Two small launches of it from the start of a
-half, in deflection and in rate, each added to and subtracted from the steady motion, span every free vibration on that motion; the phase of
-each advances by 2 pi times the mean frequency times the time. The mean over sixteen launch phases is the truth: their scatter, 0.01 to
-0.13 % in the thesis' runs and 0.37 % at worst in random scenes, divided by four is what it lacks.
+The first coordinate of shapes that follow the slider is the modal coordinate of the crank held still. Two small launches of it from the
+start of a half, in deflection and in rate, each added to and subtracted from the steady motion, span every free vibration on that motion;
+the phase of each advances by 2 pi times the mean frequency times the time. The mean over sixteen launch phases is the truth: their
+scatter, 0.01 to 0.13 % in the thesis' runs and 0.37 % at worst in random scenes, divided by four is what it lacks.
 """
 
 import math
@@ -17,11 +17,11 @@ from cases.marching import output_step, whole_cycles
 from cases.measures import CHANNELS, Cycle, CycleMeasures, TimeScale, measure_cycle, time_scale
 from cases.steady_run import ROWS_AFTER
 from engines.base import NoSteadyState
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
-from engines.pseudo_coordinate.simulation import ExplicitSimulation
+from engines.own.reference import ReferenceEngine, ReferenceSettings
+from engines.own.simulation import OwnSimulation
 from engines.start import standard_start
 from reference_model.mechanism import Mechanism
-from reference_model.moving_model import MovingShapeModel
+from reference_model.model import BeamModel
 
 Array = NDArray[np.float64]
 
@@ -65,8 +65,8 @@ def steady_vibration(mechanism: Mechanism) -> SteadyVibration | None:
     if found is None or not found.stable:
         return None
     simulation, scale = found.simulation, time_scale(mechanism)
-    assert isinstance(simulation, ExplicitSimulation)
-    assert isinstance(simulation.model, MovingShapeModel)
+    assert isinstance(simulation, OwnSimulation)
+    assert isinstance(simulation.model, BeamModel)
     assert scale is not None
     farthest = simulation.state.copy()
     step = output_step(mechanism)
@@ -80,11 +80,11 @@ def steady_vibration(mechanism: Mechanism) -> SteadyVibration | None:
     return SteadyVibration(cycle, measures, truths, scatters)
 
 
-def _mean_frequency(model: MovingShapeModel, scale: TimeScale, state: Array, duration: float, step: float) -> tuple[float, float]:
+def _mean_frequency(model: BeamModel, scale: TimeScale, state: Array, duration: float, step: float) -> tuple[float, float]:
     """Mean over `duration` (s) from `state`, Hz, and its standard deviation over launch phases; recorded every `step` (s)."""
     size = max(LAUNCH * abs(state[1]), 1e-7)
     rows = math.ceil(duration / step) + ROWS_AFTER
-    rate = model.modes + 3
+    rate = model.shapes + 3
     launches = []
     for index, push in ((1, size), (rate, size * 2.0 * np.pi * float(scale.frequencies(state[0])[0]))):
         motions = []

@@ -5,7 +5,7 @@ import pytest
 
 from cases.case_file import load_case
 from engines.accurate import ESTIMATED, Result, run_once, simulate
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import engine
 from engines.start import standard_start
 from engines.trajectory import Trajectory

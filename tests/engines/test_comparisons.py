@@ -4,12 +4,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from engines.base import Comparison, Engine
-from engines.fewer_shapes import fewer_shapes
-from engines.pseudo_coordinate.fixed_shapes import FixedShapesEngine, FixedShapesSettings
-from engines.pseudo_coordinate.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
-from engines.rivals.multiplier import MultiplierEngine, MultiplierSettings
-from engines.rivals.nodal_load import NodalLoadEngine, NodalLoadSettings
-from engines.rivals.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from engines.own.multiplier import MultiplierEngine, MultiplierSettings
+from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
+from engines.own.staying_shapes import fewer_shapes
+from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
 from engines.settings import Settings
 from tests.engines.scenes import run_24
 
@@ -31,21 +31,21 @@ def assert_finer_has_the_smaller_error(pair: Comparison, own: int, other: int) -
 
 @given(numbers, families)
 def test_fixed_shapes_are_compared_with_another_number_of_shapes(shapes: int, family: str) -> None:
-    engine, follower = FixedShapesEngine(), run_24().follower
+    engine = FixedShapesEngine()
     pair = pair_of(engine, FixedShapesSettings(shapes=shapes, family=family))
-    assert_finer_has_the_smaller_error(pair, *(engine.shapes(follower, each).count for each in (pair.run, pair.other)))
+    assert_finer_has_the_smaller_error(pair, *(engine.shape_count(run_24(), each) for each in (pair.run, pair.other)))
 
 
 @given(numbers, families)
 def test_multipliers_are_compared_with_another_number_of_shapes(shapes: int, family: str) -> None:
     pair = pair_of(MultiplierEngine(), MultiplierSettings(shapes=shapes, family=family))
-    assert_finer_has_the_smaller_error(pair, *(MultiplierEngine().shapes(run_24(), each).count for each in (pair.run, pair.other)))
+    assert_finer_has_the_smaller_error(pair, *(MultiplierEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
 
 
 @given(numbers, families, st.floats(1e3, 1e9))
 def test_springs_are_compared_with_another_number_of_shapes_on_a_stiffer_one(shapes: int, family: str, stiffness: float) -> None:
     pair = pair_of(StiffSpringEngine(), StiffSpringSettings(shapes=shapes, family=family, stiffness=stiffness))
-    assert_finer_has_the_smaller_error(pair, *(StiffSpringEngine().shapes(run_24(), each).count for each in (pair.run, pair.other)))
+    assert_finer_has_the_smaller_error(pair, *(StiffSpringEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
     assert isinstance(pair.other, StiffSpringSettings)
     assert pair.other.stiffness == min(2.0 * stiffness, 1e9)
 

@@ -13,8 +13,8 @@ from engines.exudyn.engine import ExudynEngine
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.engine import MujocoEngine
 from engines.mujoco.settings import ChainSettings
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
-from engines.rivals.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
+from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
 from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.trajectory import Trajectory
@@ -215,7 +215,7 @@ CHANNELS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "slide
 @pytest.mark.verify
 @pytest.mark.parametrize("stiffness", [2e4, 2e5])
 def test_four_engines_agree_on_run_24(stiffness: float) -> None:
-    """Over 2 s, against `reference` on 40 clamped-free modes; the tolerances are twice the largest that was measured (RIVALS.md)."""
+    """Over 2 s, against `reference` with ten modes; the tolerances are twice the largest that was measured (RIVALS.md)."""
     scene = with_joint(stiffness, 20.0)
     expected = run(ReferenceEngine(), ReferenceSettings(modes=10, tolerance=1e-9), scene, 2.0)
     others = {

@@ -14,7 +14,7 @@ from engines.exudyn import ExudynEngine, simulation
 from engines.exudyn import settings as ladder
 from engines.exudyn.cable import Cable, Kink
 from engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import engine
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from engines.rivals.convergence import rival_table, stiffness_table
+from tests.engines.rival_convergence import rival_table, stiffness_table
 from tests.engines.scenes import run_24
 
 DURATION, STEP = 0.1, 2e-3  # s

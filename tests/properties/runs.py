@@ -10,9 +10,9 @@ from engines.exudyn.engine import ExudynEngine
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.engine import MujocoEngine
 from engines.mujoco.settings import ChainSettings
-from engines.pseudo_coordinate.fixed_shapes import FixedShapesEngine, FixedShapesSettings
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
-from engines.pseudo_coordinate.thesis import ThesisEngine, ThesisSettings
+from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
+from engines.own.thesis import ThesisEngine, ThesisSettings
 from engines.settings import Settings
 from engines.trajectory import Trajectory
 from tests.strategies import Scene
@@ -47,13 +47,13 @@ REFERENCE = Method(ReferenceEngine(), ReferenceSettings(modes=3, tolerance=TOLER
 THESIS = Method(ThesisEngine(), ThesisSettings(tolerance=TOLERANCE), 2)
 FIXED_SHAPES = Method(FixedShapesEngine(), FixedShapesSettings(shapes=6, tolerance=TOLERANCE), 6)
 EXPLICIT = (REFERENCE, THESIS, FIXED_SHAPES)
-COMPLIANT = Method(ReferenceEngine(), ReferenceSettings(modes=1, tolerance=TOLERANCE), 4)  # four fixed shapes where the joint is soft
+COMPLIANT = Method(ReferenceEngine(), ReferenceSettings(modes=2, tolerance=TOLERANCE), 4)
 EXUDYN = Method(ExudynEngine(), ExudynSettings(elements=8, step=1e-3), 8)
 MUJOCO = Method(MujocoEngine(), ChainSettings(links=8), 8)
 
 
 def sizes(scene: Scene, trajectory: Trajectory, half_waves: int) -> dict[str, float]:
-    """What a column changes by when the states are off by their sizes in `reference_model.integrate.error_scales`.
+    """What a column changes by when the states are off by their sizes in `error_scales` of the models.
 
     A tenth of a radian of the crank moves places by a tenth of a length. A hundredth of the length in the highest shape, of wave
     number k, has the curvature 0.01 L k², the acceleration 0.01 L k⁴ EI / rhoA and the shear force 0.01 L EI k³.

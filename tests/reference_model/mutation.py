@@ -9,35 +9,36 @@ a linear system, and in `_locate` and `place_at` the gradient that only steers N
 
 import ast
 import inspect
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
-from reference_model import dynamics, kinematics, observables
-from tests.reference_model.oracle_scene import Equations
 
-MODULES: dict[str, ModuleType] = {module.__name__: module for module in (kinematics, dynamics, observables)}
+@dataclass(frozen=True)
+class Source:
+    """The equations under test.
 
-#: Functions without an equation of motion: linear algebra and index arithmetic; and what shows or recovers rather than moves.
-NO_EQUATIONS = frozenset(
-    {
-        "_solve_cholesky",
-        "factorize",
-        "substitute",
-        "_full_index",
-        "observe",
-        "observe_row",
-        "curvature_of_shape",
-        "_lay_mesh",
-        "recover_shape",
-        "_recover",
-        "_tip_loads",
-        "_slider_moment",
-        "_at",
-    }
-)
+    Attributes:
+        modules: in the order in which they import from each other.
+        no_equations: functions that are left alone: linear algebra, index arithmetic, what another test holds.
+        stand_ins: what replaces names of compiled code in plain Python.
+        entry: the functions to call, from all that the modules define.
+    """
+
+    modules: tuple[ModuleType, ...]
+    no_equations: frozenset[str]
+    stand_ins: Mapping[str, Callable[..., Any]]
+    entry: Callable[[Mapping[str, Any]], Any]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the modules."""
+        return tuple(module.__name__ for module in self.modules)
+
+
 #: Quantities that serve Newton's gradient alone, and where they are computed.
 STEERING = frozenset({"_locate", "place_at"})
 ITERATION_CONTROL = frozenset({"gradient", "slope", "g"})
@@ -62,13 +63,13 @@ class Site:
 class _Marker(ast.NodeTransformer):
     """Visits the sites of one module in a fixed order; flips one of them, or wraps each term in a probe of its type."""
 
-    def __init__(self, flip: int | None = None, probe: bool = False) -> None:
-        self.flip, self.probe = flip, probe
+    def __init__(self, source: Source, flip: int | None = None, probe: bool = False) -> None:
+        self.source, self.flip, self.probe = source, flip, probe
         self.sites: list[tuple[str, int, str]] = []
         self.function = ""
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        if self.function or node.name in NO_EQUATIONS:
+        if self.function or node.name in self.source.no_equations:
             return node
         self.function = node.name
         node.body = [self.visit(statement) for statement in node.body]
@@ -167,8 +168,9 @@ class _Marker(ast.NodeTransformer):
         return ast.Call(ast.Name(PROBE, ast.Load()), [ast.Constant(len(self.sites) - 1), value], [])
 
 
-def _plain(function: Callable[..., Any]) -> Callable[..., Any]:
-    return function
+def plain(value: Any, *_: Any) -> Any:
+    """What stands for a decorator, or for the way from an address to what lies there."""
+    return value
 
 
 def _compiled(tree: ast.Module) -> CodeType:
@@ -178,7 +180,7 @@ def _compiled(tree: ast.Module) -> CodeType:
 
 
 def _parsed(name: str) -> ast.Module:
-    return ast.parse(inspect.getsource(MODULES[name]))
+    return ast.parse(inspect.getsource(sys.modules[name]))
 
 
 @cache
@@ -186,33 +188,34 @@ def _unchanged(name: str) -> CodeType:
     return _compiled(_parsed(name))
 
 
-def _execute(codes: Mapping[str, CodeType], probe: Callable[[str], Callable[[int, Any], Any]] | None = None) -> Equations:
+def _execute(source: Source, codes: Mapping[str, CodeType], probe: Callable[[str], Callable[[int, Any], Any]] | None = None) -> Any:
     """The modules as plain Python, one after the other; what they define replaces what the next ones would import."""
-    defined: dict[str, Any] = dict.fromkeys(("compiled", "embedded", "inlined", "inside"), _plain)
-    for name, module in MODULES.items():
-        imported = {key: getattr(value, "py_func", value) for key, value in vars(module).items() if not key.startswith("__")}
+    defined: dict[str, Any] = dict(source.stand_ins)
+    for name in source.names:
+        imported = {key: getattr(value, "py_func", value) for key, value in vars(sys.modules[name]).items() if not key.startswith("__")}
         space = imported | defined | {"__name__": name}
         if probe:
             space[PROBE] = probe(name)
         exec(codes.get(name) or _unchanged(name), space)
         defined |= {key: value for key, value in space.items() if isinstance(value, FunctionType) and value.__module__ == name}
-    return Equations(defined["evaluate"], defined["right_hand_side"], defined["observe"])
+    return source.entry(defined)
 
 
-def original() -> Equations:
+def original(source: Source) -> Any:
     """The unchanged source as plain Python."""
-    return _execute({})
+    return _execute(source, {})
 
 
-def mutant(site: Site) -> Equations:
+def mutant(source: Source, site: Site) -> Any:
     """The source with one sign flipped."""
-    return _execute({site.module: _compiled(_Marker(flip=site.number).visit(_parsed(site.module)))})
+    return _execute(source, {site.module: _compiled(_Marker(source, flip=site.number).visit(_parsed(site.module)))})
 
 
-def sites(exercise: Callable[[Equations], object]) -> tuple[list[Site], list[Site]]:
+def sites(source: Source, exercise: Callable[[Any], object]) -> tuple[list[Site], list[Site]]:
     """All sites whose terms are floating-point numbers, and those that `exercise` never evaluates.
 
     Args:
+        source: the equations.
         exercise: evaluates the equations it is given at states that reach every branch.
     """
     kinds: dict[tuple[str, int], type] = {}
@@ -224,14 +227,14 @@ def sites(exercise: Callable[[Equations], object]) -> tuple[list[Site], list[Sit
 
         return note
 
-    exercise(_execute({name: _compiled(_Marker(probe=True).visit(_parsed(name))) for name in MODULES}, probe))
-    every = list(_all_sites())
+    exercise(_execute(source, {name: _compiled(_Marker(source, probe=True).visit(_parsed(name))) for name in source.names}, probe))
+    every = list(_all_sites(source))
     return [s for s in every if kinds.get((s.module, s.number)) not in (int, None)], [s for s in every if (s.module, s.number) not in kinds]
 
 
-def _all_sites() -> Iterator[Site]:
-    for name in MODULES:
-        marker = _Marker()
+def _all_sites(source: Source) -> Iterator[Site]:
+    for name in source.names:
+        marker = _Marker(source)
         marker.visit(_parsed(name))
         for number, (function, line, text) in enumerate(marker.sites):
             yield Site(name, function, number, line, text)

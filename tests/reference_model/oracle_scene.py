@@ -5,14 +5,28 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model import dynamics, observables
+from reference_model.columns import COLUMNS
 from reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
-from reference_model.parameters import Parameters, build_parameters, build_workspace, state_size
+from reference_model.motion.address import Placed
 from reference_model.shapes import ShapeSet, hermite_elements
-from reference_model.tables import build_tables
+from reference_model.thesis import equations as thesis_equations
+from reference_model.thesis import kinematics
+from reference_model.thesis.dynamics import evaluate
+from reference_model.thesis.parameters import (
+    PARAMETERS_TYPE,
+    WORKSPACE_TYPE,
+    Parameters,
+    Workspace,
+    build_parameters,
+    build_workspace,
+    parameters_at,
+    state_size,
+    workspace_at,
+)
 from tests.symbolic import exact_model, symbolic_model
 from tests.symbolic.random_states import random_case
 
@@ -26,14 +40,26 @@ ABSENT = ("tip_mass", "tip_inertia", "base_inertia", "base_damping", "beam_dampi
 
 @dataclass(frozen=True)
 class Equations:
-    """The functions under test: the compiled ones, or the same source as plain Python."""
+    """The functions under test, of parameters, workspace, state ...: the compiled ones, or the same source as plain Python."""
 
     evaluate: Callable[..., Any]
-    right_hand_side: Callable[..., Any]
-    observe: Callable[..., Any]
+    right_hand_side: Callable[..., Any]  # ... rate and row
 
 
-COMPILED = Equations(dynamics.evaluate, dynamics.right_hand_side, observables.observe)
+@numba.njit(error_model="numpy")
+def _evaluate(parameters: int, workspace: int, y: Array) -> tuple[bool, kinematics.Slider, kinematics.Contact]:
+    return evaluate(parameters_at(parameters), workspace_at(workspace), y)
+
+
+def _by_address(function: Callable[..., Any]) -> Callable[..., Any]:
+    def call(p: Parameters, w: Workspace, *arrays: Array) -> Any:
+        at = Placed(p, PARAMETERS_TYPE), Placed(w, WORKSPACE_TYPE)
+        return function(at[0].address, at[1].address, *arrays)
+
+    return call
+
+
+COMPILED = Equations(_by_address(_evaluate), _by_address(thesis_equations.right_hand_side))
 
 
 def draw_case(seed: int, *, present: float = 0.5, lacking: tuple[str, ...] = ()) -> Case:
@@ -95,13 +121,13 @@ def flexible(state: Mapping[str, float]) -> tuple[Array, Array]:
     return value, np.array([state["tip_deflection_rate"], state["tip_slope_rate"]])
 
 
-def computed(equations: Equations, p: Parameters, shapes: ShapeSet, y: Array) -> Values:
-    """What the explicit model says about the state `y`.
+def computed(equations: Equations, p: Parameters, y: Array) -> Values:
+    """What the thesis' model says about the state `y`.
 
     Raises:
         ValueError: it cannot be evaluated.
     """
-    w, mesh = build_workspace(p.tables), build_tables(shapes, 4)
+    w = build_workspace(p.tables)
     good, slider, contact = equations.evaluate(p, w, y)
     if not good:
         raise ValueError("the model refuses the state")
@@ -117,10 +143,10 @@ def computed(equations: Equations, p: Parameters, shapes: ShapeSet, y: Array) ->
         "accelerations": free,
         "follower_acceleration": w.acceleration[1:2].copy(),
     }
-    rate, out = np.zeros_like(y), np.zeros((1, len(observables.COLUMNS)))
-    if not equations.right_hand_side(p, w, y, rate) or equations.observe(p, w, mesh, build_workspace(mesh), y[None, :], False, out) != 1:
+    rate, row = np.zeros_like(y), np.zeros(len(COLUMNS))
+    if not equations.right_hand_side(p, w, y, rate, row):
         raise ValueError("the model refuses the state")
-    column = dict(zip(observables.COLUMNS, out[0], strict=True))
+    column = dict(zip(COLUMNS, row, strict=True))
     n = p.n
     values |= {name: np.array([column[name]]) for name in ("slider_force", "kinetic_energy", "strain_energy", "gravity_energy")}
     values |= {

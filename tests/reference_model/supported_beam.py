@@ -1,6 +1,6 @@
 """An independent picture of the model with shapes that follow the slider: places in plain numpy, differentiated numerically.
 
-Nothing of `moving_parameters` or `moving_dynamics` is used. The follower's shapes come from an eigenvalue problem solved anew for
+Nothing of `reference_model.beam` or `reference_model.motion` is used. The follower's shapes come from an eigenvalue problem solved anew for
 every place of the slider, the loop is closed by iteration, the dynamics are d'Alembert's principle for mass points whose partial
 velocities and accelerations are differences of places.
 """

@@ -1,62 +1,86 @@
-"""The derivation and the code that cites it belong together: no number without an equation, no equation that nothing implements."""
+"""Derivations and the code that cites them belong together: no number without an equation, no equation that nothing implements."""
 
 import re
 from pathlib import Path
 
 import pytest
 
+import engines
 import reference_model
 
 PACKAGE = Path(reference_model.__file__).parent
-DOCUMENT = (PACKAGE / "DERIVATION.md").read_text(encoding="utf-8")
+#: Of the thesis' model, which has a document of its own: its files cite that one, all others the main one.
+THESIS = PACKAGE / "thesis"
+ENGINES = Path(engines.__file__).parent
 NUMBER = r"(\d+)\.(\d+)"
 CITATION = re.compile(rf"(thesis,\s+)?[Ee]quations?\s+((?:{NUMBER}(?:,\s+|\s+and\s+|\s+to\s+)?)+)")
 Equation = tuple[int, int]
 
 
-def cited(text: str) -> set[Equation]:
-    """Equations cited as "equation 3.2", "equations 4.2 and 4.3" or "equations 4.2 to 4.6"; those of the thesis do not count."""
+def document(folder: Path) -> str:
+    return (folder / "DERIVATION.md").read_text(encoding="utf-8")
+
+
+def cited(text: str, within: set[Equation]) -> set[Equation]:
+    """Equations cited as "equation 3.2", "equations 4.2 and 4.3" or "equations 4.2 to 4.6"; those that the thesis numbers do not count."""
     found: set[Equation] = set()
-    for match in CITATION.finditer(re.sub(r"\s*\n\s*#?\s*", " ", text)):
+    for match in CITATION.finditer(re.sub(r"\s*\n\s*#?:?\s*", " ", text)):
         if match.group(1):
             continue
         for first, last in re.findall(r"(\d+\.\d+)(?:\s+to\s+(\d+\.\d+))?", match.group(2)):
             section, low = map(int, first.split("."))
             end, high = map(int, (last or first).split("."))
-            everything = defined(DOCUMENT)
-            found |= {e for e in everything if (section, low) <= e <= (end, high)} | {(section, low), (end, high)}
+            found |= {e for e in within if (section, low) <= e <= (end, high)} | {(section, low), (end, high)}
     return found
 
 
-def defined(text: str) -> set[Equation]:
-    return {(int(section), int(number)) for section, number in re.findall(rf"\\tag{{{NUMBER}}}", text)}
+def numbered(text: str) -> list[Equation]:
+    return [(int(section), int(number)) for section, number in re.findall(rf"\\tag{{{NUMBER}}}", text)]
 
 
-def everything_cited() -> set[Equation]:
-    return set().union(*(cited(path.read_text(encoding="utf-8")) for path in PACKAGE.glob("*.py")))
+def files(folder: Path) -> list[Path]:
+    """Those that cite the folder's document."""
+    if folder == THESIS:
+        return sorted(THESIS.rglob("*.py"))
+    return [path for path in sorted([*PACKAGE.rglob("*.py"), *ENGINES.rglob("*.py")]) if THESIS not in path.parents]
+
+
+def everything_cited(folder: Path) -> set[Equation]:
+    within = set(numbered(document(folder)))
+    return set().union(*(cited(path.read_text(encoding="utf-8"), within) for path in files(folder)))
+
+
+BOTH = pytest.mark.parametrize("folder", [PACKAGE, THESIS], ids=["one beam", "thesis"])
 
 
 def test_citations_are_read_as_meant() -> None:
-    assert cited("see (equations 4.2 to 4.4)") == {(4, 2), (4, 3), (4, 4)}
-    assert cited("equations 1.1 and 3.1\n    # to 3.2") == {(1, 1), (3, 1), (3, 2)}
-    assert cited("(thesis, equations 4.2 and 4.3)") == set()
+    within = {(3, 1), (3, 2), (4, 2), (4, 3), (4, 4), (4, 5)}
+    assert cited("see (equations 4.2 to 4.4)", within) == {(4, 2), (4, 3), (4, 4)}
+    assert cited("equations 1.1 and 3.1\n    # to 3.2", within) == {(1, 1), (3, 1), (3, 2)}
+    assert cited("(thesis, equations 4.2 and 4.3)", within) == set()
 
 
-def test_every_cited_equation_exists() -> None:
-    assert everything_cited() - defined(DOCUMENT) == set()
+@BOTH
+def test_every_cited_equation_exists(folder: Path) -> None:
+    assert everything_cited(folder) - set(numbered(document(folder))) == set()
 
 
-def test_every_equation_is_cited() -> None:
-    assert defined(DOCUMENT) - everything_cited() == set()
+@BOTH
+def test_every_equation_is_cited(folder: Path) -> None:
+    assert set(numbered(document(folder))) - everything_cited(folder) == set()
 
 
-def test_equations_are_numbered_in_order_and_once() -> None:
-    numbers = [(int(a), int(b)) for a, b in re.findall(rf"\\tag{{{NUMBER}}}", DOCUMENT)]
+@BOTH
+def test_equations_are_numbered_in_order_and_once(folder: Path) -> None:
+    numbers = numbered(document(folder))
     assert numbers == sorted(set(numbers))
-    for section in {a for a, _ in numbers}:
-        assert [b for a, b in numbers if a == section] == list(range(1, 1 + max(b for a, b in numbers if a == section)))
+    for section in {section for section, _ in numbers}:
+        mine = [number for of, number in numbers if of == section]
+        assert mine == list(range(1, 1 + len(mine)))
 
 
-@pytest.mark.parametrize("reference", sorted(set(re.findall(rf"\({NUMBER}\)", DOCUMENT))))
-def test_references_within_the_document_exist(reference: tuple[str, str]) -> None:
-    assert (int(reference[0]), int(reference[1])) in defined(DOCUMENT)
+@BOTH
+def test_references_within_the_documents_exist(folder: Path) -> None:
+    texts = [document(folder)] + ([(PACKAGE / "RIVALS.md").read_text(encoding="utf-8")] if folder == PACKAGE else [])
+    found = {(int(section), int(number)) for text in texts for section, number in re.findall(rf"\({NUMBER}\)", text)}
+    assert found - set(numbered(document(folder))) == set()

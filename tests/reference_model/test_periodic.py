@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from reference_model.equations import right_hand_side
 from reference_model.mechanism import PrescribedSpeed, TorqueDrive
-from reference_model.moving_model import MovingShapeModel
-from reference_model.moving_parameters import moving_workspace
+from reference_model.model import BeamModel
+from reference_model.motion.equations import evaluate, kernel
+from reference_model.motion.layout import MISSED
 from reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, floquet_multipliers, periodic_orbit
-from reference_model.section_map import with_fewer_modes
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 
 Array = NDArray[np.float64]
@@ -20,14 +19,14 @@ SPEED = 10.0 / 0.60176535  # rad/s
 INTEGRATION = 1e-9
 
 
-def straight(model: MovingShapeModel) -> Array:
-    crank = model.mechanism.crank
+def straight(model: BeamModel) -> Array:
+    crank = model.scene.crank
     return model.straight_state(crank.initial_angle, crank.drive.initial_speed)
 
 
-def distance(model: MovingShapeModel, orbit: PeriodicOrbit, state: Array) -> float:
+def distance(model: BeamModel, orbit: PeriodicOrbit, state: Array) -> float:
     """Largest difference of a state from the orbit's, in units of the largest values along the cycle; energies and turns do not count."""
-    n = model.modes
+    n = model.parameters.n
     along = model.integrate(orbit.state, orbit.period / 64, 64, INTEGRATION).states
     difference = np.abs(state - orbit.state)
     blocks = (slice(1, n + 1), slice(n + 1, n + 2), slice(n + 2, n + 3), slice(n + 3, 2 * n + 3))
@@ -35,16 +34,16 @@ def distance(model: MovingShapeModel, orbit: PeriodicOrbit, state: Array) -> flo
 
 
 @pytest.fixture(scope="module")
-def model() -> MovingShapeModel:
-    return MovingShapeModel(run_24(), 3)
+def model() -> BeamModel:
+    return BeamModel.following(run_24(), 3)
 
 
 @pytest.fixture(scope="module")
-def orbit(model: MovingShapeModel) -> PeriodicOrbit:
+def orbit(model: BeamModel) -> PeriodicOrbit:
     return periodic_orbit(model, straight(model), 1e-7, INTEGRATION)
 
 
-def test_the_orbit_repeats(model: MovingShapeModel, orbit: PeriodicOrbit) -> None:
+def test_the_orbit_repeats(model: BeamModel, orbit: PeriodicOrbit) -> None:
     after = model.integrate(orbit.state, orbit.period, 1, INTEGRATION).states[-1]
     assert after[0] - orbit.state[0] == pytest.approx(2.0 * math.pi, abs=1e-7)
     assert distance(model, orbit, after) < 1e-6  # ten times the tolerance of the search
@@ -52,14 +51,14 @@ def test_the_orbit_repeats(model: MovingShapeModel, orbit: PeriodicOrbit) -> Non
     assert orbit.stable
 
 
-def test_marching_arrives_at_the_orbit(model: MovingShapeModel, orbit: PeriodicOrbit) -> None:
+def test_marching_arrives_at_the_orbit(model: BeamModel, orbit: PeriodicOrbit) -> None:
     """60 cycles from the standard start: 0.778^60 = 3e-7 is left of the distance at the beginning."""
     state, step = straight(model), 0.0
     for _ in range(60):
         march = model.integrate(state, orbit.period, 1, INTEGRATION, step)
         state, step = march.states[-1], march.next_step
     # the march is not at the farthest place after a whole number of periods; the orbit is brought to the march's crank angle
-    crank = model.modes + 2
+    crank = model.parameters.n + 2
     goal = (state[0] - orbit.state[0]) % (2.0 * math.pi)
     ahead = goal / orbit.state[crank]
     for _ in range(5):  # Newton's method: the crank speed varies by some percent, its square five times is nothing
@@ -68,27 +67,27 @@ def test_marching_arrives_at_the_orbit(model: MovingShapeModel, orbit: PeriodicO
     assert distance(model, orbit, orbit.state + state - there) < 1e-6
 
 
-def test_known_multipliers(model: MovingShapeModel, orbit: PeriodicOrbit) -> None:
+def test_known_multipliers(model: BeamModel, orbit: PeriodicOrbit) -> None:
     """Of run 24, from another program with two modes and derivatives by the crank angle: 0.773, 0.750 twice, 0.18 twice."""
     assert orbit.period == pytest.approx(2.0 * math.pi / SPEED, rel=2e-3)  # the follower's damping costs 5e-4 of the speed
     whole = floquet_multipliers(model, orbit, INTEGRATION)
     np.testing.assert_allclose(np.abs(whole[:5]), [0.773, 0.750, 0.750, 0.18, 0.18], atol=8e-3)
 
 
-def test_slow_multipliers_are_those_of_the_whole_model(model: MovingShapeModel, orbit: PeriodicOrbit) -> None:
+def test_slow_multipliers_are_those_of_the_whole_model(model: BeamModel, orbit: PeriodicOrbit) -> None:
     whole = floquet_multipliers(model, orbit, INTEGRATION)
-    assert len(whole) == 2 * model.modes + 1
+    assert len(whole) == 2 * model.parameters.n + 1
     # the model of the slow modes is off by some 1e-3 in the motion, and so are its leading multipliers
     np.testing.assert_allclose(np.abs(whole[:3]), np.abs(orbit.multipliers[:3]), atol=5e-3)
     assert np.all(np.abs(whole[5:]) < 0.05)
 
 
-def test_phase_volume_shrinks_as_the_equations_say(model: MovingShapeModel, orbit: PeriodicOrbit) -> None:
+def test_phase_volume_shrinks_as_the_equations_say(model: BeamModel, orbit: PeriodicOrbit) -> None:
     """Liouville: the product of all multipliers is exp of the integral of the divergence along the orbit.
 
     The slider follows from the loop; its own feedback is kept out of the divergence by closing the loop anew for every disturbed state.
     """
-    two = MovingShapeModel(model.mechanism, 2)
+    two = BeamModel.following(model.scene, 2)
     found = periodic_orbit(two, straight(two), 1e-7, INTEGRATION)
     states = two.integrate(found.state, found.period / 200, 200, INTEGRATION).states[:-1]
     mean = np.mean([divergence(two, state) for state in states])  # of a periodic function: converges at once
@@ -98,40 +97,39 @@ def test_phase_volume_shrinks_as_the_equations_say(model: MovingShapeModel, orbi
     assert product.real == pytest.approx(math.exp(mean * found.period), rel=5e-3)
 
 
-def divergence(model: MovingShapeModel, state: Array) -> float:
-    n, workspace, p = model.modes, moving_workspace(model.parameters.tables, model.modes), model.parameters
+def divergence(model: BeamModel, state: Array) -> float:
+    n, (p, w) = model.parameters.n, model._at
     total = 0.0
     for i in (0, *range(1, n + 1), *range(n + 2, 2 * n + 3)):
         rates = []
         for sign in (1.0, -1.0):
             moved = state.copy()
             moved[i] += sign * 1e-6
-            for _ in range(20):  # the excess falls at least fivefold each time: the follower is nearly straight
+            for _ in range(20):  # what is missed falls at least fivefold each time: the follower is nearly straight
                 rate = np.empty_like(moved)
-                assert right_hand_side(p, workspace, moved, rate)
-                reach = math.hypot(p.LA * math.cos(moved[0]) - p.d, p.LA * math.sin(moved[0]))
-                moved[n + 1] -= float(np.hypot(workspace.z[p.tables.G], workspace.z[2 * p.tables.S + p.tables.G])) - reach
+                assert evaluate(kernel(), p.address, w.address, moved, rate)
+                moved[n + 1] += model.workspace.facts[MISSED]
             rates.append(rate[i])
         total += (rates[0] - rates[1]) / 2e-6
     return total
 
 
-def test_reversed_rotation_is_the_mirror_image(model: MovingShapeModel, orbit: PeriodicOrbit) -> None:
+def test_reversed_rotation_is_the_mirror_image(model: BeamModel, orbit: PeriodicOrbit) -> None:
     torque = 10.0 * POUND_FORCE * INCH
     drive = TorqueDrive(torque=-torque, damping=torque / SPEED, initial_speed=-SPEED)
-    mirrored = MovingShapeModel(run_24(crank={"drive": drive}), model.modes)
+    mirrored = BeamModel.following(run_24(crank={"drive": drive}), model.parameters.n)
     found = periodic_orbit(mirrored, straight(mirrored), 1e-7, INTEGRATION)
     assert found.state[0] == pytest.approx(-math.pi) or found.state[0] % (2.0 * math.pi) == pytest.approx(math.pi)
     assert found.period == pytest.approx(orbit.period, rel=1e-7)
-    n = model.modes
+    n = model.parameters.n
     image = found.state.copy()
     image[1 : n + 1] *= -1.0
     image[n + 2 :] *= -1.0
     assert distance(model, orbit, image) < 1e-6
 
 
-def test_a_prescribed_speed_gives_the_period(model: MovingShapeModel) -> None:
-    prescribed = MovingShapeModel(run_24(crank={"drive": PrescribedSpeed(speed=SPEED)}), model.modes)
+def test_a_prescribed_speed_gives_the_period(model: BeamModel) -> None:
+    prescribed = BeamModel.following(run_24(crank={"drive": PrescribedSpeed(speed=SPEED)}), model.parameters.n)
     found = periodic_orbit(prescribed, straight(prescribed), 1e-7, INTEGRATION)
     assert found.period == pytest.approx(2.0 * math.pi / SPEED, rel=1e-12)
     assert len(found.multipliers) == 4  # two slow modes, no crank
@@ -139,7 +137,7 @@ def test_a_prescribed_speed_gives_the_period(model: MovingShapeModel) -> None:
     assert distance(prescribed, found, after) < 1e-6
 
 
-def test_the_search_may_begin_anywhere(model: MovingShapeModel, orbit: PeriodicOrbit) -> None:
+def test_the_search_may_begin_anywhere(model: BeamModel, orbit: PeriodicOrbit) -> None:
     elsewhere = periodic_orbit(model, model.straight_state(0.4, 0.7 * SPEED), 1e-7, INTEGRATION)
     assert distance(model, orbit, elsewhere.state) < 1e-6
     assert elsewhere.period == pytest.approx(orbit.period, rel=1e-7)
@@ -152,21 +150,22 @@ def test_it_costs_less_than_marching_to_a_thousandth(orbit: PeriodicOrbit) -> No
 
 def test_no_steady_state_is_an_answer() -> None:
     """A tenth of the stiffness: the motion is chaotic, and no search finds it periodic; a crank at rest has no cycle."""
-    soft = MovingShapeModel(run_24(follower={"bending_stiffness": 0.1 * run_24().follower.bending_stiffness}), 3)
+    soft = BeamModel.following(run_24(follower={"bending_stiffness": 0.1 * run_24().follower.bending_stiffness}), 3)
     with pytest.raises(NoPeriodicOrbit, match=r"search|cycle|loop|integration"):
         periodic_orbit(soft, straight(soft), 1e-4, 1e-7)
     with pytest.raises(NoPeriodicOrbit, match="stands still"):
         periodic_orbit(soft, soft.straight_state(math.pi, 0.0))
 
 
-def test_fewer_modes_are_columns_of_the_same_tables(model: MovingShapeModel) -> None:
-    few, full = MovingShapeModel(model.mechanism, 2), with_fewer_modes(MovingShapeModel(model.mechanism, 5).parameters, 2)
+def test_fewer_modes_are_columns_of_the_same_tables(model: BeamModel) -> None:
+    few, full = BeamModel.following(run_24(), 2), BeamModel.following(run_24(), 5).with_fewer_shapes(2)
     state = few.straight_state(2.0, SPEED)
     state[1:3], state[5:7] = [0.01, -0.002], [0.3, 0.8]
     rates = []
-    for p in (few.parameters, full):
+    for each in (few, full):
         rate = np.empty_like(state)
-        assert right_hand_side(p, moving_workspace(p.tables, 2), state, rate)
+        p, w = each._at
+        assert evaluate(kernel(), p.address, w.address, state, rate)
         rates.append(rate)
     # 8 Gauss points in place of 5 and tables twice as fine change the accelerations by up to 6e-4
     np.testing.assert_allclose(rates[1], rates[0], rtol=2e-3)

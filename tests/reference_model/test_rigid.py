@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reference_model.dynamics import right_hand_side
 from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
-from reference_model.parameters import build_workspace
 from reference_model.rigid import rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
-from tests.reference_model.motion import Array, error, reference, rigid, run, thesis
+from tests.reference_model import beam_runs
+from tests.reference_model.beam_runs import staying
+from tests.reference_model.thesis_runs import Array, error, rigid, run, thesis
 
 STIFF = {"bending_stiffness": math.inf}
 
@@ -111,7 +111,7 @@ def test_kinetostatics_is_the_dynamics_read_backwards(prescribed: bool) -> None:
     if not prescribed:
         for row, y in enumerate(states):
             rate = np.empty_like(y)
-            right_hand_side(model.parameters, build_workspace(model.parameters.tables), y, rate)
+            assert model.right_hand_side(y, rate)
             acceleration[row] = rate[1]
     force, torque = rigid_kinetostatics(mechanism, columns["crank_angle"], columns["crank_speed"], acceleration)
     # closed forms on both sides: rounding
@@ -126,7 +126,7 @@ def test_stiffening_approaches_the_rigid_mechanism_at_first_order() -> None:
     deflections, distances = [], []
     for factor in (1e3, 1e4):
         mechanism = run_24(follower={"bending_stiffness": factor * stiffness, "damping": 50.0})  # damped: no ringing from the start
-        columns = run(thesis(mechanism), 0.2, 40, 1e-11, method="LSODA")[1]
+        columns = run(thesis(mechanism), 0.2, 40, 1e-11)[1]
         deflections.append(float(np.sqrt(np.mean(columns["tip_deflection"][5:] ** 2))))
         distances.append(error(columns["tip_y"], ideal["tip_y"]))
     # first-order ratio 10, up to a tenth for what the ringing leaves
@@ -140,22 +140,22 @@ def test_prescribed_speed_is_the_limit_of_a_heavy_flywheel() -> None:
     speed = 16.0
     crank = run_24().crank
     constant = dataclasses.replace(run_24(), crank=dataclasses.replace(crank, drive=PrescribedSpeed(speed=speed)))
-    expected = run(reference(constant, 6), 0.5, 250, 1e-9)[1]
+    expected = beam_runs.run(staying(constant, 6), 0.5, 250, 1e-9)[1]
     distances = []
     for inertia in (30.0, 300.0):
         drive = TorqueDrive(torque=0.0, damping=0.0, initial_speed=speed)
         heavy = dataclasses.replace(run_24(), crank=dataclasses.replace(crank, drive=drive, inertia=inertia))
-        distances.append(error(run(reference(heavy, 6), 0.5, 250, 1e-9)[1]["tip_deflection"], expected["tip_deflection"]))
+        distances.append(error(beam_runs.run(staying(heavy, 6), 0.5, 250, 1e-9)[1]["tip_deflection"], expected["tip_deflection"]))
     assert distances[0] / distances[1] == pytest.approx(10.0, rel=0.05)  # second order: the ratio of the inertias
     assert distances[1] < 1e-3
 
 
 def test_small_slider_mass_and_inertia_approach_none() -> None:
-    without = run(reference(run_24(), 6), 0.3, 60, 1e-10)[1]
+    without = beam_runs.run(staying(run_24(), 6), 0.3, 60, 1e-10)[1]
     for quantity, size in (("mass", 0.1), ("inertia", 1e-4)):
         distances = []
         for factor in (1.0, 0.1, 0.01):
-            columns = run(reference(run_24(slider={quantity: factor * size}), 6), 0.3, 60, 1e-10)[1]
+            columns = beam_runs.run(staying(run_24(slider={quantity: factor * size}), 6), 0.3, 60, 1e-10)[1]
             distances.append(error(columns["tip_deflection"], without["tip_deflection"]))
         assert distances[0] > 1e-5  # it acts
         assert distances[1] / distances[2] == pytest.approx(10.0, rel=0.05)  # in proportion
@@ -166,7 +166,7 @@ def test_gravity_sags_the_standing_follower_as_a_static_beam() -> None:
     crank = dataclasses.replace(run_24().crank, drive=PrescribedSpeed(speed=1e-9))
     g = 0.5  # m/s^2: small deflections
     mechanism = dataclasses.replace(run_24(gravity=(0.0, g), follower={"damping": 2.0}), crank=crank)
-    columns = run(reference(mechanism, 6), 8.0, 8, 1e-7)[1]
+    columns = beam_runs.run(staying(mechanism, 6), 8.0, 8, 1e-7)[1]
     beam, tip = mechanism.follower, mechanism.tip
     assert tip is not None
     s, L, q, P = mechanism.pivot_distance + crank.length, beam.length, beam.mass_per_length * g, tip.mass * g

@@ -7,8 +7,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_between, hermite_elements, no_shapes
-from reference_model.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables, cumulate, find_cell, partial_weights
+from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_between, hermite_elements, no_shapes, vibrating
+from reference_model.thesis import tables
+from reference_model.thesis.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables
 
 L = 0.7
 
@@ -101,8 +102,9 @@ def test_gauss_points_integrate_degree_eleven_over_a_cell(degree: int) -> None:
 @pytest.mark.parametrize("u", [-0.1, 0.0, 0.3, 0.77, 1.0, 1.2])
 def test_partial_weights_are_exact_to_degree_five(degree: int, u: float) -> None:
     length = 0.4
-    integral, value, slope = np.empty(POINTS), np.empty(POINTS), np.empty(POINTS)
-    partial_weights(u, length, integral, value, slope)
+    weights = np.empty((3, POINTS))
+    tables.partial_weights.py_func(u, length, weights)
+    integral, value, slope = weights
     samples = UNIT_POINTS**degree
     # rounding of the Lagrange coefficients, which reach 1e3
     assert integral @ samples == pytest.approx(length * u ** (degree + 1) / (degree + 1), abs=1e-13)
@@ -114,7 +116,7 @@ def test_partial_weights_are_exact_to_degree_five(degree: int, u: float) -> None
 def test_cumulated_integrals_equal_adaptive_quadrature() -> None:
     t = build_tables(no_shapes(L), 8)
     at_points, at_edges = np.empty_like(t.x), np.empty_like(t.edges)
-    cumulate(t.edges, np.sin(9.0 * t.x) ** 2, at_points, at_edges)
+    tables.cumulate.py_func(t.edges, np.sin(9.0 * t.x) ** 2, at_points, at_edges)
     for x, found in zip([*t.x[::7], *t.edges], [*at_points[::7], *at_edges], strict=True):
         # a ninth of a wave of sin^2 per cell: sixth-order interpolation errs by 1e-7
         assert found == pytest.approx(quad(lambda z: math.sin(9.0 * z) ** 2, 0.0, x, epsabs=1e-13)[0], abs=1e-7)
@@ -122,7 +124,7 @@ def test_cumulated_integrals_equal_adaptive_quadrature() -> None:
 
 def test_cells_are_found_at_their_edges_and_beyond() -> None:
     edges = np.array([0.0, 1.0, 3.0])
-    assert [find_cell(edges, x) for x in (-1.0, 0.0, 0.5, 1.0, 2.9, 3.0, 9.0)] == [0, 0, 0, 1, 1, 1, 1]
+    assert [tables.find_cell.py_func(edges, x) for x in (-1.0, 0.0, 0.5, 1.0, 2.9, 3.0, 9.0)] == [0, 0, 0, 1, 1, 1, 1]
 
 
 def test_hermite_elements_of_unequal_size_reproduce_a_cubic() -> None:
@@ -132,3 +134,17 @@ def test_hermite_elements_of_unequal_size_reproduce_a_cubic() -> None:
     eta = np.column_stack([cubic(nodes[1:]), cubic.deriv()(nodes[1:])]).ravel()
     x = np.linspace(0.0, L, 30)
     np.testing.assert_allclose(shapes.evaluate(x) @ eta, cubic(x), atol=1e-14)  # rounding
+
+
+@pytest.mark.parametrize("shapes", [clamped_free_modes(L, 5), hermite_elements(L, 3)], ids=["modes", "elements"])
+def test_vibrating_shapes_span_the_same_and_are_orthogonal(shapes: ShapeSet) -> None:
+    own, squares = vibrating(shapes, 0.4, 5.0)
+    np.testing.assert_allclose(0.4 * gram(own, 0), np.eye(own.count), atol=1e-9)
+    np.testing.assert_allclose(5.0 * gram(own, 2) / np.sqrt(np.outer(squares, squares)), np.eye(own.count), atol=1e-7)
+    x = np.linspace(0.0, L, 50)
+    there = own.evaluate(x)
+    combined = there @ np.linalg.lstsq(there, shapes.evaluate(x), rcond=None)[0]
+    np.testing.assert_allclose(combined, shapes.evaluate(x), atol=1e-9)
+    # the lowest is the clamped beam's first mode, from above
+    lowest = math.sqrt(5.0 / 0.4) * (wave_number(0) / L) ** 2
+    assert lowest <= math.sqrt(squares[0]) * (1.0 + 1e-12) < 1.001 * lowest

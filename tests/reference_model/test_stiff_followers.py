@@ -9,12 +9,11 @@ from scipy.integrate import quad
 from scipy.linalg import eigvalsh
 
 from engines.accurate import ESTIMATED, run_once
-from engines.pseudo_coordinate.reference import ReferenceEngine, ReferenceSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.start import standard_start
-from reference_model.equations import right_hand_side
 from reference_model.integrate import CEILING, REACHED_END
 from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.moving_model import MovingShapeModel
+from reference_model.model import BeamModel
 from reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
 from reference_model.rigid import deflection_scale, rigid_kinetostatics, rigid_motion, static_deflection
 from tests.engines.scenes import run_24
@@ -75,27 +74,27 @@ def test_errors_are_measured_against_a_hundredth_of_the_length_or_what_the_scene
 @pytest.mark.parametrize("modes", [1, 3, 6])
 def test_the_highest_frequency_is_bounded_closely(modes: int, driven: bool) -> None:
     scene = scene_of(1.0, driven=driven)
-    model = MovingShapeModel(scene, modes)
-    w, first = model._workspace, 0 if driven else 1
+    model = BeamModel.following(scene, modes)
+    w, first = model.workspace, 0 if driven else 1
     for angle in (2.0, 3.5, 6.0):
         y = model.straight_state(angle, SPEED)
         squares = (2.0 * math.pi * frozen_crank_modes(dataclasses.replace(scene), angle, modes).frequencies) ** 2
         mass = mass_matrix(model, y)[first:, first:]
         stiffness = np.diag([*([0.0] if driven else []), *squares])
         highest = math.sqrt(eigvalsh(stiffness, mass)[-1])
-        assert right_hand_side(model.parameters, w, y, np.empty_like(y))
+        assert model.can_move(y)
         # the tables keep six modes normalised to 2e-3; the ceiling leaves 4 % to the limit of stability
         assert highest * (1.0 - 2e-3) <= w.slider[1] < 1.1 * highest
 
 
-def mass_matrix(model: MovingShapeModel, y: np.ndarray) -> np.ndarray:
+def mass_matrix(model: BeamModel, y: np.ndarray) -> np.ndarray:
     """Of crank and modes, from the accelerations that unit torques and modal forces would cause: by kinetic energy, not by the solver."""
-    size = model.modes + 1
+    size = model.parameters.n + 1
     speeds = np.eye(size)
 
     def energy(rates: np.ndarray) -> float:
         state = y.copy()
-        state[model.modes + 2 : 2 * model.modes + 3] = rates
+        state[model.parameters.n + 2 : 2 * model.parameters.n + 3] = rates
         return float(model.observe(state[None])["kinetic_energy"][0])
 
     single = [energy(rates) for rates in speeds]
@@ -105,13 +104,13 @@ def mass_matrix(model: MovingShapeModel, y: np.ndarray) -> np.ndarray:
 def test_a_step_ends_where_the_integrator_would_stop_damping_the_highest_mode() -> None:
     """Without the ceiling steps creep beyond the limit of stability and are rejected: half as many evaluations again, and noise."""
     scene = scene_of(100.0)
-    model = MovingShapeModel(scene, 4)
+    model = BeamModel.following(scene, 4)
     y = model.straight_state(math.pi, SPEED)
     duration = 0.1
     result = model.integrate(y, duration, 1, 3e-7)
     assert result.status == REACHED_END
     model.can_move(result.states[-1])
-    longest = CEILING / model._workspace.slider[1]
+    longest = CEILING / model.workspace.slider[1]
     # twelve evaluations a step, some more for the first ones, which are short, and for showing the end
     assert result.calls == pytest.approx(12.0 * duration / longest, rel=0.15)
     assert result.next_step <= 1.2 * longest  # the frequency changes a little with the slider's place

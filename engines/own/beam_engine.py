@@ -1,0 +1,107 @@
+"""What the engines on the one beam share: description, start, preparation. An engine chooses shapes and treatment of the slider."""
+
+import time
+from abc import abstractmethod
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from engines.base import Engine, EngineFailure, ModelDescription
+from engines.own.simulation import OwnSimulation
+from engines.settings import Settings
+from engines.start import Start
+from engines.start_state import reconstruct
+from reference_model.mechanism import Mechanism
+from reference_model.model import BeamModel
+
+
+class BeamEngine(Engine):
+    """An engine whose model is a `BeamModel`."""
+
+    compiles = True
+    #: What the description says of the shapes behind their number.
+    kind_of_shapes = "shapes"
+
+    @abstractmethod
+    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+        """The model of a scene.
+
+        Raises:
+            Refusal: the scene has what this model cannot carry.
+        """
+
+    @abstractmethod
+    def shape_count(self, mechanism: Mechanism, settings: Settings) -> int:
+        """Number of shapes of a flexible follower."""
+
+    @abstractmethod
+    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+        """The slider's joint in one line, for the description."""
+
+    @abstractmethod
+    def tolerance(self, settings: Settings) -> float:
+        """Local error of the integration."""
+
+    def opens_loop(self, mechanism: Mechanism) -> bool:
+        """Whether the follower's angle is a coordinate of its own."""
+        return True
+
+    def version(self) -> str:
+        """The libraries that it computes with; equations and integrator are this project's own."""
+        return f"numpy {np.__version__}, scipy {scipy.__version__}"
+
+    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+        """Bodies and joints that have terms in the equations."""
+        self.check(mechanism)
+        n = 0 if mechanism.follower.is_rigid else self.shape_count(mechanism, settings)
+        free = n + (1 if mechanism.crank_is_free else 0) + (1 if self.opens_loop(mechanism) else 0)
+        joints = joints_of(mechanism, self.joint_line(mechanism, settings))
+        return ModelDescription(bodies_of(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid"), joints, free)
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> OwnSimulation:
+        """See `engines.base.Engine.prepare`."""
+        self.check(mechanism)
+        began = time.perf_counter()
+        model = self.model(mechanism, settings)
+        state = state_of(model, mechanism, start)
+        if model.closes_loop and not model.can_move(state):
+            raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
+        return OwnSimulation(model, state, self.tolerance(settings), time.perf_counter() - began)
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+        """Of the discretized model."""
+        self.check(mechanism)
+        return self.model(mechanism, settings).natural_frequencies(crank_angle, count)
+
+
+def bodies_of(mechanism: Mechanism, beam: str) -> tuple[str, ...]:
+    """Bodies that have terms in the equations; the beam is described by a word or two."""
+    slider = mechanism.slider
+    bodies = {
+        "crank": True,
+        f"follower beam ({beam})": True,
+        "base block": mechanism.base.inertia > 0.0,
+        "tip body": mechanism.tip is not None,
+        "slider mass": slider.mass > 0.0,
+        "slider rotary inertia": slider.inertia > 0.0,
+    }
+    return tuple(name for name, there in bodies.items() if there)
+
+
+def joints_of(mechanism: Mechanism, slider: str) -> tuple[str, ...]:
+    """Joints; the slider's is described by a line."""
+    return "crank pivot" if mechanism.crank_is_free else "crank pivot (speed prescribed)", "follower pivot", slider
+
+
+def state_of(model: BeamModel, mechanism: Mechanism, start: Start) -> NDArray[np.float64]:
+    """The model's state closest to a start."""
+    straight = start.deflection is None and start.deflection_rate is None
+    if straight or mechanism.follower.is_rigid:
+        return model.straight_state(start.crank_angle, start.crank_speed)
+    bent = reconstruct(mechanism, start)
+    x = np.linspace(0.0, mechanism.follower.length, 32 * (model.shapes + 2) + 1)
+    angle = bent.tangent(x) - bent.follower_angle
+    rate = bent.tangent_rate(x) - bent.follower_rate
+    slider = (bent.slider_position, bent.slider_speed)
+    return model.bent_state(start.crank_angle, start.crank_speed, slider, x, angle, rate)

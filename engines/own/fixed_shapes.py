@@ -1,0 +1,124 @@
+"""The engine `fixed-shapes`: the thesis' method with more fixed shapes, the slider eliminated: what shapes that follow are worth."""
+
+import time
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import Comparison, ModelDescription, Refusal
+from engines.follower import FollowerEngine, parts
+from engines.own.simulation import OwnSimulation
+from engines.own.staying_shapes import LADDER, ShapeSettings, StayingShapesEngine, fewer_shapes, shapes_of
+from engines.settings import Settings, own, setting
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from reference_model.model import BeamModel
+from reference_model.rigid import rigid_motion
+from reference_model.shapes import hermite_between
+from reference_model.thesis.frequencies import shape_frequencies
+
+_BOTH: Final = "both components"
+
+
+@dataclass(frozen=True, kw_only=True)
+class FixedShapesSettings(ShapeSettings):
+    """Settings of `fixed-shapes`."""
+
+    shapes: int = setting(16, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
+    tolerance: float = setting(1e-8, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
+    damping_law: str = setting(_BOTH, "velocity relative to the base frame that the beam damping acts on", choices=(_BOTH, "transverse"))
+
+
+class FixedShapesEngine(StayingShapesEngine):
+    """How the thesis would have gone on (section 5.5): more fixed shapes, exact planar geometry, equilibrium recovery."""
+
+    name = "fixed-shapes"
+    method = "pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853"
+    default_accuracy = 1e-3
+    settings_type = FixedShapesSettings
+
+    def opens_loop(self, mechanism: Mechanism) -> bool:
+        """The slider's place is eliminated."""
+        return False
+
+    def check(self, mechanism: Mechanism) -> None:
+        """Refuse a compliant slider joint: the loop is closed exactly."""
+        self.refuse_compliance(mechanism, "loop")
+
+    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+        """See `BeamEngine.model`."""
+        chosen = own(FixedShapesSettings, settings)
+        shapes = shapes_of(mechanism.follower, chosen)
+        if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
+            raise Refusal(
+                f"slider.inertia: {mechanism.slider.inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia"
+                " needs shapes with continuous curvature, clamped-free modes or one Hermite element"
+            )
+        return BeamModel.staying(mechanism, shapes, transverse_damping=chosen.damping_law != _BOTH)
+
+    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+        """No joint force at all."""
+        return "slider on the centre line (eliminated)"
+
+    def settings_for(self, accuracy: float, mechanism: Scene) -> FixedShapesSettings:
+        """Number of shapes from the measured table."""
+        shapes, tolerance, _ = next((rung for rung in LADDER if rung[-1] <= accuracy), LADDER[-1])
+        return FixedShapesSettings(shapes=shapes, tolerance=tolerance)
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+        """Converged: Hermite elements with a node at the slider, doubled until no frequency changes by more than 1e-6 of itself."""
+        if mechanism.follower.is_rigid:
+            return np.zeros(0)
+        self.check(mechanism)
+        support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
+        elements, last = max(8, count), np.full(count, np.inf)
+        while True:
+            shapes = hermite_between(_nodes(mechanism.follower.length, support, elements))
+            found = shape_frequencies(mechanism, shapes, support, count)
+            # elements of third degree: the error falls 16-fold at each doubling
+            if elements > 16 * count or np.all(np.abs(found - last) < 1e-6 * found):
+                return found
+            elements, last = 2 * elements, found
+
+    def follower_alone(self) -> "FixedShapesAlone":
+        """The same beam on a base that turns as prescribed."""
+        return FixedShapesAlone(self)
+
+
+class FixedShapesAlone(FollowerEngine):
+    """The follower alone in the engine's shapes."""
+
+    def __init__(self, engine: FixedShapesEngine) -> None:
+        super().__init__(engine)
+        self._engine = engine
+
+    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+        """Bodies and joints that have terms in the equations."""
+        n = shapes_of(scene.follower, own(ShapeSettings, settings)).count
+        return ModelDescription(*parts(scene, f"follower beam ({n} shapes)"), n)
+
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> Settings:
+        """The engine's table: shapes converge faster without a slider."""
+        return self._engine.settings_for(accuracy, scene)
+
+    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+        """Fewer shapes, as with the mechanism: the estimate is too large rather than too small."""
+        chosen = own(ShapeSettings, settings)
+        shapes, factor = fewer_shapes(chosen.shapes, chosen.family)
+        return (Comparison(chosen, chosen.replaced(shapes=shapes), factor),)
+
+    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> OwnSimulation:
+        """See `FollowerEngine.prepare`."""
+        began, chosen = time.perf_counter(), own(FixedShapesSettings, settings)
+        model = BeamModel.alone(scene, shapes_of(scene.follower, chosen), transverse_damping=chosen.damping_law != _BOTH)
+        return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)
+
+
+def _nodes(length: float, support: float, elements: int) -> NDArray[np.float64]:
+    """Nodes of about `elements` elements, one node at the support, where the moment has a kink."""
+    inboard = max(1, round(elements * support / length))
+    outboard = max(1, elements - inboard) if length - support > 1e-6 * length else 0
+    if not outboard:
+        return np.linspace(0.0, length, inboard + 1)
+    return np.concatenate([np.linspace(0.0, support, inboard + 1), np.linspace(support, length, outboard + 1)[1:]])

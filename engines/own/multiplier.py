@@ -1,0 +1,48 @@
+"""The engine `multiplier`: the slider's constraint by a Lagrange multiplier (Beale and Scott; Lanczos)."""
+
+from dataclasses import dataclass
+
+from engines.own.staying_shapes import LADDER, RivalEngine, ShapeSettings, shapes_of
+from engines.settings import Settings, own, setting
+from reference_model.mechanism import Mechanism
+from reference_model.model import BeamModel
+from reference_model.motion.layout import MULTIPLIER
+from reference_model.motion.parameters import Treatment
+
+
+@dataclass(frozen=True, kw_only=True)
+class MultiplierSettings(ShapeSettings):
+    """Settings of `multiplier`."""
+
+    stabilization: float = setting(
+        100.0, "rate at which a gap decays (Baumgarte, critically damped); 0 shows the drift", unit="1/s", low=0.0, high=1e4
+    )
+
+
+class MultiplierEngine(RivalEngine):
+    """Index-1 form with stabilization: the beam of `fixed-shapes`, one coordinate and one multiplier more."""
+
+    name = "multiplier"
+    method = "Lagrange multiplier at the slider, index-1 form stabilized, fixed shapes, exact planar geometry, DOP853"
+    default_accuracy = 3e-3
+    settings_type = MultiplierSettings
+
+    def check(self, mechanism: Mechanism) -> None:
+        """Refuse a compliant joint besides what no rival can do."""
+        super().check(mechanism)
+        self.refuse_compliance(mechanism, "gap")
+
+    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+        """See `BeamEngine.model`."""
+        chosen = own(MultiplierSettings, settings)
+        treatment = Treatment(kind=MULTIPLIER, stabilization=chosen.stabilization)
+        return BeamModel.staying(mechanism, shapes_of(mechanism.follower, chosen), treatment)
+
+    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+        """One multiplier."""
+        return "slider on the centre line (Lagrange multiplier)"
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> MultiplierSettings:
+        """Number of shapes from the measured table."""
+        shapes, tolerance, _ = next((rung for rung in LADDER if rung[-1] <= accuracy), LADDER[-1])
+        return MultiplierSettings(shapes=shapes, tolerance=tolerance)

@@ -1,0 +1,106 @@
+"""A running simulation of one of the own models."""
+
+import time
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import EngineFailure, Simulation
+from engines.start import Start
+from engines.trajectory import FollowerTrajectory, Trajectory
+from reference_model import integrate
+from reference_model.columns import JOINT_COLUMNS
+from reference_model.mechanism import FollowerAlone
+from reference_model.model import BeamModel, ObservationFailed
+from reference_model.motion.layout import LEVER
+from reference_model.thesis.model import ThesisModel
+
+Array = NDArray[np.float64]
+
+_CAUSES: Final = {
+    integrate.LEFT_FOLLOWER: ("the slider has left the follower's end", "try a slower crank, a stiffer or longer follower"),
+    integrate.STEP_TOO_SMALL: (
+        "the step size fell below 1e-13 s",
+        "check the scene; the follower may be bent beyond what its shapes describe",
+    ),
+    integrate.TOO_MANY_CALLS: ("the limit of right-hand side evaluations is reached", "try fewer shapes or a looser engine.tolerance"),
+    integrate.NOT_A_NUMBER: ("the loop cannot close any more", "check the scene; the follower may be bent beyond what its shapes describe"),
+}
+_LOST_HOLD: Final = (
+    "the force on the nodes has lost its hold on the gap at the slider, no step size gets past that",
+    'try four or more engine.elements, or engine.distribution="consistent"',
+)
+
+
+class OwnSimulation(Simulation):
+    """Advances the state vector of a model.
+
+    Statistics of a trajectory: `right_hand_side_calls`, `integration_seconds`; of an open loop also `degrees_of_freedom` (coordinates
+    integrated), `largest_gap_rate` (m/s), and where
+    the slider's force is not conjugate to the motion `spurious_energy` (J, its work on crank and follower together, which an ideal
+    joint does not do), `spurious_energy_moved` (J, the same without regard to its sign) and `largest_spurious_power` (W).
+    """
+
+    def __init__(self, model: BeamModel | ThesisModel, state: Array, tolerance: float, setup_seconds: float) -> None:
+        self.setup_seconds = setup_seconds
+        self.time = 0.0
+        self.model = model
+        self.state = state
+        self.tolerance = tolerance
+        self._step = 0.0
+
+    def present_start(self) -> Start:
+        """The present state as a start for any engine.
+
+        Raises:
+            TypeError: the thesis' model, whose shapes are too few to begin another engine with.
+        """
+        if not isinstance(self.model, BeamModel):
+            raise TypeError("only a model in the tangent's angle gives a start")
+        deflection, rate = self.model.deflection(self.state)
+        return Start(float(self.state[0]), float(self.state[self.model.parameters.speeds + 1]), deflection, rate)
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        """See `engines.base.Simulation.advance`."""
+        intervals = round(duration / output_step)
+        began = time.perf_counter()
+        result = self.model.integrate(self.state, output_step, intervals, self.tolerance, self._step)
+        integrated = time.perf_counter()
+        states, known = result.states, result.end_time
+        try:
+            columns = self.model.observe(states)
+        except ObservationFailed as failure:
+            states, known = states[: failure.row], output_step * max(failure.row - 1, 0)
+            columns = self.model.observe(states)
+        statistics = {"right_hand_side_calls": float(result.calls), "integration_seconds": integrated - began}
+        statistics |= self._of_joint({name: columns.pop(name) for name in JOINT_COLUMNS if name in columns}, states, output_step)
+        columns["time"] = self.time + output_step * np.arange(len(states), dtype=np.float64)
+        kind = FollowerTrajectory if isinstance(self.model.scene, FollowerAlone) else Trajectory
+        trajectory = kind(columns, time.perf_counter() - began, statistics)
+        if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
+            cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
+            if self._is_lever and result.status != integrate.LEFT_FOLLOWER:
+                cause, advice = _LOST_HOLD
+            raise EngineFailure(self.time + known, cause, advice, trajectory if len(trajectory) else None)
+        self.state, self._step = result.states[-1], result.next_step
+        self.time += duration
+        return trajectory
+
+    @property
+    def _is_lever(self) -> bool:
+        return isinstance(self.model, BeamModel) and self.model.parameters.treatment == LEVER
+
+    def _of_joint(self, joint: dict[str, Array], states: Array, output_step: float) -> dict[str, float]:
+        if not joint:
+            return {}
+        statistics = {
+            "degrees_of_freedom": float(self.model.degrees_of_freedom),
+            "largest_gap_rate": float(np.max(np.abs(joint["gap_rate"]), initial=0.0)),
+        }
+        if self._is_lever and len(states):
+            power = joint["joint_power"]
+            statistics["spurious_energy"] = float(states[-1, -1] - states[0, -1])
+            statistics["spurious_energy_moved"] = float(np.trapezoid(np.abs(power), dx=output_step))
+            statistics["largest_spurious_power"] = float(np.max(np.abs(power)))
+        return statistics

@@ -1,0 +1,164 @@
+"""The engine `thesis`: the model as published, one cubic with second-order foreshortening, integrated by LSODA."""
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal
+from engines.follower import FollowerEngine, parts
+from engines.own.beam_engine import bodies_of, joints_of
+from engines.own.simulation import OwnSimulation
+from engines.settings import Settings, own, setting
+from engines.start import Start
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from reference_model.rigid import rigid_motion
+from reference_model.shapes import hermite_elements, no_shapes
+from reference_model.thesis.frequencies import shape_frequencies
+from reference_model.thesis.model import ThesisModel
+from reference_model.thesis.parameters import UnsuitableShapes
+
+#: LSODA tolerance for an error of the tip deflection, run 24 over 2 s: tolerances 1e-4, 1e-5, 1e-6, 1e-7 gave errors 6.6e-4, 9.4e-5,
+#: 1.7e-5, 2.6e-6. The factor keeps the scatter from cycle to cycle far below what counts as settled (at 3e-5 a third of the runs
+#: never settled).
+THESIS_TOLERANCE_PER_ERROR: Final = 1e-4
+#: Ratio of the errors of runs whose tolerances are a decade apart, from the same figures.
+THESIS_ERROR_PER_DECADE: Final = 6.0
+#: The loosest tolerance accepted.
+LOOSEST: Final = 1e-2
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThesisSettings(Settings):
+    """Settings of `thesis`."""
+
+    tolerance: float = setting(1e-6, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=LOOSEST)
+    elements: int = setting(1, "cubic Hermite elements; 1 is the thesis", low=1, high=12)
+    geometry: str = setting("second-order", "foreshortening as in the thesis, or exact", choices=("second-order", "exact"))
+
+
+class ThesisEngine(Engine):
+    """The thesis' model as published. Its discretization is the model: accuracy asked and error estimate are the integration's."""
+
+    name = "thesis"
+    method = "pseudo-coordinate at the coupler, one cubic, second-order foreshortening, LSODA (the thesis as published)"
+    default_accuracy = 1e-3
+    estimates = "integration"
+    settings_type = ThesisSettings
+    compiles = True
+
+    def version(self) -> str:
+        """The integrator's library; the equations are this project's own."""
+        return f"scipy {scipy.__version__}"
+
+    def check(self, mechanism: Mechanism) -> None:
+        """Refuse a compliant slider joint: the loop is closed exactly."""
+        slider = mechanism.slider
+        if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
+            raise Refusal(
+                f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
+                f' modelled by {self.name}, which closes the loop exactly; accepted: "inf" and "0 N*s/m"'
+            )
+
+    def model(self, mechanism: Mechanism, settings: Settings) -> ThesisModel:
+        """The thesis' model of a scene.
+
+        Raises:
+            Refusal: the scene has what this model or these shapes cannot carry.
+        """
+        self.check(mechanism)
+        chosen, length = own(ThesisSettings, settings), mechanism.follower.length
+        shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, chosen.elements)
+        try:
+            return ThesisModel(mechanism, shapes, chosen.geometry == "exact")
+        except UnsuitableShapes as error:
+            raise Refusal(f"slider.inertia: {mechanism.slider.inertia:g} kg*m^2 is not accepted with these settings: {error}") from None
+
+    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+        """Bodies and joints that have terms in the equations."""
+        model = self.model(mechanism, settings)
+        bodies = bodies_of(mechanism, f"{model.shapes.count} shapes" if model.shapes.count else "rigid")
+        return ModelDescription(bodies, joints_of(mechanism, "slider on the centre line (eliminated)"), model.degrees_of_freedom)
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> OwnSimulation:
+        """See `engines.base.Engine.prepare`."""
+        began = time.perf_counter()
+        model = self.model(mechanism, settings)
+        points = model.projection_points()
+        coordinates = [
+            None if field is None else model.project_deflection(field(points, 0), field(points, 1))
+            for field in (start.deflection, start.deflection_rate)
+        ]
+        state = model.initial_state(start.crank_angle, start.crank_speed, *coordinates)
+        if not model.can_move(state):
+            raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
+        return OwnSimulation(model, state, own(ThesisSettings, settings).tolerance, time.perf_counter() - began)
+
+    def settings_for(self, accuracy: float, mechanism: Scene) -> ThesisSettings:
+        """Integration tolerance for an error against the model's own equations."""
+        return ThesisSettings(tolerance=accuracy * THESIS_TOLERANCE_PER_ERROR)
+
+    def ladder(self, mechanism: Mechanism) -> tuple[ThesisSettings, ...]:
+        """A coarse and a fine tolerance: what is wrong with this model is not its integration."""
+        return tuple(self.settings_for(accuracy, mechanism) for accuracy in (1e-2, 1e-3))
+
+    def comparisons(self, settings: Settings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+        """Ten times the tolerance, or a tenth of one that leaves no more."""
+        return _compared(own(ThesisSettings, settings))
+
+    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> ThesisSettings | None:
+        """A tenth of the tolerance."""
+        chosen = own(ThesisSettings, settings)
+        return chosen.replaced(tolerance=0.1 * chosen.tolerance) if chosen.tolerance > 1e-11 else None
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+        """Of the cubic elements: two per element."""
+        if mechanism.follower.is_rigid:
+            return np.zeros(0)
+        self.check(mechanism)
+        support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
+        return shape_frequencies(
+            mechanism, hermite_elements(mechanism.follower.length, own(ThesisSettings, settings).elements), support, count
+        )
+
+    def follower_alone(self) -> "ThesisAlone":
+        """The same beam on a base that turns as prescribed."""
+        return ThesisAlone(self)
+
+
+class ThesisAlone(FollowerEngine):
+    """The follower alone in the engine's shapes."""
+
+    def __init__(self, engine: ThesisEngine) -> None:
+        super().__init__(engine)
+        self._engine = engine
+
+    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+        """Bodies and joints that have terms in the equations."""
+        n = 2 * own(ThesisSettings, settings).elements
+        return ModelDescription(*parts(scene, f"follower beam ({n} shapes)"), n)
+
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> Settings:
+        """The integration's tolerance, as with the mechanism."""
+        return self._engine.settings_for(accuracy, scene)
+
+    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+        """As with the mechanism."""
+        return _compared(own(ThesisSettings, settings))
+
+    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> OwnSimulation:
+        """See `FollowerEngine.prepare`."""
+        began, chosen = time.perf_counter(), own(ThesisSettings, settings)
+        model = ThesisModel(scene, hermite_elements(scene.follower.length, chosen.elements), chosen.geometry == "exact")
+        return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)
+
+
+def _compared(chosen: ThesisSettings) -> tuple[Comparison, ...]:
+    """Ten times the tolerance, or a tenth of one that leaves no more; the error factor is measured."""
+    if chosen.tolerance > 0.1 * LOOSEST:
+        return (Comparison(chosen, chosen.replaced(tolerance=0.1 * chosen.tolerance), 1.0 / THESIS_ERROR_PER_DECADE),)
+    return (Comparison(chosen, chosen.replaced(tolerance=10.0 * chosen.tolerance), THESIS_ERROR_PER_DECADE),)

@@ -1,1 +1,0 @@
-"""Engines `thesis`, `fixed-shapes` and `reference`: the explicit models of `reference_model` behind the engine interface."""

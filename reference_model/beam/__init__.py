@@ -1,0 +1,1 @@
+"""Shapes of the follower's tangent angle, and their tables for compiled code."""

@@ -1,0 +1,108 @@
+"""Shapes that follow the slider: modes of the follower supported at the slider's arc length, as smooth functions of that place.
+
+For each place s the beam has the base block at P (pinned), a support at s, and the tip body at its free end; its natural modes W_i
+come from `natural_modes`. The shape is the tangent's angle relative to the base, psi_i = W_i' - W_i'(0) (DERIVATION.md,
+equations 2.7 and 2.8).
+"""
+
+import dataclasses
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev, legendre
+from numpy.typing import NDArray
+
+from reference_model.mechanism import Mechanism, Slider
+from reference_model.natural_modes import supported_modes
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ModeFamily:
+    """psi_i(x; s) and omega_i^2(s) over a range of s, as Chebyshev series in s of Legendre series in x on both spans.
+
+    Attributes:
+        low, high: range of s, m.
+        length: L, m.
+        squares: Chebyshev coefficients of omega_i^2, shape (terms, n).
+        coefficients: Chebyshev coefficients of the Legendre coefficients, shape (terms, 2, degree, n).
+    """
+
+    low: float
+    high: float
+    length: float
+    squares: Array
+    coefficients: Array
+
+    def squares_at(self, s: Array, derivative: int = 0) -> Array:
+        """omega_i^2 or its derivative by s at places s (k,), shape (k, n)."""
+        return self._series(self.squares, s, derivative)
+
+    def shapes_at(self, s: Array, u: Array, span: int) -> tuple[Array, Array, Array, Array]:
+        """psi, its derivatives by s (twice, at fixed x, equation 2.9) and by x, at the fractions u (p,) of a span; each (k, p, n).
+
+        Args:
+            s: support places, m, shape (k,).
+            u: fractions of the span's length, 0 to 1.
+            span: 0 from the base to the support, 1 from there to the end.
+        """
+        h = (s if span == 0 else self.length - s)[:, None, None]
+        slope_of_h = 1.0 if span == 0 else -1.0
+        a = (u if span == 0 else 1.0 - u)[None, :, None]  # derivative of x by s at fixed u
+        legendre_of = [self._series(self.coefficients[:, span], s, order) for order in range(3)]
+        vander = [
+            legendre.legvander(2.0 * u - 1.0, self.coefficients.shape[2] - 1) @ _derivative_matrix(self.coefficients.shape[2], m) * 2.0**m
+            for m in range(3)
+        ]
+
+        def field(by_s: int, by_u: int) -> Array:
+            return np.einsum("pd,kdn->kpn", vander[by_u], legendre_of[by_s])
+
+        psi_x = field(0, 1) / h
+        psi_s = field(1, 0) - a * psi_x
+        psi_x_by_s = field(1, 1) / h - field(0, 1) * slope_of_h / h**2
+        psi_s_by_u = field(1, 1) - slope_of_h * psi_x - a * field(0, 2) / h
+        psi_ss = field(2, 0) - a * psi_x_by_s - a * psi_s_by_u / h
+        return field(0, 0), psi_s, psi_ss, psi_x
+
+    def at_slider(self, s: Array, derivative: int) -> Array:
+        """psi_i(s; s) or its derivative along the moving slider, shape (k, n): the first span's series at its end, all terms 1."""
+        return self._series(self.coefficients[:, 0].sum(axis=1), s, derivative)
+
+    def _series(self, coefficients: Array, s: Array, derivative: int) -> Array:
+        scaled = (2.0 * s - self.low - self.high) / (self.high - self.low)
+        series = chebyshev.chebder(coefficients, derivative) * (2.0 / (self.high - self.low)) ** derivative if derivative else coefficients
+        return np.tensordot(chebyshev.chebvander(scaled, len(series) - 1), series, axes=1)
+
+
+def _derivative_matrix(degree: int, order: int) -> Array:
+    """Matrix that differentiates Legendre coefficients `order` times, acting on columns."""
+    matrix = np.eye(degree)
+    for _ in range(order):
+        matrix = np.pad(legendre.legder(matrix), ((0, 1), (0, 0)))
+    return matrix
+
+
+def mode_family(mechanism: Mechanism, modes: int, low: float, high: float, terms: int) -> ModeFamily:
+    """The family over low <= s <= high (m), interpolated at `terms` Chebyshev points; signs are continued from one to the next.
+
+    The modes are those without the slider's own inertia and with a rigid joint, so that curvature is continuous at the slider.
+    """
+    bare = dataclasses.replace(mechanism, slider=Slider())
+    nodes = chebyshev.chebpts1(terms)
+    places = 0.5 * (low + high) + 0.5 * (high - low) * nodes
+    found = [supported_modes(bare, float(s), modes) for s in places]
+    angles = []
+    for mode in found:
+        series = np.stack(mode.slope_series())
+        series[:, 0, :] -= (-1.0) ** np.arange(series.shape[1]) @ series[0]  # the slope at P
+        angles.append(series)
+    for before, after in itertools.pairwise(angles):
+        after[:, :, np.einsum("xdn,xdn->n", before, after) < 0.0] *= -1.0
+    # discrete orthogonality of the Chebyshev polynomials at these points
+    transform = chebyshev.chebvander(nodes, terms - 1).T * (2.0 / terms)
+    transform[0] *= 0.5
+    squares = transform @ np.array([(2.0 * np.pi * mode.frequencies) ** 2 for mode in found])
+    return ModeFamily(low, high, mechanism.follower.length, squares, np.tensordot(transform, np.array(angles), axes=1))

@@ -1,0 +1,232 @@
+"""The equations of motion: treatments of the slider, solution, and the one compiled kernel (DERIVATION.md, section 5).
+
+State vector (equation 5.8): the coordinates q1, eta (n) and with an open loop q2; the slider's arc length s; the speeds in the same
+order; dissipated energy, work of the drive, and with an open loop the work that the slider's force does on crank and follower together.
+The slider's arc length is carried along as a state of its own, which spares an iteration in every evaluation; a weak feedback keeps it
+on the loop. Where the base's motion is prescribed, time takes the place of q1 (equation 11.4).
+"""
+
+import math
+from functools import cache
+from typing import Any, Final
+
+import numba
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from reference_model.compilation import KERNEL, compiled, inlined, stage
+from reference_model.motion.address import call_equations, numbers_at
+from reference_model.motion.fields import place
+from reference_model.motion.inertia import (
+    assemble,
+    dissipation,
+    drive_torque,
+    highest_frequency,
+    moment_about_pivot,
+    partial_velocities,
+    relative_velocities,
+    remaining_accelerations,
+    slider_force,
+)
+from reference_model.motion.layout import (
+    ACROSS,
+    ALONG,
+    BASE,
+    COS_Q2,
+    ELIMINATED,
+    FORCE,
+    GAP,
+    GAP_RATE,
+    GAP_REMAINDER,
+    MISSED,
+    Q2_RATE,
+    Q2_REMAINDER,
+    S_RATE,
+    S_REMAINDER,
+    SIN_Q2,
+    SPRING,
+    Parameters,
+    Tables,
+    Workspace,
+    parameters_at,
+    workspace_at,
+)
+from reference_model.motion.loop import accelerate_loop, joint_power, move_loop, remaining_places, share_force
+from reference_model.motion.observe import WIDTH, observe
+from reference_model.spin_up import base_motion
+
+Array = NDArray[np.float64]
+
+#: Rate (1/s) at which a slider that has left the foot of the crank tip comes back to it.
+FEEDBACK: Final = 100.0
+
+
+@inlined
+def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
+    """Partial velocities, remaining accelerations, and the accelerations of the speeds: equations 2.1 to 5.3, everything left in `w`.
+
+    Returns:
+        The slider's place among the points; -1 where the state cannot be: outside the tables, bent too far, or a singular loop.
+    """
+    s = y[p.speeds]
+    if p.n == 0 and p.treatment == ELIMINATED:  # of a straight follower the place is known exactly
+        s = math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
+    if not (t.low <= s <= t.high and abs(y[0]) < 1e9):
+        return -1
+    w.slider[0] = s
+    at = place(p, t, w, y, s)
+    if at < 0:
+        return -1
+    if p.treatment == BASE:
+        _turn_base(p, t, w, y)
+    elif move_loop(p, t, w, y, at):
+        accelerate_loop(p, t, w, y, at)
+    else:
+        return -1
+    relative_velocities(p, t, w, y)
+    partial_velocities(p, t, w, at)
+    remaining_accelerations(p, t, w, y)
+    assemble(p, t, w, y)
+    w.slider[1] = highest_frequency(p, t, w)
+    return at if _solve(p, t, w, at) else -1
+
+
+@inlined
+def _turn_base(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+    """The base's prescribed motion in place of the loop (equation 11.3)."""
+    f = w.facts
+    angle, f[Q2_RATE], f[Q2_REMAINDER] = base_motion(p.base_speed, p.base_time, y[0])
+    f[COS_Q2], f[SIN_Q2], f[ALONG], f[ACROSS] = math.cos(angle), math.sin(angle), 0.0, 0.0
+    f[S_RATE] = f[S_REMAINDER] = f[MISSED] = 0.0
+    remaining_places(p, t, w, y)
+
+
+@inlined
+def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
+    """Accelerations and, where the loop is open, the slider's force (equations 5.1 to 5.3)."""
+    m, first, f = p.speeds, p.first, w.facts
+    if not _factor(w.reduced, first, m):
+        return False
+    if first == 1:
+        w.acceleration[0] = 0.0
+    if p.treatment in (ELIMINATED, BASE):
+        _substitute(w.reduced, w.acceleration, first, m)
+        return True
+    share_force(p, t, w, at)
+    for k in range(m):
+        w.response[k] = w.spread[k]
+    _substitute(w.reduced, w.acceleration, first, m)
+    _substitute(w.reduced, w.response, first, m)
+    # the gap's second derivative without the slider's force, and what a unit of that takes off
+    free, compliance = f[GAP_REMAINDER], 0.0
+    for k in range(first, m):
+        free += w.row_of_gap[k] * w.acceleration[k]
+        compliance += w.row_of_gap[k] * w.response[k]
+    if p.treatment == SPRING:
+        force = p.joint_stiffness * f[GAP] + p.joint_damping * f[GAP_RATE] + p.joint_inertia * free
+        f[FORCE] = force / (1.0 + p.joint_inertia * compliance)
+    else:
+        # a force on the nodes may lose its hold on the gap; where force and motion are conjugate this is a sum of squares
+        if not compliance > 0.0:
+            return False
+        f[FORCE] = (free + p.stabilization * (2.0 * f[GAP_RATE] + p.stabilization * f[GAP])) / compliance
+    for k in range(first, m):
+        w.acceleration[k] -= f[FORCE] * w.response[k]
+    return True
+
+
+@stage
+def _factor(A: Array, first: int, size: int) -> bool:
+    """A = L D L^T without roots, in place, for rows and columns from `first` on; False if A (lower triangle) is not positive definite.
+
+    The reciprocals of D replace the diagonal, L D the rest.
+    """
+    for i in range(first, size):
+        for j in range(first, i):
+            total = A[i, j]
+            for m in range(first, j):
+                total -= A[i, m] * A[j, m] * A[m, m]
+            A[i, j] = total
+        pivot = A[i, i]
+        for m in range(first, i):
+            pivot -= A[i, m] * A[i, m] * A[m, m]
+        if not pivot > 0.0:
+            return False
+        A[i, i] = 1.0 / pivot
+    return True
+
+
+@stage
+def _substitute(A: Array, b: Array, first: int, size: int) -> None:
+    """Solve with the factor of `_factor`, in place."""
+    for i in range(first, size):
+        for m in range(first, i):
+            b[i] -= A[i, m] * b[m]
+        b[i] *= A[i, i]
+    for i in range(size - 1, first - 1, -1):
+        total = 0.0
+        for m in range(i + 1, size):
+            total += A[m, i] * b[m]
+        b[i] -= total * A[i, i]
+
+
+def _kernel(parameters: int, workspace: int, state: int, rate: int, row: int) -> int:
+    """dy/dt of a state, written to `rate`, and its observables, to `row` unless that is 0; all by address.
+
+    Returns:
+        1; or 0, and `rate` all nan, where the state cannot be (a rejected step).
+    """
+    p, w = parameters_at(parameters), workspace_at(workspace)
+    t, n, m = p.tables, p.n, p.speeds
+    size = 2 * m + 3 + (1 if m > n + 1 else 0)
+    y, out = numbers_at(state, size), numbers_at(rate, size)
+    at = motion(p, t, w, y)
+    if at < 0:
+        for k in range(size):
+            out[k] = math.nan
+        return 0
+    for k in range(m):
+        out[k], out[m + 1 + k] = y[m + 1 + k], w.acceleration[k]
+    out[m] = w.facts[S_RATE] + FEEDBACK * (w.facts[MISSED] + w.slider[0] - y[m])
+    out[2 * m + 1] = dissipation(p, t, w, y)
+    if m > n + 1:
+        out[2 * m + 3] = joint_power(p, w, y)
+    observed = row != 0
+    if p.first == 0 and not observed:
+        out[2 * m + 2] = p.torque * y[m + 1]
+        return 1
+    moment = moment_about_pivot(p, t, w)
+    normal = tangential = slider_moment = 0.0
+    torque, speed = moment, w.facts[Q2_RATE]
+    if p.treatment != BASE:
+        normal, tangential, slider_moment = slider_force(p, t, w, moment)
+        torque, speed = drive_torque(p, w, normal, tangential), y[m + 1]
+    out[2 * m + 2] = torque * speed
+    if observed:
+        observe(p, t, w, y, at, normal, tangential, slider_moment, torque, numbers_at(row, WIDTH))
+    return 1
+
+
+@cache
+def kernel() -> int:
+    """Address of the equations of motion, compiled or loaded from the disk at the first call."""
+    compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
+    return int(compiled_kernel.address)
+
+
+@compiled
+def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Array) -> bool:
+    """dy/dt of a state, written to `rate`; False and all nan where it cannot be. The first three are addresses."""
+    return call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 0) == 1
+
+
+@compiled
+def observe_states(equations: int, parameters: int, workspace: int, states: Array, out: Array) -> int:
+    """Fill `out` (k, WIDTH), columns as in `observe.COLUMNS`, from `states`; the number of rows filled before a state that cannot be."""
+    rate = np.empty(states.shape[1])
+    for row in range(len(states)):
+        y, o = states[row], out[row]
+        if call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, o.ctypes.data) == 0:
+            return row
+    return len(states)

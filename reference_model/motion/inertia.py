@@ -1,0 +1,237 @@
+"""Partial velocities, remaining accelerations, mass matrix and forces of beam and bodies (DERIVATION.md, section 4)."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.compilation import inlined, stage
+from reference_model.motion.lanes import load, plus_product, spread, total
+from reference_model.motion.layout import (
+    ACROSS,
+    ALONG,
+    BASE_TURN,
+    COS_Q2,
+    CRANK_TURN,
+    CURVATURE,
+    ELIMINATED,
+    FOOT_1,
+    FOOT_2,
+    FORCE,
+    GAP,
+    GAP_RATE,
+    Q2_RATE,
+    Q2_REMAINDER,
+    S_RATE,
+    S_REMAINDER,
+    SIN_Q2,
+    SLIDER_SLOPE,
+    SLIDER_TURN,
+    TANGENT_1,
+    TANGENT_2,
+    TIP_1,
+    TIP_2,
+    TIP_TURN,
+    Parameters,
+    Tables,
+    Workspace,
+)
+
+Array = NDArray[np.float64]
+
+
+@stage
+def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+    """Velocities of the points relative to the base frame, which the beam damping opposes; V still holds the U_i."""
+    n, m = p.n, p.speeds
+    size = len(w.relative)
+    s_rate = w.facts[S_RATE] if t.kinds == 3 else 0.0
+    for j in range(size):
+        w.relative[j] = s_rate * w.Y[j]
+    for i in range(1, n + 1):
+        for j in range(size):
+            w.relative[j] += y[m + 1 + i] * w.V[i, j]
+
+
+@stage
+def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
+    """Rows of V: partial velocities of the beam's points and of all bodies for every speed (equations 4.1 and 4.2)."""
+    n, N = p.n, t.cells * t.S
+    end = N - t.S + t.G
+    ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
+    bodies = 2 * N
+    for k in range(p.speeds):
+        c, sigma = w.c[k], w.sigma[k]
+        if k == 0 or k > n:
+            for j in range(2 * N):
+                w.V[k, j] = 0.0
+        if t.kinds == 3:
+            for j in range(2 * N):
+                w.V[k, j] += sigma * w.Y[j]
+        for j in range(N):
+            w.V[k, j] -= c * w.z[N + j]
+        for j in range(N):
+            w.V[k, N + j] += c * w.z[j]
+        tip, slider = c + sigma * w.psi_s[end], c + sigma * w.facts[SLIDER_SLOPE]
+        if 0 < k <= n:
+            tip += w.row[(k - 1) * N + end]
+            slider += w.row[(k - 1) * N + at]
+        w.V[k, bodies + TIP_1] = w.V[k, end] - es * tip
+        w.V[k, bodies + TIP_2] = w.V[k, N + end] + ec * tip
+        w.V[k, bodies + TIP_TURN] = tip
+        w.V[k, bodies + BASE_TURN] = c
+        w.V[k, bodies + SLIDER_TURN] = slider
+        w.V[k, bodies + CRANK_TURN] = 1.0 if k == 0 else 0.0
+
+
+@stage
+def remaining_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+    """Row A: accelerations of points and bodies without those of the speeds, less gravity (equations 4.3 and 4.4)."""
+    n, m, N, f = p.n, p.speeds, t.cells * t.S, w.facts
+    g1 = f[COS_Q2] * p.gravity_1 + f[SIN_Q2] * p.gravity_2
+    g2 = -f[SIN_Q2] * p.gravity_1 + f[COS_Q2] * p.gravity_2
+    q2_0, s_0 = f[Q2_REMAINDER], f[S_REMAINDER] if t.kinds == 3 else 0.0
+    for j in range(N):
+        w.A[j] += s_0 * w.Y[j] - q2_0 * w.z[N + j] - g1
+    for j in range(N):
+        w.A[N + j] += s_0 * w.Y[N + j] + q2_0 * w.z[j] - g2
+    end = N - t.S + t.G
+    ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
+    turn_0, square = q2_0 + w.gamma[end] + w.psi_s[end] * s_0, w.turn[end] ** 2
+    bodies = 2 * N
+    w.A[bodies + TIP_1] = w.A[end] - es * turn_0 - ec * square
+    w.A[bodies + TIP_2] = w.A[N + end] + ec * turn_0 - es * square
+    w.A[bodies + TIP_TURN] = turn_0
+    w.A[bodies + BASE_TURN] = q2_0
+    slider = q2_0 + f[SLIDER_SLOPE] * f[S_REMAINDER]
+    extra = t.kinds * n * N
+    for i in range(n):
+        slider += 2.0 * w.row[extra + 3 * n + i] * f[S_RATE] * y[m + 2 + i]
+        slider += w.row[extra + 4 * n + i] * f[S_RATE] ** 2 * y[1 + i]
+    w.A[bodies + SLIDER_TURN] = slider
+    w.A[bodies + CRANK_TURN] = 0.0
+
+
+@stage
+def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+    """Mass matrix (lower triangle) and forces for the speeds, these in `w.acceleration` (equations 4.5 to 4.7)."""
+    n, m, N, f = p.n, p.speeds, t.cells * t.S, w.facts
+    bodies, lanes = 2 * N, len(w.mass)
+    for j in range(2 * N):
+        w.mass[j] = p.rhoA * w.dx[j]
+    w.mass[bodies + TIP_1] = w.mass[bodies + TIP_2] = p.tip_mass
+    w.mass[bodies + TIP_TURN], w.mass[bodies + BASE_TURN] = p.tip_inertia, p.base_inertia
+    w.mass[bodies + SLIDER_TURN], w.mass[bodies + CRANK_TURN] = p.slider_inertia, p.crank_inertia
+    for j in range(lanes):
+        w.force[j] = w.mass[j] * w.A[j]
+    moment = 0.0
+    if p.beam_damping > 0.0:
+        # against the velocities relative to the base frame: the follower's turning with it does no work
+        along = p.beam_damping * p.damps_along
+        for j in range(N):
+            w.force[j] += along * w.dx[j] * w.relative[j]
+            w.force[N + j] += p.beam_damping * w.dx[j] * w.relative[N + j]
+            moment += w.dx[j] * (p.beam_damping * w.z[j] * w.relative[N + j] - along * w.z[N + j] * w.relative[j])
+    moment -= p.base_damping * f[Q2_RATE]
+    extra = t.kinds * n * N
+    hardening = 0.0
+    for i in range(n):
+        hardening += 0.5 * w.row[extra + n + i] * y[1 + i] ** 2
+    for k in range(m):
+        w.acceleration[k] = moment * w.c[k] - hardening * w.sigma[k] - _dot(w.V[k], w.force, lanes)
+        if 0 < k <= n:
+            w.acceleration[k] -= w.row[extra + k - 1] * (y[k] + p.bending_damping * y[m + 1 + k])
+        for j in range(lanes):
+            w.weighted[j] = w.mass[j] * w.V[k, j]
+        for i in range(k + 1):
+            w.reduced[k, i] = _dot(w.weighted, w.V[i], lanes)
+    w.acceleration[0] += p.torque - p.crank_damping * y[m + 1] + crank_weight(p, w)
+
+
+@inlined
+def crank_weight(p: Parameters, w: Workspace) -> float:
+    """Moment of gravity on the crank about O, N m."""
+    f = w.facts
+    weight = f[ALONG] * (-f[SIN_Q2] * p.gravity_1 + f[COS_Q2] * p.gravity_2)
+    return p.crank_moment * (weight - f[ACROSS] * (f[COS_Q2] * p.gravity_1 + f[SIN_Q2] * p.gravity_2))
+
+
+@inlined
+def _dot(a: Array, b: Array, size: int) -> float:
+    """Scalar product of two rows whose length is a multiple of four."""
+    sums = spread(0.0)
+    for j in range(0, size, 4):
+        sums = plus_product(sums, load(a, j), load(b, j))
+    return total(sums)
+
+
+@stage
+def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
+    """Bound of the highest angular frequency (rad/s) of small vibrations about the present state; 0 if unknown (equation 5.9)."""
+    n = p.n
+    if p.knows_frequency == 0:
+        return 0.0
+    square = w.row[t.kinds * n * t.cells * t.S + n - 1]
+    if p.first == 1:
+        return math.sqrt(square)
+    coupling = 0.0
+    for k in range(1, n + 1):
+        coupling += w.reduced[k, 0] ** 2 / (w.reduced[k, k] * w.reduced[0, 0])
+    return math.sqrt(square / max(1.0 - coupling, 1e-6))
+
+
+@stage
+def dissipation(p: Parameters, t: Tables, w: Workspace, y: Array) -> float:
+    """Power taken by all dampings, W (equation 4.7)."""
+    n, m, N = p.n, p.speeds, t.cells * t.S
+    total = 0.0
+    for j in range(N):
+        total += w.dx[j] * (p.damps_along * w.relative[j] * w.relative[j] + w.relative[N + j] * w.relative[N + j])
+    power = p.crank_damping * y[m + 1] ** 2 + p.base_damping * w.facts[Q2_RATE] ** 2 + p.beam_damping * total
+    if p.bending_damping > 0.0:
+        for i in range(n):
+            power += p.bending_damping * w.row[t.kinds * n * N + i] * y[m + 2 + i] ** 2
+    return power + p.joint_damping * w.facts[GAP_RATE] ** 2
+
+
+@stage
+def moment_about_pivot(p: Parameters, t: Tables, w: Workspace) -> float:
+    """Moment about P (N m) that moves everything that turns there as it does (equation 5.4).
+
+    The beam damping acts between beam and base and drops out. Leaves the accelerations of points and bodies, less gravity, in `w.A`.
+    """
+    N, f = t.cells * t.S, w.facts
+    bodies, end = 2 * N, N - t.S + t.G
+    for k in range(p.speeds):
+        for j in range(len(w.A)):
+            w.A[j] += w.acceleration[k] * w.V[k, j]
+    moment = p.base_inertia * w.A[bodies + BASE_TURN] + p.base_damping * f[Q2_RATE] + p.tip_inertia * w.A[bodies + TIP_TURN]
+    for j in range(N):
+        moment += w.mass[j] * (w.z[j] * w.A[N + j] - w.z[N + j] * w.A[j])
+    arm_1, arm_2 = w.z[end] + p.tip_offset * w.e[end], w.z[N + end] + p.tip_offset * w.e[N + end]
+    return moment + p.tip_mass * (arm_1 * w.A[bodies + TIP_2] - arm_2 * w.A[bodies + TIP_1])
+
+
+@stage
+def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> tuple[float, float, float]:
+    """Normal and tangential force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
+    f = w.facts
+    slider_moment = -p.slider_inertia * w.A[2 * t.cells * t.S + SLIDER_TURN] / (1.0 - f[GAP] * f[CURVATURE])
+    tangential = -slider_moment * f[CURVATURE]
+    if p.treatment != ELIMINATED:
+        return f[FORCE], tangential, slider_moment
+    t1, t2, Z1, Z2 = f[TANGENT_1], f[TANGENT_2], f[FOOT_1], f[FOOT_2]
+    normal = (moment - slider_moment - tangential * (Z1 * t2 - Z2 * t1)) / (Z1 * t1 + Z2 * t2)
+    return normal, tangential, slider_moment
+
+
+@stage
+def drive_torque(p: Parameters, w: Workspace, normal: float, tangential: float) -> float:
+    """Torque of the drive, N m: given, or what a prescribed speed takes (equation 5.7)."""
+    if p.first == 0:
+        return p.torque
+    f = w.facts
+    t1, t2 = f[TANGENT_1], f[TANGENT_2]
+    F1, F2 = -normal * t2 + tangential * t1, normal * t1 + tangential * t2
+    # the crank tip moves along LA (-across, along); it carries the opposite force; the slider's moment turns with the follower
+    return p.LA * (-f[ACROSS] * F1 + f[ALONG] * F2) - crank_weight(p, w)

@@ -1,0 +1,192 @@
+"""Observables of a state, recovered from equilibrium (DERIVATION.md, section 6).
+
+Curvature, and with it base angle, deflection, slider and tip place, follow from the loads outboard: with few shapes this decides the
+accuracy. The cells end at the slider, so that the kink of the moment needs no care.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.columns import COLUMNS, JOINT_COLUMNS
+from reference_model.compilation import inlined, stage
+from reference_model.motion.fields import cumulate, directions
+from reference_model.motion.layout import (
+    BASE,
+    COS_Q2,
+    CURVATURE,
+    EXCESS,
+    GAP,
+    GAP_RATE,
+    Q2_RATE,
+    S_RATE,
+    SIN_Q2,
+    TANGENT_1,
+    TANGENT_2,
+    TIP_1,
+    TIP_2,
+    TIP_TURN,
+    Parameters,
+    Tables,
+    Workspace,
+)
+from reference_model.motion.loop import joint_power
+from reference_model.spin_up import base_motion
+
+Array = NDArray[np.float64]
+
+#: Numbers in a row: those of `columns.COLUMNS`, then those of `columns.JOINT_COLUMNS`.
+WIDTH: Final = len(COLUMNS) + len(JOINT_COLUMNS)
+
+
+@inlined
+def observe(
+    p: Parameters,
+    t: Tables,
+    w: Workspace,
+    y: Array,
+    at: int,
+    normal: float,
+    tangential: float,
+    slider_moment: float,
+    torque: float,
+    o: Array,
+) -> None:
+    """Fill the row `o` (WIDTH,) for a state whose accelerations, less gravity, are in `w.A`; spoils the workspace's fields.
+
+    `normal`, `tangential` (N) and `slider_moment` (N m) are the slider's on the follower, `torque` (N m) the drive's, or the base's where
+    its motion is prescribed; the rest is as in `equations.motion`.
+    """
+    m = p.speeds
+    o[0], o[1], o[7] = y[0], y[m + 1], _tip_acceleration(p, t, w)
+    o[11], o[12], o[15], o[18] = normal, torque, y[2 * m + 1], y[2 * m + 2]
+    o[16], o[19], o[20] = w.facts[EXCESS], w.facts[GAP_RATE], 0.0
+    if m > p.n + 1:
+        o[20] = joint_power(p, w, y)
+    _energies(p, t, w, y, at, o)
+    _bending_moment(p, t, w, at, normal, tangential, slider_moment)
+    _recover(p, t, w, y, at, o)
+
+
+@stage
+def _tip_acceleration(p: Parameters, t: Tables, w: Workspace) -> float:
+    """Absolute acceleration of x = L along the normal there (equation 6.1)."""
+    N, f = t.cells * t.S, w.facts
+    end = N - t.S + t.G
+    g1 = f[COS_Q2] * p.gravity_1 + f[SIN_Q2] * p.gravity_2
+    g2 = -f[SIN_Q2] * p.gravity_1 + f[COS_Q2] * p.gravity_2
+    return -w.e[N + end] * (w.A[end] + g1) + w.e[end] * (w.A[N + end] + g2)
+
+
+@stage
+def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array) -> None:
+    """Kinetic, strain and gravity energy (equations 6.2 to 6.4)."""
+    n, m, N, f = p.n, p.speeds, t.cells * t.S, w.facts
+    end = N - t.S + t.G
+    q2_rate, q1_rate = f[Q2_RATE], y[m + 1]
+    kinetic = 0.5 * p.crank_inertia * q1_rate * q1_rate + 0.5 * p.base_inertia * q2_rate * q2_rate
+    for j in range(N):
+        v1, v2 = w.relative[j] - q2_rate * w.z[N + j], w.relative[N + j] + q2_rate * w.z[j]
+        kinetic += 0.5 * w.mass[j] * (v1 * v1 + v2 * v2)
+    ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
+    v1 = w.relative[end] - q2_rate * w.z[N + end] - es * w.turn[end]
+    v2 = w.relative[N + end] + q2_rate * w.z[end] + ec * w.turn[end]
+    kinetic += 0.5 * p.tip_mass * (v1 * v1 + v2 * v2) + 0.5 * p.tip_inertia * w.turn[end] ** 2
+    kinetic += 0.5 * p.slider_inertia * (w.turn[at] + f[CURVATURE] * f[S_RATE]) ** 2
+    kinetic += 0.5 * p.joint_inertia * f[GAP_RATE] ** 2
+    strain = 0.5 * p.joint_stiffness * f[GAP] ** 2
+    for i in range(n):
+        strain += 0.5 * w.row[t.kinds * N * n + i] * y[1 + i] ** 2
+    moment_1, moment_2 = p.tip_mass * (w.z[end] + ec), p.tip_mass * (w.z[N + end] + es)
+    for j in range(N):
+        moment_1 += w.mass[j] * w.z[j]
+        moment_2 += w.mass[j] * w.z[N + j]
+    cosine, sine = f[COS_Q2], f[SIN_Q2]
+    mass = p.rhoA * p.L + p.tip_mass
+    gravity = -p.gravity_1 * (mass * p.d + cosine * moment_1 - sine * moment_2 + p.crank_moment * math.cos(y[0]))
+    gravity -= p.gravity_2 * (sine * moment_1 + cosine * moment_2 + p.crank_moment * math.sin(y[0]))
+    o[13], o[14], o[17] = kinetic, strain, gravity
+
+
+@stage
+def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int, normal: float, tangential: float, slider_moment: float) -> None:
+    """Curvature at the points, in `w.psi`: moment of the outboard forces over EI (equations 6.5 and 6.6)."""
+    N, f = t.cells * t.S, w.facts
+    end, bodies = N - t.S + t.G, 2 * N
+    force, moment = w.integrand, w.e  # e is read for the last time before the moments are laid there
+    ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
+    t1, t2 = f[TANGENT_1], f[TANGENT_2]
+    s1, s2 = -normal * t2 + tangential * t1, normal * t1 + tangential * t2
+    for j in range(N):
+        force[j] = -p.rhoA * w.A[j] - p.beam_damping * p.damps_along * w.relative[j]
+        force[N + j] = -p.rhoA * w.A[N + j] - p.beam_damping * w.relative[N + j]
+    for j in range(N):
+        moment[j] = w.z[j] * force[N + j] - w.z[N + j] * force[j]
+    for j in range(N):
+        moment[N + j] = 0.0
+    cumulate(t, w.length, force, w.relative)  # inboard force
+    cumulate(t, w.length, moment, w.weighted)  # and its moment about P
+    # the tip body's, and with it everything outboard of P
+    f1, f2 = -p.tip_mass * w.A[bodies + TIP_1], -p.tip_mass * w.A[bodies + TIP_2]
+    total_m = (w.z[end] + ec) * f2 - (w.z[N + end] + es) * f1 - p.tip_inertia * w.A[bodies + TIP_TURN] + w.weighted[end]
+    total_1, total_2 = f1 + w.relative[end], f2 + w.relative[N + end]
+    for j in range(N):
+        w.psi[j] = total_m - w.weighted[j] - w.z[j] * (total_2 - w.relative[N + j]) + w.z[N + j] * (total_1 - w.relative[j])
+    if p.treatment != BASE:
+        # at the slider itself the moment jumps by the slider's; the outboard side is shown
+        for j in range(at if slider_moment != 0.0 else at + 1):
+            w.psi[j] += (w.z[at] - w.z[j]) * s2 - (w.z[N + at] - w.z[N + j]) * s1 + slider_moment
+    for j in range(N):
+        w.psi[j] /= p.EI
+
+
+@stage
+def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array) -> None:
+    """Shape, base angle, slider and tip place of the recovered curvature (equations 6.7 to 6.9)."""
+    N, s, f = t.cells * t.S, w.slider[0], w.facts
+    end = N - t.S + t.G
+    for gauge in range(3):
+        o[8 + gauge] = 0.5 * p.thickness * _curvature_at(t, w, p.gauges[gauge])
+    for j in range(N):
+        w.integrand[j], w.integrand[N + j] = w.psi[j], 0.0
+    cumulate(t, w.length, w.integrand, w.z)
+    directions(w.z[:N], w.integrand)
+    cumulate(t, w.length, w.integrand, w.relative)
+    tip_1, tip_2 = w.relative[end], w.relative[N + end]
+    cosine, sine, ds = f[COS_Q2], f[SIN_Q2], 0.0
+    if p.treatment == BASE:
+        o[2] = base_motion(p.base_speed, p.base_time, y[0])[0]
+    else:
+        # the crank tip is beside the line, by the gap along its normal
+        c1, c2 = w.integrand[at], w.integrand[N + at]
+        Z1, Z2 = w.relative[at] - f[GAP] * c2, w.relative[N + at] + f[GAP] * c1
+        P1, P2 = p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0])
+        ds = 0.5 * (P1 * P1 + P2 * P2 - Z1 * Z1 - Z2 * Z2) / (Z1 * c1 + Z2 * c2)
+        Z1, Z2 = Z1 + ds * c1, Z2 + ds * c2
+        # exp(i q2) has the direction of P / Z; both -P and Z point forwards
+        cosine, sine = P1 * Z1 + P2 * Z2, P2 * Z1 - P1 * Z2
+        scale = 1.0 / math.sqrt(cosine * cosine + sine * sine)
+        cosine, sine = scale * cosine, scale * sine
+        o[2] = math.pi + math.atan2(-sine, -cosine)
+    o[3], o[6] = s + ds, tip_2
+    o[4], o[5] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2
+
+
+@stage
+def _curvature_at(t: Tables, w: Workspace, x: float) -> float:
+    """Curvature at x by the polynomial through the points of its cell (Lagrange's form, barycentric)."""
+    cell, begin = 0, 0.0
+    while cell < t.cells - 1 and x > begin + w.length[cell] * (1.0 + 1e-12) and w.length[cell + 1] > 0.0:
+        begin += w.length[cell]
+        cell += 1
+    first, u = cell * t.S, (x - begin) / w.length[cell]
+    total = weight = 0.0
+    for j in range(t.G):
+        if u == t.u[j]:
+            return w.psi[first + j]
+        share = t.barycentric[j] / (u - t.u[j])
+        total += share * w.psi[first + j]
+        weight += share
+    return total / weight

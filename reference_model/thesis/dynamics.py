@@ -1,0 +1,258 @@
+"""Equations of motion by projection onto the free speeds, compiled (thesis/DERIVATION.md, sections 4 to 6).
+
+State vector y (equation 6.7), length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive. The loop is closed
+at every evaluation, so there is no constraint to drift from and no multiplier to solve for.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.compilation import inlined, stage
+from reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
+from reference_model.thesis.parameters import Parameters, Workspace
+
+
+@stage
+def assemble(
+    p: Parameters, c: Slider, k: Contact, q1_rate: float, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: Workspace
+) -> None:
+    """Mass matrix `w.M` and force `w.Q` (applied minus inertia) for (q1, q2, eta), loop not yet closed (equations 4.1 to 4.13)."""
+    for a in range(p.n + 2):
+        w.Q[a] = 0.0
+        for b in range(p.n + 2):
+            w.M[a, b] = 0.0
+    gravity_1, gravity_2 = _gravity_in_b(p, c.q2)
+    _add_beam(p, k.q2_rate, gravity_1, gravity_2, eta, eta_rate, w)
+    if p.tip_mass > 0.0 or p.tip_inertia > 0.0:
+        _add_tip(p, k.q2_rate, gravity_1, gravity_2, eta_rate, w)
+    _add_crank_and_base(p, c, k.q2_rate, q1_rate, gravity_1, gravity_2, w)
+    if p.slider_inertia > 0.0:
+        for a in range(p.n + 2):
+            w.Q[a] -= p.slider_inertia * w.D[a] * k.d0
+            for b in range(a + 1):
+                w.M[a, b] += p.slider_inertia * w.D[a] * w.D[b]
+    for a in range(p.n + 2):
+        for b in range(a):
+            w.M[b, a] = w.M[a, b]
+
+
+@stage
+def _gravity_in_b(p: Parameters, q2: float) -> tuple[float, float]:
+    if not p.has_gravity:
+        return 0.0, 0.0
+    cosine, sine = math.cos(q2), math.sin(q2)
+    return cosine * p.gravity_1 + sine * p.gravity_2, -sine * p.gravity_1 + cosine * p.gravity_2
+
+
+@stage
+def _add_beam(
+    p: Parameters,
+    q2_rate: float,
+    gravity_1: float,
+    gravity_2: float,
+    eta: NDArray[np.float64],
+    eta_rate: NDArray[np.float64],
+    w: Workspace,
+) -> None:
+    """Inertia, gravity, damping and elasticity of the beam (lower triangle of M), equations 4.2 to 4.6."""
+    t, n = p.tables, p.n
+    ratio = p.beam_damping / p.rhoA  # damping acts on the rate relative to frame B: proportional to the beam's own mass matrix
+    for i in range(n):
+        force = 0.0
+        for j in range(n):
+            force -= p.stiffness[i, j] * eta[j] + ratio * p.mass_transverse[i, j] * eta_rate[j]
+        w.Q[i + 2] += force
+        for j in range(i + 1):
+            w.M[i + 2, j + 2] += p.mass_transverse[i, j]
+    for point in range(len(t.x)):
+        dm = p.rhoA * t.weights[point]
+        x, W = t.x[point] - w.F[point], w.W[point]
+        # remaining acceleration less gravity, equation 4.3
+        a1 = -(q2_rate**2) * x - 2.0 * q2_rate * w.W_rate[point] - w.H[point] - gravity_1
+        a2 = -(q2_rate**2) * W - 2.0 * q2_rate * w.F_rate[point] - gravity_2
+        w.M[1, 1] += dm * (x * x + W * W)
+        w.Q[1] -= dm * (a2 * x - a1 * W)
+        damping = ratio * dm * w.F_rate[point]
+        bend_2 = bend_1 = 0.0
+        if p.exact_geometry:  # strain energy beyond the quadratic one, equation 4.6
+            slope2 = w.slope[point] ** 2
+            curvature = 0.0
+            for i in range(n):
+                curvature += t.ddphi[point, i] * eta[i]
+            stretch = 1.0 / (1.0 - slope2)
+            bend_2 = p.EI * t.weights[point] * curvature * slope2 * stretch
+            bend_1 = p.EI * t.weights[point] * curvature * curvature * w.slope[point] * stretch * stretch
+        for i in range(n):
+            f, phi = w.f[point, i], t.phi[point, i]
+            w.M[i + 2, 1] += dm * (W * f + x * phi)
+            w.Q[i + 2] += dm * (a1 * f - a2 * phi) - damping * f - bend_2 * t.ddphi[point, i] - bend_1 * t.dphi[point, i]
+            scaled = dm * f
+            for j in range(i + 1):
+                w.M[i + 2, j + 2] += scaled * w.f[point, j]
+
+
+@stage
+def _add_tip(p: Parameters, q2_rate: float, gravity_1: float, gravity_2: float, eta_rate: NDArray[np.float64], w: Workspace) -> None:
+    """Rigid body at the follower's end: its centre and its rotation, equations 4.7 to 4.9."""
+    t, n, m, J, e = p.tables, p.n, p.tip_mass, p.tip_inertia, p.tip_offset
+    end = len(t.edges) - 1
+    slope, slope_rate, W, W_rate, F_rate = _end_fields(p, eta_rate, w)
+    angle, angle_1, angle_2 = tangent_angle(slope, p.exact_geometry)
+    ec, es = e * math.cos(angle), e * math.sin(angle)
+    turn = angle_1 * slope_rate  # rotation rate relative to frame B
+    turn_0 = angle_2 * slope_rate**2
+    x, y = p.L - w.F_edges[end] + ec, W + es
+    x_rate, y_rate = -F_rate - es * turn, W_rate + ec * turn
+    a1 = -(q2_rate**2) * x - 2.0 * q2_rate * y_rate - w.H_edges[end] - es * turn_0 - ec * turn**2 - gravity_1
+    a2 = -(q2_rate**2) * y + 2.0 * q2_rate * x_rate + ec * turn_0 - es * turn**2 - gravity_2
+    w.M[1, 1] += m * (x * x + y * y) + J
+    w.Q[1] -= m * (x * a2 - y * a1) + J * turn_0
+    for i in range(n):
+        rotation_i = angle_1 * t.end_dphi[i]
+        p1, p2 = -w.f_edges[end, i] - es * rotation_i, t.end_phi[i] + ec * rotation_i
+        w.M[i + 2, 1] += m * (x * p2 - y * p1) + J * rotation_i
+        w.Q[i + 2] -= m * (p1 * a1 + p2 * a2) + J * rotation_i * turn_0
+        for j in range(i + 1):
+            rotation_j = angle_1 * t.end_dphi[j]
+            product = p1 * (-w.f_edges[end, j] - es * rotation_j) + p2 * (t.end_phi[j] + ec * rotation_j)
+            w.M[i + 2, j + 2] += m * product + J * rotation_i * rotation_j
+
+
+@stage
+def _end_fields(p: Parameters, eta_rate: NDArray[np.float64], w: Workspace) -> tuple[float, float, float, float, float]:
+    """W', its rate, W, its rate and the rate of F at x = L."""
+    t = p.tables
+    end = len(t.edges) - 1
+    slope_rate = W_rate = F_rate = 0.0
+    for i in range(p.n):
+        slope_rate += t.end_dphi[i] * eta_rate[i]
+        W_rate += t.end_phi[i] * eta_rate[i]
+        F_rate += w.f_edges[end, i] * eta_rate[i]
+    return w.end[0], slope_rate, w.end[1], W_rate, F_rate
+
+
+@stage
+def _add_crank_and_base(p: Parameters, c: Slider, q2_rate: float, q1_rate: float, gravity_1: float, gravity_2: float, w: Workspace) -> None:
+    """Crank with the slider's mass, its drive, and the base block, equations 4.10 and 4.11."""
+    w.M[0, 0] += p.crank_inertia
+    w.M[1, 1] += p.base_inertia
+    w.Q[0] += p.torque - p.crank_damping * q1_rate + p.crank_moment * (gravity_2 * c.a1 - gravity_1 * c.a2)
+    w.Q[1] -= p.base_damping * q2_rate
+
+
+@inlined
+def project(p: Parameters, k: Contact, w: Workspace) -> bool:
+    """Project onto the free speeds and solve for the accelerations `w.acceleration` of (q1, q2, eta), equations 5.1 to 5.4."""
+    n = p.n
+    first = 0 if p.crank_is_free else 1
+    size = n + 1 - first
+    for a in range(size):
+        A = _full_index(a + first)
+        to_base = w.M[A, 1] + w.C[A] * w.M[1, 1]
+        w.rhs[a] = w.Q[A] + w.C[A] * w.Q[1] - to_base * k.c0
+        for b in range(a + 1):
+            B = _full_index(b + first)
+            w.reduced[a, b] = w.M[A, B] + w.C[A] * w.M[1, B] + to_base * w.C[B]
+    if not _solve_cholesky(w.reduced, w.rhs, size):
+        return False
+    w.acceleration[0] = w.rhs[0] if p.crank_is_free else 0.0
+    q2_acceleration = k.c0 + w.C[0] * w.acceleration[0]
+    for i in range(n):
+        w.acceleration[i + 2] = w.rhs[i + 1 - first]
+        q2_acceleration += w.C[i + 2] * w.acceleration[i + 2]
+    w.acceleration[1] = q2_acceleration
+    return True
+
+
+@stage
+def _full_index(free: int) -> int:
+    """Free speed (q1, eta) to its place among (q1, q2, eta)."""
+    return 0 if free == 0 else free + 1
+
+
+@inlined
+def _solve_cholesky(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> bool:
+    """Solve A x = b in place for a positive definite A given by its lower triangle; False if it is not positive definite."""
+    if not factorize(A, size):
+        return False
+    substitute(A, b, size)
+    return True
+
+
+@stage
+def factorize(A: NDArray[np.float64], size: int) -> bool:
+    """Cholesky's factor in place of the lower triangle of A; False if A is not positive definite."""
+    for i in range(size):
+        for j in range(i + 1):
+            total = A[i, j]
+            for m in range(j):
+                total -= A[i, m] * A[j, m]
+            if i == j:
+                if not total > 0.0:
+                    return False
+                A[i, i] = math.sqrt(total)
+            else:
+                A[i, j] = total / A[j, j]
+    return True
+
+
+@stage
+def substitute(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> None:
+    """Solve with the factor that `factorize` left in A; b in place."""
+    for i in range(size):
+        total = b[i]
+        for m in range(i):
+            total -= A[i, m] * b[m]
+        b[i] = total / A[i, i]
+    for i in range(size - 1, -1, -1):
+        total = b[i]
+        for m in range(i + 1, size):
+            total -= A[m, i] * b[m]
+        b[i] = total / A[i, i]
+
+
+@stage
+def reactions(p: Parameters, c: Slider, k: Contact, w: Workspace) -> tuple[float, float]:
+    """Slider force (N, normal on the follower, equation 6.1) and torque of the drive (N m, equation 6.2) after `project`."""
+    row_1, row_2 = -w.Q[0], -w.Q[1]
+    for a in range(p.n + 2):
+        row_1 += w.M[0, a] * w.acceleration[a]
+        row_2 += w.M[1, a] * w.acceleration[a]
+    multiplier = row_2 / k.B0
+    # n . LA a2 = C_0 B0: the crank feels the opposite of the follower's force
+    drive = p.torque if p.crank_is_free else row_1 + multiplier * w.C[0] * k.B0
+    return multiplier * k.normal, drive
+
+
+@stage
+def dissipation(p: Parameters, q1_rate: float, q2_rate: float, eta_rate: NDArray[np.float64], w: Workspace) -> float:
+    """Power taken by all dampings, W, equation 4.12."""
+    power = p.crank_damping * q1_rate**2 + p.base_damping * q2_rate**2
+    if p.beam_damping > 0.0:
+        total = 0.0
+        for point in range(len(p.tables.x)):
+            total += p.tables.weights[point] * (w.F_rate[point] ** 2 + w.W_rate[point] ** 2)
+        power += p.beam_damping * total
+    return power
+
+
+@inlined
+def evaluate(p: Parameters, w: Workspace, y: NDArray[np.float64]) -> tuple[bool, Slider, Contact]:
+    """Close the loop and solve for the accelerations at the state y; leaves everything in `w`."""
+    n = p.n
+    eta, q1_rate, eta_rate = y[1 : n + 1], y[n + 1], y[n + 2 : 2 * n + 2]
+    none = Contact(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    regular = centre_line(p.tables, p.exact_geometry, eta, eta_rate, w)
+    if not regular:
+        return False, Slider(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), none
+    c = place_slider(p, y[0], eta, w)
+    w.slider[0] = c.s
+    if not (c.closes and abs(c.slope) < 1.0 and abs(w.end[0]) < 1.0):
+        return False, c, none
+    k = constraint_row(p, c, q1_rate, eta, eta_rate, w)
+    if not k.regular:
+        return False, c, k
+    assemble(p, c, k, q1_rate, eta, eta_rate, w)
+    return project(p, k, w), c, k

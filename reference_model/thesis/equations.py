@@ -1,0 +1,85 @@
+"""The right-hand sides of the thesis' model, compiled: of the mechanism, and of the follower alone on a base that turns as prescribed.
+
+State vector of the mechanism (equation 6.7), length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive; of
+the follower alone time takes the place of q1.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.compilation import compiled, stage
+from reference_model.spin_up import base_motion
+from reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
+from reference_model.thesis.kinematics import Contact, Slider, centre_line
+from reference_model.thesis.observables import observe
+from reference_model.thesis.parameters import Parameters, parameters_at, workspace_at
+
+Array = NDArray[np.float64]
+
+
+@compiled
+def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
+    """dy/dt at the state y, written to `rate`, and unless `row` is empty the observables, to it; the first two are addresses.
+
+    Returns:
+        False, and `rate` all nan, where the loop cannot close or the shapes give out: a rejected step for the integrator.
+    """
+    p, w = parameters_at(parameters), workspace_at(workspace)
+    n = p.n
+    good, c, k = evaluate(p, w, y)
+    if not good:
+        rate[:] = math.nan
+        return False
+    rate[0], rate[n + 1] = y[n + 1], w.acceleration[0]
+    for i in range(n):
+        rate[i + 1], rate[n + 2 + i] = y[n + 2 + i], w.acceleration[i + 2]
+    rate[2 * n + 2] = dissipation(p, y[n + 1], k.q2_rate, y[n + 2 : 2 * n + 2], w)
+    force, drive = reactions(p, c, k, w)
+    rate[2 * n + 3] = drive * y[n + 1]
+    if len(row):
+        observe(p, c, k, w, y, force, drive, row)
+    return True
+
+
+@compiled
+def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
+    """The same for the follower alone (equations 8.1 and 8.2); observables of crank and slider are zero, the torque is the base's."""
+    p, w = parameters_at(parameters), workspace_at(workspace)
+    n, eta, eta_rate = p.n, y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2]
+    angle, turn, acceleration = base_motion(p.base_speed, p.base_time, y[0])
+    if not (centre_line(p.tables, p.exact_geometry, eta, eta_rate, w) and abs(w.end[0]) < 1.0):
+        rate[:] = math.nan
+        return False
+    c, k = _no_slider(p, angle, turn)
+    assemble(p, c, k, 0.0, eta, eta_rate, w)
+    for i in range(n):
+        w.rhs[i] = w.Q[i + 2] - w.M[i + 2, 1] * acceleration
+        for j in range(i + 1):
+            w.reduced[i, j] = w.M[i + 2, j + 2]
+    if not factorize(w.reduced, n):
+        rate[:] = math.nan
+        return False
+    substitute(w.reduced, w.rhs, n)
+    w.acceleration[0], w.acceleration[1] = 0.0, acceleration
+    for i in range(n):
+        w.acceleration[i + 2] = w.rhs[i]
+    torque = -w.Q[1]
+    for a in range(n + 2):
+        torque += w.M[1, a] * w.acceleration[a]
+    rate[0], rate[n + 1] = y[n + 1], 0.0
+    for i in range(n):
+        rate[1 + i], rate[n + 2 + i] = y[n + 2 + i], w.acceleration[i + 2]
+    rate[2 * n + 2] = dissipation(p, 0.0, turn, eta_rate, w)
+    rate[2 * n + 3] = torque * turn
+    if len(row):
+        observe(p, c, k, w, y, 0.0, torque, row)
+    return True
+
+
+@stage
+def _no_slider(p: Parameters, angle: float, rate: float) -> tuple[Slider, Contact]:
+    """What stands in for a slider that is not there: it carries no force."""
+    c = Slider(True, 0.5 * p.L, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, angle, 1.0, 0.0)
+    return c, Contact(True, rate, 0.0, 1.0, 0.0, 1.0, 0.0)

@@ -1,0 +1,40 @@
+"""Natural frequencies of the explicit model with the crank frozen (thesis/DERIVATION.md, section 7)."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from reference_model.mechanism import Mechanism, Tip
+from reference_model.shapes import ShapeSet
+from reference_model.thesis.tables import build_tables
+
+
+def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, count: int) -> NDArray[np.float64]:
+    """Lowest natural frequencies (Hz) of the straight follower at rest in these shapes, the slider held at arc length `support`.
+
+    With the crank held the constraint leaves q2 = -sum phi_i(s) eta_i / s (equation 7.1), so that every shape brings a rigid rotation
+    along (equations 7.2 and 7.3); undamped, no gravity. By Rayleigh's principle the frequencies lie above the converged ones.
+
+    Args:
+        mechanism: the scene; its follower must be flexible.
+        shapes: the follower's shapes.
+        support: s, m.
+        count: how many; fewer come back if there are fewer shapes.
+    """
+    beam, tip = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    tables = build_tables(shapes, 0)
+    at_support = shapes.evaluate(np.array([support]))[0]
+    turn = -at_support / support
+    field = tables.phi + tables.x[:, None] * turn
+    arm = beam.length + tip.center_of_mass
+    end = tables.end_phi + tip.center_of_mass * tables.end_dphi + arm * turn
+    end_turn = tables.end_dphi + turn
+    slider_turn = shapes.evaluate(np.array([support]), 1)[0] + turn
+    mass = beam.mass_per_length * field.T @ (tables.weights[:, None] * field)
+    mass += mechanism.base.inertia * np.outer(turn, turn) + tip.mass * np.outer(end, end) + tip.inertia * np.outer(end_turn, end_turn)
+    mass += mechanism.slider.inertia * np.outer(slider_turn, slider_turn)
+    stiffness = beam.bending_stiffness * tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)
+    # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
+    wanted = min(count, shapes.count)
+    inverse_squares = eigh(mass, stiffness, eigvals_only=True, subset_by_index=(shapes.count - wanted, shapes.count - 1))[::-1]
+    return 1.0 / (2.0 * np.pi * np.sqrt(inverse_squares))

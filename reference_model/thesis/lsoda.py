@@ -1,0 +1,59 @@
+"""Integration by LSODA, called once per output step as in the thesis (section 5.2)."""
+
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import ODEintWarning, odeint
+
+from reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, Integration
+
+Array = NDArray[np.float64]
+
+
+def integrate_lsoda(
+    equations: Callable[[Array, Array], bool],
+    slider: Array,
+    y: Array,
+    output_step: float,
+    intervals: int,
+    scales: Array,
+    limit: float,
+) -> Integration:
+    """States on a uniform grid.
+
+    Args:
+        equations: write dy/dt of a state to their second argument; False where the state cannot be.
+        slider: where the slider is in the state evaluated last, m; its first entry.
+        y: state at the start; not changed.
+        output_step: grid of the output, s.
+        intervals: number of output steps.
+        scales: absolute local error of each state that is controlled, the first ones of the state.
+        limit: slider position at which the integration ends, m.
+    """
+    size = len(y)
+    rate = np.empty(size)
+
+    def fun(_: float, state: Array) -> Array:
+        equations(state, rate)
+        return rate
+
+    errors = np.full(size, 1e3 * scales.max())  # energies are quadratures: not controlled
+    errors[: len(scales)] = scales
+    times = output_step * np.arange(intervals + 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ODEintWarning)
+        states, info = odeint(fun, y, times, tfirst=True, rtol=1e-14, atol=errors, mxstep=100_000, full_output=True, printmessg=False)
+    good, status = len(states), REACHED_END
+    if info["message"] != "Integration successful.":
+        # the rows after the first one not reached are not even initialised
+        good, status = 1 + int(np.argmax(info["tcur"] < times[1:] - 1e-12)), STEP_TOO_SMALL
+    for row in range(good):
+        if not (np.all(np.isfinite(states[row])) and equations(states[row], rate)):
+            good, status = row, NOT_A_NUMBER
+            break
+        if slider[0] > limit:
+            good, status = row, LEFT_FOLLOWER
+            break
+    return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][-1]), 0.0)

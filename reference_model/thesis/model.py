@@ -1,0 +1,124 @@
+"""The thesis' model of one scene: shapes, compiled equations, integration and observables under one roof."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.columns import COLUMNS, FOLLOWER_COLUMNS
+from reference_model.integrate import Integration
+from reference_model.mechanism import FollowerAlone, Scene
+from reference_model.model import ObservationFailed
+from reference_model.motion.address import Placed
+from reference_model.shapes import ShapeSet
+from reference_model.thesis.equations import base_right_hand_side, right_hand_side
+from reference_model.thesis.lsoda import integrate_lsoda
+from reference_model.thesis.parameters import PARAMETERS_TYPE, WORKSPACE_TYPE, build_parameters, build_workspace, state_size
+from reference_model.thesis.tables import POINTS
+
+Array = NDArray[np.float64]
+
+_NO_ROW = np.empty(0)
+
+
+class ThesisModel:
+    """The pseudo-coordinate model of a scene in shapes of its deflection.
+
+    Args:
+        scene: the mechanism, with a rigid slider joint, or the follower alone.
+        shapes: the follower's shapes (`no_shapes` if it is rigid).
+        exact_geometry: exact planar geometry, or the thesis' second-order foreshortening.
+
+    Raises:
+        UnsuitableShapes: a slider with rotary inertia on shapes whose curvature jumps.
+    """
+
+    def __init__(self, scene: Scene, shapes: ShapeSet, exact_geometry: bool) -> None:
+        self.scene = scene
+        self.shapes = shapes
+        self.parameters = build_parameters(scene, shapes, exact_geometry=exact_geometry, cells=quadrature_cells(shapes))
+        self.workspace = build_workspace(self.parameters.tables)
+        self._alone = isinstance(scene, FollowerAlone)
+        self._function = base_right_hand_side if self._alone else right_hand_side
+        self._at = Placed(self.parameters, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of free speeds: the flexible coordinates, and the crank unless its speed is prescribed."""
+        return self.shapes.count + (1 if self.parameters.crank_is_free else 0)
+
+    def initial_state(self, crank_angle: float, crank_speed: float, eta: Array | None = None, eta_rate: Array | None = None) -> Array:
+        """State vector (2 n + 4,) for given crank and flexible coordinates (zero unless given)."""
+        n = self.shapes.count
+        y = np.zeros(state_size(self.parameters))
+        y[0], y[n + 1] = crank_angle, crank_speed
+        if eta is not None:
+            y[1 : n + 1] = eta
+        if eta_rate is not None:
+            y[n + 2 : 2 * n + 2] = eta_rate
+        return y
+
+    def state_at_rest(self) -> Array:
+        """State vector of the follower alone at time 0, straight and still."""
+        return self.initial_state(0.0, 1.0)
+
+    def right_hand_side(self, y: Array, rate: Array, row: Array = _NO_ROW) -> bool:
+        """dy/dt of a state, written to `rate`, and its observables, to `row` (19,) if given; False where the state cannot be."""
+        p, w = self._at
+        return bool(self._function(p.address, w.address, y, rate, row))
+
+    def can_move(self, y: Array) -> bool:
+        """Whether the loop closes and the accelerations exist in the state `y`."""
+        return self.right_hand_side(y, np.empty_like(y))
+
+    def error_scales(self, crank_speed: float) -> Array:
+        """Sizes against which the relative tolerance is taken, one per controlled state, as those of `reference_model.model.BeamModel`."""
+        p = self.parameters
+        frequency = 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n and p.rhoA > 0.0 else 1.0
+        shape, speed = p.deflection_scale, 0.1 * max(abs(crank_speed), 1.0)
+        return np.array([0.1, *[shape] * p.n, speed, *[shape * frequency] * p.n])
+
+    def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
+        """States on a uniform grid from the state `y` by LSODA, whose steps start anew (thesis, section 5.2)."""
+        scales = self.error_scales(float(y[self.parameters.n + 1])) * tolerance
+        limit = math.inf if self._alone else self.parameters.L
+        return integrate_lsoda(self.right_hand_side, self.workspace.slider, y, output_step, intervals, scales, limit)
+
+    def observe(self, states: Array) -> dict[str, Array]:
+        """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`.
+
+        Raises:
+            ObservationFailed: a state in which the loop cannot close.
+        """
+        out = np.zeros((len(states), len(COLUMNS)))
+        rate = np.empty(states.shape[1])
+        for row, (y, o) in enumerate(zip(np.ascontiguousarray(states), out, strict=True)):
+            if not self.right_hand_side(y, rate, o):
+                raise ObservationFailed(row)
+        found = dict(zip(COLUMNS, np.ascontiguousarray(out.T), strict=True))
+        if not self._alone:
+            return found
+        found["base_torque"] = found["crank_torque"]
+        return {name: found[name] for name in FOLLOWER_COLUMNS}
+
+    def project_deflection(self, deflection: Array, slope: Array) -> Array:
+        """Flexible coordinates (n,) closest to a deflection (m) and slope given at `projection_points`, in the mass norm and slope."""
+        if self.shapes.count == 0:
+            return np.zeros(0)
+        x, length = self.projection_points(), self.scene.follower.length
+        A = np.vstack([self.shapes.evaluate(x), length * self.shapes.evaluate(x, 1)])
+        return np.linalg.lstsq(A, np.concatenate([deflection, length * slope]), rcond=None)[0]
+
+    def projection_points(self) -> Array:
+        """Arc lengths (m) at which `project_deflection` wants deflection and slope."""
+        return np.linspace(0.0, self.scene.follower.length, 8 * (self.shapes.count + 4) + 1)
+
+
+def quadrature_cells(shapes: ShapeSet) -> int:
+    """Cells of the quadrature mesh: 0 (the shapes' own) for elements, else enough for products of the highest modes.
+
+    POINTS Gauss points a cell must come to about pi points for every wave of a product of two of the highest modes.
+    """
+    if not shapes.has_continuous_curvature or len(shapes.edges) == 2:
+        return 0
+    return max(2, int(np.ceil(np.pi * shapes.count / POINTS)) + 2)

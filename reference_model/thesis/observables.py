@@ -1,0 +1,113 @@
+"""Observables of a state, its shapes shown as they are (thesis/DERIVATION.md, section 6)."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.compilation import inlined, stage
+from reference_model.thesis.kinematics import Contact, Slider, tangent_angle
+from reference_model.thesis.parameters import Parameters, Workspace
+from reference_model.thesis.tables import find_cell
+
+
+@inlined
+def observe(
+    p: Parameters, c: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, drive: float, o: NDArray[np.float64]
+) -> None:
+    """Fill the row `o` (19,), columns as in `reference_model.columns.COLUMNS`, from what an evaluation left in `w`.
+
+    Args:
+        p: parameters.
+        c: the slider.
+        k: its contact.
+        w: workspace after the evaluation of the row's state.
+        y: q1, eta, q1dot, etadot, dissipated energy, work of the drive.
+        force: slider force, N.
+        drive: torque of the drive, N m.
+        o: the row to fill.
+    """
+    n = p.n
+    o[0], o[1], o[2], o[3] = y[0], y[n + 1], c.q2, c.s
+    end = len(p.tables.edges) - 1
+    tip_1, tip_2 = p.L - w.F_edges[end], w.end[1]
+    cosine, sine = math.cos(c.q2), math.sin(c.q2)
+    o[4], o[5], o[6] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
+    o[7] = tip_acceleration(p, k, w, y[n + 2 : 2 * n + 2])
+    o[11], o[12] = force, drive
+    energies(p, c, k, w, y, o)
+    for gauge in range(3):
+        curvature = 0.0
+        for i in range(n):
+            curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
+        o[8 + gauge] = 0.5 * p.thickness * curvature
+    # the loop is closed on the centre line to the last bits of the slider's place
+    o[16] = abs(math.sqrt(c.x**2 + c.W**2) - math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2))
+
+
+@stage
+def curvature_of_shape(p: Parameters, i: int, x: float) -> float:
+    """phi_i'' at x, of which strains are made (equation 6.8)."""
+    cell = find_cell(p.shape_edges, x)
+    length = p.shape_edges[cell + 1] - p.shape_edges[cell]
+    u = (x - p.shape_edges[cell]) / length
+    value = 0.0
+    for power in range(p.shape_coefficients.shape[1] - 1, 1, -1):
+        value = value * u + power * (power - 1) * p.shape_coefficients[cell, power, i]
+    return value / length**2
+
+
+@stage
+def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> float:
+    """Absolute acceleration of x = L along the beam's normal there (equation 6.3)."""
+    t, end = p.tables, len(p.tables.edges) - 1
+    x, W = p.L - w.F_edges[end], w.end[1]
+    W_rate = F_rate = 0.0
+    a1 = -w.acceleration[1] * W - k.q2_rate**2 * x - w.H_edges[end]
+    a2 = w.acceleration[1] * x - k.q2_rate**2 * W
+    for i in range(p.n):
+        W_rate += t.end_phi[i] * eta_rate[i]
+        F_rate += w.f_edges[end, i] * eta_rate[i]
+        a1 -= w.f_edges[end, i] * w.acceleration[i + 2]
+        a2 += t.end_phi[i] * w.acceleration[i + 2]
+    a1 -= 2.0 * k.q2_rate * W_rate
+    a2 -= 2.0 * k.q2_rate * F_rate
+    angle = tangent_angle(w.end[0], p.exact_geometry)[0]
+    return -math.sin(angle) * a1 + math.cos(angle) * a2
+
+
+@stage
+def energies(p: Parameters, c: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], o: NDArray[np.float64]) -> None:
+    """Kinetic, strain and gravity energy, dissipated energy and drive work (equations 6.4 to 6.6)."""
+    n = p.n
+    kinetic = strain = 0.0
+    for a in range(n + 2):
+        rate_a = k.q2_rate if a == 1 else (y[n + 1] if a == 0 else y[n + a])
+        for b in range(n + 2):
+            kinetic += 0.5 * rate_a * w.M[a, b] * (k.q2_rate if b == 1 else (y[n + 1] if b == 0 else y[n + b]))
+    for i in range(n):
+        for j in range(n):
+            strain += 0.5 * y[1 + i] * p.stiffness[i, j] * y[1 + j]
+    moment_1 = moment_2 = 0.0  # first moments of base frame bodies about P, in frame B
+    for point in range(len(p.tables.x)):
+        dm = p.rhoA * p.tables.weights[point]
+        moment_1 += dm * (p.tables.x[point] - w.F[point])
+        moment_2 += dm * w.W[point]
+        if p.exact_geometry:
+            curvature = 0.0
+            for i in range(n):
+                curvature += p.tables.ddphi[point, i] * y[1 + i]
+            slope2 = w.slope[point] ** 2
+            strain += 0.5 * p.EI * p.tables.weights[point] * curvature**2 * slope2 / (1.0 - slope2)
+    angle = tangent_angle(w.end[0], p.exact_geometry)[0]
+    end = len(p.tables.edges) - 1
+    moment_1 += p.tip_mass * (p.L - w.F_edges[end] + p.tip_offset * math.cos(angle))
+    moment_2 += p.tip_mass * (w.end[1] + p.tip_offset * math.sin(angle))
+    o[13], o[14], o[15], o[18] = kinetic, strain, y[2 * n + 2], y[2 * n + 3]
+    gravity = 0.0
+    if p.has_gravity:
+        cosine, sine = math.cos(c.q2), math.sin(c.q2)
+        mass = p.rhoA * p.L + p.tip_mass
+        gravity -= p.gravity_1 * (mass * p.d + cosine * moment_1 - sine * moment_2 + p.crank_moment * math.cos(y[0]))
+        gravity -= p.gravity_2 * (sine * moment_1 + cosine * moment_2 + p.crank_moment * math.sin(y[0]))
+    o[17] = gravity

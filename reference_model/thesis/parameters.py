@@ -1,0 +1,202 @@
+"""Everything the compiled equations read, as one flat tuple of numbers and arrays, built from a `Mechanism` and a `ShapeSet`."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.mechanism import FollowerAlone, PrescribedSpeed, Scene, Tip
+from reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
+from reference_model.rigid import deflection_scale
+from reference_model.shapes import ShapeSet
+from reference_model.thesis.tables import POINTS, TABLES_TYPE, Tables, build_tables
+
+
+class UnsuitableShapes(ValueError):
+    """The shapes cannot carry what the scene asks for; the text is one sentence."""
+
+
+class Parameters(NamedTuple):
+    """Constants of the equations (thesis/DERIVATION.md, section 1), SI; read-only in compiled code."""
+
+    d: float  # m, pivot distance
+    LA: float  # m, crank length
+    L: float  # m, follower length
+    crank_inertia: float  # kg m^2 about O, slider mass included
+    crank_moment: float  # kg m, first moment of crank and slider about O
+    torque: float  # N m
+    crank_damping: float  # N m s
+    crank_is_free: bool
+    base_inertia: float  # kg m^2
+    base_damping: float  # N m s
+    rhoA: float  # kg/m
+    EI: float  # N m^2 (0 for the rigid follower: no shape refers to it)
+    beam_damping: float  # N s/m^2
+    tip_mass: float  # kg
+    tip_inertia: float  # kg m^2
+    tip_offset: float  # m
+    slider_inertia: float  # kg m^2
+    gravity_1: float  # m/s^2
+    gravity_2: float  # m/s^2
+    has_gravity: bool
+    exact_geometry: bool
+    n: int  # number of shapes
+    thickness: float  # m
+    gauges: Vector  # (3,) m
+    tables: Tables
+    shape_edges: Vector
+    shape_coefficients: Cube  # (cells, degree + 1, n)
+    stiffness: Matrix  # (n, n) N/m: EI int phi'' phi''
+    mass_transverse: Matrix  # (n, n) kg: rhoA int phi phi
+    base_speed: float  # rad/s, of a base that turns as prescribed, after its spin-up
+    base_time: float  # s, of the spin-up
+    deflection_scale: float  # m, size that errors of the deflection are measured against
+
+
+def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, cells: int) -> Parameters:
+    """Parameters of the equations for a scene.
+
+    Args:
+        scene: a slider joint must be rigid; without crank and slider their constants are zero.
+        shapes: the follower's shapes (`no_shapes` for a rigid follower).
+        exact_geometry: exact planar geometry, or the thesis' second-order foreshortening with linear curvature.
+        cells: cells of the quadrature mesh; 0 takes the shapes' own cells.
+
+    Raises:
+        UnsuitableShapes: a slider with rotary inertia on shapes whose curvature jumps.
+    """
+    follower, crank = scene.follower, _crank_constants(scene)
+    if crank["slider_inertia"] > 0.0 and not shapes.has_continuous_curvature:
+        raise UnsuitableShapes(
+            "a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one Hermite element"
+        )
+    tip = scene.tip or Tip(mass=0.0, inertia=0.0)
+    tables = build_tables(shapes, cells)
+    EI = 0.0 if follower.is_rigid else follower.bending_stiffness
+    return Parameters(
+        L=follower.length,
+        crank_is_free=not isinstance(scene, FollowerAlone) and scene.crank_is_free,
+        **crank,
+        base_inertia=scene.base.inertia,
+        base_damping=scene.base.damping,
+        rhoA=follower.mass_per_length,
+        EI=EI,
+        beam_damping=follower.damping,
+        tip_mass=tip.mass,
+        tip_inertia=tip.inertia,
+        tip_offset=tip.center_of_mass,
+        gravity_1=scene.gravity[0],
+        gravity_2=scene.gravity[1],
+        has_gravity=scene.has_gravity,
+        exact_geometry=exact_geometry,
+        n=shapes.count,
+        thickness=follower.thickness,
+        gauges=np.array(follower.strain_gauges, dtype=float),
+        tables=tables,
+        shape_edges=np.ascontiguousarray(shapes.edges),
+        shape_coefficients=np.ascontiguousarray(shapes.coefficients),
+        stiffness=EI * (tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)),
+        mass_transverse=follower.mass_per_length * (tables.phi.T @ (tables.weights[:, None] * tables.phi)),
+        base_speed=scene.spin_up.speed if isinstance(scene, FollowerAlone) else 0.0,
+        base_time=scene.spin_up.time if isinstance(scene, FollowerAlone) else 0.0,
+        deflection_scale=0.01 * follower.length if isinstance(scene, FollowerAlone) else deflection_scale(scene),
+    )
+
+
+def _crank_constants(scene: Scene) -> dict[str, float]:
+    """What belongs to crank and slider; zero where the scene has none."""
+    if isinstance(scene, FollowerAlone):
+        return dict.fromkeys(("d", "LA", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia"), 0.0)
+    crank, slider, drive = scene.crank, scene.slider, scene.crank.drive
+    return {
+        "d": scene.pivot_distance,
+        "LA": crank.length,
+        "crank_inertia": crank.inertia_about_pivot + slider.mass * crank.length**2,
+        "crank_moment": crank.mass * crank.center_of_mass + slider.mass * crank.length,
+        "torque": 0.0 if isinstance(drive, PrescribedSpeed) else drive.torque,
+        "crank_damping": 0.0 if isinstance(drive, PrescribedSpeed) else drive.damping,
+        "slider_inertia": slider.inertia,
+    }
+
+
+class Workspace(NamedTuple):
+    """Scratch arrays of one evaluation of the equations (N points, m cells, n shapes); never read across evaluations."""
+
+    slope: Vector  # (N,) W'
+    slope_rate: Vector  # (N,) time derivative of W'
+    W: Vector  # (N,)
+    W_rate: Vector  # (N,)
+    g: Vector  # (N,) 1 - dx/ds of the centre line
+    g1: Vector  # (N,) dg/dW'
+    F: Vector  # (N,)
+    F_edges: Vector  # (m + 1,)
+    f: Matrix  # (N, n) dF/deta_i
+    f_edges: Matrix  # (m + 1, n)
+    F_rate: Vector  # (N,)
+    end: Vector  # (2,) W' and W at x = L
+    slider: Vector  # (2,) s, m; highest angular frequency, rad/s: not known here, 0
+    H: Vector  # (N,) int g'' (dW'/dt)^2
+    H_edges: Vector  # (m + 1,)
+    integrand: Vector  # (N,) scratch
+    at_s: Matrix  # (4, n) phi, phi', phi'', phi''' at the slider
+    f_s: Vector  # (n,) f at the slider
+    f_s_slope: Vector  # (n,) df/dx at the slider
+    weights: Matrix  # (3, POINTS)
+    M: Matrix  # (n + 2, n + 2) mass matrix for (q1, q2, eta)
+    Q: Vector  # (n + 2,) applied minus inertia forces
+    C: Vector  # (n + 2,) q2dot = C . (q1dot, -, etadot)
+    D: Vector  # (n + 2,) slider rotation rate = D . (q1dot, q2dot, etadot)
+    reduced: Matrix  # (n + 1, n + 1)
+    rhs: Vector  # (n + 1,)
+    acceleration: Vector  # (n + 2,) q1, q2, eta
+
+
+PARAMETERS_TYPE: Final = tuple_type(Parameters, tables=TABLES_TYPE)
+WORKSPACE_TYPE: Final = tuple_type(Workspace)
+parameters_at = reader(PARAMETERS_TYPE)
+workspace_at = reader(WORKSPACE_TYPE)
+
+
+def build_workspace(tables: Tables) -> Workspace:
+    """Scratch arrays for a mesh of points and its shapes."""
+    N, n, m = len(tables.x), tables.phi.shape[1], len(tables.edges) - 1
+
+    def zeros(*shape: int) -> NDArray[np.float64]:
+        return np.zeros(shape)
+
+    return Workspace(
+        slope=zeros(N),
+        slope_rate=zeros(N),
+        W=zeros(N),
+        W_rate=zeros(N),
+        g=zeros(N),
+        g1=zeros(N),
+        F=zeros(N),
+        F_edges=zeros(m + 1),
+        f=zeros(N, n),
+        f_edges=zeros(m + 1, n),
+        F_rate=zeros(N),
+        end=zeros(2),
+        slider=zeros(2),
+        H=zeros(N),
+        H_edges=zeros(m + 1),
+        integrand=zeros(N),
+        at_s=zeros(4, n),
+        f_s=zeros(n),
+        f_s_slope=zeros(n),
+        weights=zeros(3, POINTS),
+        M=zeros(n + 2, n + 2),
+        Q=zeros(n + 2),
+        C=zeros(n + 2),
+        D=zeros(n + 2),
+        reduced=zeros(n + 1, n + 1),
+        rhs=zeros(n + 1),
+        acceleration=zeros(n + 2),
+    )
+
+
+def state_size(parameters: Parameters) -> int:
+    """Length of the state vector (q1, eta, q1dot, etadot, dissipated energy, drive work)."""
+    return 2 * parameters.n + 4

@@ -1,0 +1,163 @@
+"""Flipping the sign of any one term of the equations makes the comparison with the oracles fail."""
+
+import dataclasses
+import math
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+
+from reference_model.mechanism import PrescribedSpeed
+from reference_model.shapes import ShapeSet, hermite_elements
+from reference_model.thesis import dynamics, equations, kinematics, observables
+from reference_model.thesis.parameters import Parameters, build_parameters
+from tests.reference_model.mutation import Site, Source, mutant, original, plain, sites
+from tests.reference_model.oracle_scene import (
+    Array,
+    Equations,
+    Values,
+    build,
+    computed,
+    draw_case,
+    expected_cubic,
+    expected_shapes,
+    flexible,
+    largest_difference,
+    mechanism_of,
+    state_vector,
+)
+from tests.symbolic import symbolic_model
+
+SOURCE = Source(
+    modules=(kinematics, dynamics, observables, equations),
+    no_equations=frozenset(
+        {
+            "_solve_cholesky",
+            "factorize",
+            "substitute",
+            "_full_index",
+            "observe",
+            "curvature_of_shape",
+            "base_right_hand_side",  # the follower alone has a test of its own
+            "_no_slider",
+        }
+    ),
+    stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "parameters_at", "workspace_at"), plain),
+    entry=lambda defined: Equations(defined["evaluate"], defined["right_hand_side"]),
+)
+
+#: That of test_thesis_equations.py; the unchanged source lies three decades below.
+TOLERANCE = 1e-10
+
+#: Flipped signs that change nothing, and why.
+EQUIVALENT = {
+    ("centre_line", "slope_rate -= t.dphi[p, i] * eta_rate[i]"): "the rate of W' enters H squared and nothing else",
+    ("energies", "curvature -= p.tables.ddphi[point, i] * y[1 + i]"): "the strain energy is quadratic in the curvature",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Check:
+    """One state with all optional parts on, and what an oracle says about it."""
+
+    parameters: Parameters
+    shapes: ShapeSet
+    state: Array
+    expected: Values
+
+    def difference(self, equations: Equations) -> float:
+        """From the oracle; infinite where the state cannot be evaluated."""
+        try:
+            found = computed(equations, self.parameters, self.state)
+            return largest_difference(found, self.expected)[0]
+        except (ValueError, ZeroDivisionError, OverflowError, IndexError, np.linalg.LinAlgError):
+            return np.inf
+
+
+@cache
+def checks() -> tuple[Check, ...]:
+    """Two states of the single cubic, one with the crank's speed prescribed, one of other shapes, one in exact geometry."""
+    made = []
+    for seed in (1, 3):
+        parameters, state = draw_case(seed, present=1.0)
+        p, shapes = build(parameters)
+        made.append(Check(p, shapes, state_vector(p, state, *flexible(state)), expected_cubic(parameters, state)))
+    return (*made, _prescribed(), _quartics(), _exact())
+
+
+def _prescribed() -> Check:
+    parameters, state = draw_case(5, present=1.0)
+    parameters |= {"crank_torque": 0.0, "crank_damping": 0.0}
+    oracle = symbolic_model.evaluate(parameters, state)
+    mass, force = oracle["projected_mass_matrix"], oracle["projected_force"]
+    acceleration = np.linalg.solve(mass[1:, 1:], force[1:])
+    mechanism = mechanism_of(parameters)
+    crank = dataclasses.replace(mechanism.crank, drive=PrescribedSpeed(speed=state["crank_speed"]))
+    shapes = hermite_elements(parameters["length"], 1)
+    p = build_parameters(dataclasses.replace(mechanism, crank=crank), shapes, exact_geometry=False, cells=0)
+    power = (mass[0, 1:] @ acceleration - force[0]) * state["crank_speed"]
+    return Check(
+        p,
+        shapes,
+        state_vector(p, state, *flexible(state)),
+        {"accelerations": np.asarray(acceleration, dtype=np.float64), "drive_power": np.array([power])},
+    )
+
+
+def _quartics() -> Check:
+    """(x/L)^2 and (x/L)^4 on two cells, the slider in the second: higher derivatives and cells that do not begin at the base."""
+    parameters, state = draw_case(1, present=1.0)
+    L = parameters["length"]
+    coefficients = np.zeros((2, 5, 2))
+    for i, power in enumerate((2, 4)):
+        coefficients[0, power, i] = 0.5**power
+        coefficients[1, : power + 1, i] = [math.comb(power, k) * 0.5**power for k in range(power + 1)]
+    shapes = ShapeSet(np.array([0.0, 0.5 * L, L]), coefficients, has_continuous_curvature=True)
+    eta, eta_rate = np.array([0.08, -0.03]), np.array([-1.0, 1.5])
+    p = build_parameters(mechanism_of(parameters), shapes, exact_geometry=False, cells=8)  # quadrature error 4e-11
+    expected = expected_shapes(parameters, state, shapes, eta, eta_rate, exact=False)
+    return Check(p, shapes, state_vector(p, state, eta, eta_rate), expected)
+
+
+def _exact() -> Check:
+    parameters, state = draw_case(1, present=1.0)
+    eta, eta_rate = flexible(state)
+    p, shapes = build(parameters, exact=True, cells=4)  # quadrature error 5e-12, see test_thesis_equations.py
+    return Check(p, shapes, state_vector(p, state, eta, eta_rate), expected_shapes(parameters, state, shapes, eta, eta_rate, exact=True))
+
+
+def exercise(equations: Equations) -> list[float]:
+    return [check.difference(equations) for check in checks()]
+
+
+@cache
+def found_sites() -> tuple[list[Site], list[Site]]:
+    return sites(SOURCE, exercise)
+
+
+def survivors(chosen: list[Site]) -> Iterator[str]:
+    for site in chosen:
+        if (site.function, site.flip) in EQUIVALENT:
+            continue
+        equations = mutant(SOURCE, site)
+        if all(check.difference(equations) <= TOLERANCE for check in checks()):
+            yield str(site)
+
+
+def test_the_unchanged_source_agrees() -> None:
+    assert max(exercise(original(SOURCE))) < TOLERANCE
+
+
+def test_every_term_is_evaluated() -> None:
+    """No branch of the equations escapes the states above."""
+    assert [str(site) for site in found_sites()[1]] == []
+
+
+def test_every_mutant_is_caught() -> None:
+    every = found_sites()[0]
+    assert len(every) > 300  # as many signs as the equations have, or the search for them is broken
+    assert list(survivors(every)) == []
+
+
+def test_every_equivalent_mutant_still_exists() -> None:
+    assert set(EQUIVALENT) <= {(site.function, site.flip) for site in found_sites()[0]}
