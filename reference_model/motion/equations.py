@@ -203,8 +203,8 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, row: int) ->
         normal, tangential, slider_moment = slider_force(p, t, w, moment)
         torque, speed = drive_torque(p, w, normal, tangential), y[m + 1]
     out[2 * m + 2] = torque * speed
-    if observed:
-        observe(p, t, w, y, at, normal, tangential, slider_moment, torque, numbers_at(row, WIDTH))
+    if observed and not observe(p, t, w, y, at, normal, tangential, slider_moment, torque, numbers_at(row, WIDTH)):
+        return 0
     return 1
 
 

@@ -53,8 +53,10 @@ def observe(
     slider_moment: float,
     torque: float,
     o: Array,
-) -> None:
+) -> bool:
     """Fill the row `o` (WIDTH,) for a state whose accelerations, less gravity, are in `w.A`; spoils the workspace's fields.
+
+    False where the recovered line is bent too far.
 
     `normal`, `tangential` (N) and `slider_moment` (N m) are the slider's on the follower, `torque` (N m) the drive's, or the base's where
     its motion is prescribed; the rest is as in `equations.motion`.
@@ -67,7 +69,7 @@ def observe(
         o[20] = joint_power(p, w, y)
     _energies(p, t, w, y, at, o)
     _bending_moment(p, t, w, at, normal, tangential, slider_moment)
-    _recover(p, t, w, y, at, o)
+    return _recover(p, t, w, y, at, o)
 
 
 @stage
@@ -143,7 +145,7 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int, normal: flo
 
 
 @stage
-def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array) -> None:
+def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array) -> bool:
     """Shape, base angle, slider and tip place of the recovered curvature (equations 6.7 to 6.9)."""
     N, s, f = t.cells * t.S, w.slider[0], w.facts
     end = N - t.S + t.G
@@ -152,7 +154,8 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
     for j in range(N):
         w.integrand[j], w.integrand[N + j] = w.psi[j], 0.0
     cumulate(t, w.length, w.integrand, w.z)
-    directions(w.z[:N], w.integrand)
+    if not directions(w.z[:N], w.integrand):
+        return False
     cumulate(t, w.length, w.integrand, w.relative)
     tip_1, tip_2 = w.relative[end], w.relative[N + end]
     cosine, sine, ds = f[COS_Q2], f[SIN_Q2], 0.0
@@ -172,6 +175,7 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
         o[2] = math.pi + math.atan2(-sine, -cosine)
     o[3], o[6] = s + ds, tip_2
     o[4], o[5] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2
+    return True
 
 
 @stage

@@ -1,6 +1,6 @@
 """Runs of the one beam, with its own tables or with finer ones."""
 
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ def places_of(mechanism: Mechanism) -> tuple[float, float]:
     return mechanism.pivot_distance - mechanism.crank.length, mechanism.pivot_distance + mechanism.crank.length
 
 
+@cache
 def fine_family(mechanism: Mechanism, modes: int) -> ModeFamily:
     """Shapes around the places that the slider visits: 120 terms leave 1e-9 of psi and 1e-6 of its second derivative in five modes."""
     nearest, farthest = places_of(mechanism)

@@ -14,7 +14,7 @@ from reference_model.motion.layout import Tables
 from reference_model.natural_modes import supported_modes
 from tests.engines.scenes import INCH, run_24
 from tests.reference_model.beam_runs import Array, fine_family, places_of, run, with_fine_tables
-from tests.reference_model.supported_beam import SupportedBeam, derivative
+from tests.reference_model.plain_beam import derivative
 from tests.reference_model.thesis_runs import error
 
 LONG_CRANK = run_24(crank={"length": 5.0 * INCH}, tip={"center_of_mass": 0.0127})
@@ -36,8 +36,6 @@ def test_shapes_and_derivatives_are_those_of_neighbouring_beams(mechanism: Mecha
     x = (0.02 + 0.9 * FRACTIONS) * s if span == 0 else s + (0.08 + 0.92 * FRACTIONS) * (length - s)
     u = x / s if span == 0 else (x - s) / (length - s)
     psi, psi_s, psi_ss, psi_x = (values[0] for values in family.shapes_at(np.array([s]), u, span))
-    beam = SupportedBeam(mechanism, modes)
-    beam.orient(s, x, psi)
 
     def angles(shift: float) -> Array:
         found = supported_modes(mechanism, s + shift, modes)
