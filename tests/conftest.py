@@ -19,13 +19,17 @@ hypothesis.settings.load_profile("quickreturn")
 #: The files that take longest, so that no process is left alone with one at the end.
 LONGEST = (
     "test_readme",
+    "test_sensible_machines",
+    "test_command_line",
     "test_rivals",
-    "test_thesis_runs",
-    "test_dynamics",
-    "test_exudyn",
     "test_faults",
-    "test_accuracy_campaign",
+    "test_thesis_runs",
+    "test_measures_accuracy",
+    "test_exudyn",
+    "test_thesis_equations",
+    "test_mutation",
     "test_limits",
+    "test_accuracy_campaign",
 )
 
 
