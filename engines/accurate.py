@@ -4,7 +4,7 @@ The estimate does not know the answer. It compares runs of the same engine whose
 that error = difference / |factor - 1|: Richardson's estimate, Hairer, Norsett and Wanner, Solving Ordinary Differential Equations
 I, section II.4. Errors of different origin are shown by a pair of runs each, and their sizes added: they cannot cancel. The estimate
 is as good as the factor: where the runs converge at the engine's stated order it is right to some ten percent, and each engine states
-its factors on the safe side (`cases.accuracy_campaign` measures what comes of it). It sees the engine's own discretization alone: an
+its factors on the safe side (a campaign of the tests measures what comes of it). It sees the engine's own discretization alone: an
 engine that converges to a wrong model is found by comparison with other engines only.
 """
 

@@ -45,7 +45,7 @@ ORDER_IN_SPACE: Final = 3.0
 
 #: Orders that the estimate counts on, less than those: steps and elements that just do are not fine enough for the full order, and the
 #: strains of a cable that the slider shakes as it passes from element to element converge more slowly than its deflection (thesis' run
-#: 17: order 1.1 from 12 to 24 elements at the first gauge, 3 in the deflection). Over 17 scenes (`cases.random_scenes` and thesis' runs)
+#: 17: order 1.1 from 12 to 24 elements at the first gauge, 3 in the deflection). Over 17 scenes (random machines and thesis' runs)
 #: and six columns the estimate of three settings is above the error in 99 % of 279 cases, 1.18 times too small at worst, 2.2 times the
 #: error in the median; with orders of 1.8 and 2.6 it is above it in 92 %, 2.1 times too small at worst.
 SAFE_IN_TIME: Final = 1.6

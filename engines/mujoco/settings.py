@@ -31,7 +31,7 @@ STIFFEST_ARMATURE: Final = 1.0
 
 #: Parts of the links, and the factors by which the error is taken to grow when the chain has no more than those. The estimate is the sum
 #: of what the two pairs show: the slider, as it passes from link to link, shakes each chain in its own way, so that one difference
-#: alone may vanish by accident. Over 27 scenes (thesis' runs, random ones and machines, `cases.random_scenes`), six columns and 12 to 40
+#: alone may vanish by accident. Over 27 scenes (thesis' runs, random ones and machines), six columns and 12 to 40
 #: links the sum is above the error in 99 % of some 800 cases, 1.2 times too small at worst (strain and force under a sudden load, whose
 #: fast modes no chain has), 2.9 times the error in the median; what Richardson's rule makes of the order 2.5, in which run 24 converges,
 #: is above it in half of them.

@@ -53,7 +53,7 @@ TOLERANCE_PER_ACCURACY: Final = 1e-4
 #: sign, so that differences are a little smaller than errors. Measured in sixteen scenes (thesis' runs, stiff, soft, random): two modes
 #: differ from five by 0.54 to 1.0 times their error, four from seven by 0.88 to 1.0, and from five on a run differs from one with two
 #: modes more by 0.8 to 0.9 times its error in the thesis' runs; 0.3 at worst, under a sudden load that sets all modes ringing. In sixteen
-#: other random scenes (`cases.accuracy_campaign`) estimates were 0.87 to 2.0 times the errors. A coarser run is no measure: one mode is
+#: other random scenes estimates were 0.87 to 2.0 times the errors. A coarser run is no measure: one mode is
 #: 1.3 to 25 times worse than two, and three are no better.
 COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: Part of the square of the lowest frequency that a compliant joint changes from which on its own vibration is left as it is, and part

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from cases.benchmark import Benchmark
 from cases.comparison import CaseResult
 from cases.experiment import MeasuredCurve
-from cases.hard_scenes import Matrix
+from cases.judging.matrix import Matrix
 from cases.studies import Studies
 from reports.findings.axes import AxisComparison, axis_comparisons
 from reports.findings.evidence import Evidence

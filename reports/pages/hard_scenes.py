@@ -1,12 +1,12 @@
 """The hard scenes: where engines break, and whether they say so."""
 
 from cases.case_file import load_case
-from cases.conditioning import CHANGE, ILL
-from cases.hard_scenes import MODEL, REQUESTED, Matrix, judge_scenes
+from cases.judging.conditioning import CHANGE, ILL
+from cases.judging.matrix import MODEL, REQUESTED, Matrix, judge_scenes
+from cases.judging.verdicts import LATER, MEANINGS
 from cases.library import catalogue
 from cases.library.hard import IMPOSSIBLE, TAG
 from cases.store import Store
-from cases.verdicts import LATER, MEANINGS
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables import hard_scenes as tables

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.measures import CHANNELS, CycleMeasures, measure_cycle
 from cases.measures.consensus import consensus
 from cases.measures.extremes import extremes
-from tests.cases.measured_scenes import scale_of_run, vibrating_cycle
+from tests.verification.measured_scenes import scale_of_run, vibrating_cycle
 
 FACTOR = 0.95
 AMPLITUDE = 4.0  # of the slow part's RMS over a turn: about as large as the slow part's peak

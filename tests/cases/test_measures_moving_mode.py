@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from cases.measures.accuracy import thesis_scene
 from cases.measures.moving_mode import LARGEST, moving_mode
 from reference_model.mechanism import Crank, Mechanism, PrescribedSpeed
 from reference_model.natural_modes import frozen_crank_modes, supported_modes
+from tests.verification.measures_accuracy import thesis_scene
 
 RUN_24: Mechanism = thesis_scene(24)[0]
 ANGLES = np.linspace(0.0, np.pi, 61)

@@ -14,7 +14,6 @@ from scipy.interpolate import CubicSpline
 
 from cases.case_file import load_case
 from cases.measures import CHANNELS, cut_cycles, measure_cycle, time_scale
-from cases.random_scenes import random_scenes
 from reference_model.mechanism import Mechanism
 from reference_model.model import BeamModel
 from reference_model.motion.layout import COS_Q2, MISSED, SIN_Q2
@@ -22,6 +21,7 @@ from reference_model.natural_modes import frozen_crank_modes
 from reference_model.shapes import ShapeSet, clamped_free_modes, vibrating
 from tests.cases.vibration_truth import LAUNCHES, SteadyVibration, steady_vibration
 from tests.engines.scenes import run_24
+from tests.verification.random_scenes import random_scenes
 
 Array = NDArray[np.float64]
 

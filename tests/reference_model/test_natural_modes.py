@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from cases.ladder.overhung_beam import determinant
 from reference_model.mechanism import Base, Crank, Follower, Mechanism, Slider, Tip, TorqueDrive
 from reference_model.natural_modes import frozen_crank_modes, supported_modes
+from tests.verification.ladder.overhung_beam import determinant
 
 INCH = 0.0254  # m
 POUND_FORCE = 4.4482216152605  # N

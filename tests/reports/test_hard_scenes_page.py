@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from cases.case_file import load_case
-from cases.conditioning import Conditioning
-from cases.hard_scenes import Cell, Matrix
+from cases.judging.conditioning import Conditioning
+from cases.judging.matrix import Cell, Matrix
+from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
 from cases.library.hard import IMPOSSIBLE
 from cases.store import Store
-from cases.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
 from reports.page import page
 from reports.pages.content import Content
 from reports.pages.hard_scenes import hard_scenes, stored_matrix

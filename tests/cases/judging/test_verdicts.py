@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from cases.verdicts import (
+from cases.judging.verdicts import (
     ACCURATE,
     CONTRADICTED,
     DIVERGED,

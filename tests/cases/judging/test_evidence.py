@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cases.case_file import load_case
-from cases.evidence import Run, Scene, crank_jump, energy_residual, gather, relative_difference
-from cases.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
+from cases.judging.evidence import Run, Scene, crank_jump, energy_residual, gather, relative_difference
+from cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
 from engines.base import Comparison, EngineFailure, Refusal
 from engines.settings import Settings
 from engines.start import Start

@@ -13,9 +13,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.ladder.overhung_beam import Mode, Sag, cubic_frequencies, cubic_sag, natural_modes, sag
-from cases.ladder.rigid_loop import RigidLoop, rigid_loop
-from cases.ladder.row import Row, smoothed
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
 from engines.own.fixed_shapes import FixedShapesSettings
@@ -29,6 +26,9 @@ from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Follower, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from tests.verification.ladder.overhung_beam import Mode, Sag, cubic_frequencies, cubic_sag, natural_modes, sag
+from tests.verification.ladder.rigid_loop import RigidLoop, rigid_loop
+from tests.verification.ladder.row import Row, smoothed
 
 Array = NDArray[np.float64]
 

@@ -2,14 +2,14 @@
 
 Limits are the published ones plus one standard deviation of the estimate itself, which for n resolvable half cycles is spread/sqrt(n)
 for the bias, 1/sqrt(2n) of itself for the spread and 1.2 spread/sqrt(n) for the 90 % bound (normal errors): 0.04 %, 0.03 % and
-0.05 % at n = 128 and a spread of 0.5 %. `python -m cases.measures.accuracy` draws as many as one likes.
+0.05 % at n = 128 and a spread of 0.5 %. `python -m tests.verification.measures_accuracy` draws as many as one likes.
 """
 
 import math
 
 import pytest
 
-from cases.measures.accuracy import accuracy
+from tests.verification.measures_accuracy import accuracy
 
 SAMPLES = 128  # four times every scene, channel and half
 FALSE_SAMPLES = 96

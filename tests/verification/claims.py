@@ -1,11 +1,11 @@
-"""What becomes of the claims of a campaign (`cases.accuracy_campaign`): which can be judged, which hold, and what is left out."""
+"""What becomes of the claims of a campaign (`accuracy_campaign`): which can be judged, which hold, and what is left out."""
 
 from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 
-from cases.random_scenes import LARGEST_CONDITION
+from tests.verification.random_scenes import LARGEST_CONDITION
 
 #: The confirming run's own error may be so much: 40 links leave up to 4e-3 in the acceleration of a thesis' run.
 CONFIRMED: Final = 1e-2

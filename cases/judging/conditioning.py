@@ -2,7 +2,7 @@
 
 Parameters are never known to 0.1 %. Where so little moves the answer by several percent, a solution that is good to a percent over the
 whole duration says more than the scene does; two good solutions then run apart beyond a horizon, and what can still be compared there
-is energy, extremes and spectrum (`cases.spectrum`).
+is energy, extremes and spectrum (`cases.judging.spectrum`).
 """
 
 from collections.abc import Mapping, Sequence

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from cases.case_file import load_case
-from cases.ladder.overhung_beam import natural_modes
-from cases.ladder.row import Row, chapter, failures, smoothed, table
-from cases.ladder.statics_and_modes import mode_rows, rigid_rows, sag_rows, scene_of
-from cases.ladder.terms import mean_rows, state_of, term_rows
-from cases.ladder.trajectories import ladders, scene, trajectory_rows
 from reference_model.mechanism import Base
+from tests.verification.ladder.overhung_beam import natural_modes
+from tests.verification.ladder.row import Row, chapter, failures, smoothed, table
+from tests.verification.ladder.statics_and_modes import mode_rows, rigid_rows, sag_rows, scene_of
+from tests.verification.ladder.terms import mean_rows, state_of, term_rows
+from tests.verification.ladder.trajectories import ladders, scene, trajectory_rows
 
 Keep = Callable[[str, object], None]
 RUN_24 = load_case("thesis-24").mechanism

@@ -12,9 +12,9 @@ import pytest
 import engines
 import reference_model
 from cases.case_file import load_case
-from cases.evidence import Columns, Run, Scene, gather, relative_difference
-from cases.hard_scenes import REQUESTED
-from cases.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, compared, judge
+from cases.judging.evidence import Columns, Run, Scene, gather, relative_difference
+from cases.judging.matrix import REQUESTED
+from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, compared, judge
 from engines.base import Engine
 from engines.registry import engine
 from tests.engines.wrong_engines import Disguised, Restarting, Stiffer, TooLargeStep
@@ -80,7 +80,7 @@ PROGRAM = """
 import pickle, sys
 import reference_model
 from cases.case_file import load_case
-from cases.evidence import Scene, gather
+from cases.judging.evidence import Scene, gather
 assert reference_model.__file__.startswith(sys.argv[1]), reference_model.__file__
 scene = Scene(mechanism=load_case("thesis-24").mechanism, duration=0.4, output_step=1e-3, horizon=0.4)
 run = gather("fixed-shapes", scene, float(sys.argv[2]), asked=(1.0,))

@@ -8,11 +8,11 @@ import pytest
 
 import cases.stored_jobs
 from cases.case_file import load_case, with_times
-from cases.hard_scenes import Matrix, judge_scenes
+from cases.judging.matrix import Matrix, judge_scenes
+from cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
 from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.store import Store
-from cases.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
 from cases.workers import Limits
 from engines.registry import MAIN
 

@@ -1,4 +1,4 @@
-"""Accuracy of the first-mode measures on synthetic half cycles: `python -m cases.measures.accuracy`."""
+"""Accuracy of the first-mode measures on synthetic half cycles: `python -m tests.verification.measures_accuracy`."""
 
 import argparse
 from collections.abc import Iterator
@@ -11,9 +11,9 @@ from scipy.interpolate import CubicSpline
 from cases.measures.consensus import consensus
 from cases.measures.first_mode import FirstMode, fit_first_modes
 from cases.measures.half_cycle import channel_half, half_cycle
-from cases.measures.synthetic import SyntheticHalf, synthetic_half
 from cases.measures.time_scale import TimeScale, time_scale
 from reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
+from tests.verification.synthetic import SyntheticHalf, synthetic_half
 
 INCH = 0.0254  # m
 POUND_FORCE = 4.4482216152605  # N

@@ -1,8 +1,8 @@
 """Gathers the evidence for a verdict: one engine on one scene at several settings, none of which knows the right answer.
 
 The engine is asked for an accuracy as a user would ask it (`engines.accurate.simulate`), which climbs its ladder until its own estimate
-is good enough. What it delivers is then held against finer settings and the balances of `cases.verdicts`; while these leave a doubt, it
-is asked for more. Where the slider reaches the follower's end the run is judged up to shortly before; a numerical breakdown moves or
+is good enough. What it delivers is then held against finer settings and the balances of `verdicts`; while these leave a doubt, it is
+asked for more. Where the slider reaches the follower's end the run is judged up to shortly before; a numerical breakdown moves or
 goes with finer settings, the end of a scene stays.
 """
 
@@ -14,8 +14,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.spectrum import later_differences
-from cases.verdicts import Breakdown, Evidence, judge
+from cases.judging.spectrum import later_differences
+from cases.judging.verdicts import Breakdown, Evidence, judge
 from engines.accurate import Result, run_once, simulate
 from engines.base import Engine, EngineFailure, Refusal
 from engines.registry import usable_engine
@@ -49,7 +49,7 @@ class Run:
     """What the climb ended with.
 
     Attributes:
-        evidence: for `cases.verdicts.judge`.
+        evidence: for `cases.judging.verdicts.judge`.
         settings: of the run judged; {} where none ran.
         columns: its trajectory, as far as it goes.
     """

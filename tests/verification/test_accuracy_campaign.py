@@ -9,15 +9,22 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cases.accuracy_campaign
-from cases.accuracy_campaign import ACCURACIES, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
-from cases.claims import chapter, deliveries, judged, left_out, summary
+import tests.verification.accuracy_campaign
 from cases.library import case_names
-from cases.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes, sensible_machines
 from cases.store import Store
 from engines.accurate import ESTIMATED
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.start import standard_start
+from tests.verification.accuracy_campaign import ACCURACIES, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
+from tests.verification.claims import chapter, deliveries, judged, left_out, summary
+from tests.verification.random_scenes import (
+    LARGEST_CONDITION,
+    LARGEST_DEFLECTION,
+    LARGEST_SLIDER_POSITION,
+    Scene,
+    random_scenes,
+    sensible_machines,
+)
 
 BAD = [[], ["--random", "0"], ["--machines", "-3"], ["--library", "--jobs", "-1"], ["--random", "1", "--accuracy", "1,5"]]
 
@@ -51,13 +58,13 @@ def test_scenes_of_the_library_are_those_that_the_truth_can_model(monkeypatch: p
     # without a crank, with a soft joint, leaving the follower's end: each has no truth to be judged by
     names = ("spin-up", "hard-joint-1e5", "hard-speed-x3", "thesis-24")
     assert set(names) < set(case_names())
-    monkeypatch.setattr(cases.accuracy_campaign, "case_names", lambda: names)
+    monkeypatch.setattr(tests.verification.accuracy_campaign, "case_names", lambda: names)
     assert [scene.name for scene in library_scenes()] == ["thesis-24"]
 
 
 def test_claims_hold_on_two_random_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
     """A quarter of a second of each. The second begins with a sudden load: fast modes ring whose acceleration no truth has."""
-    monkeypatch.setattr(cases.accuracy_campaign, "CHAINS", (27,))
+    monkeypatch.setattr(tests.verification.accuracy_campaign, "CHAINS", (27,))
     scenes = [dataclasses.replace(scene, duration=0.25) for scene in itertools.islice(random_scenes(SEED), 2)]
     requests = (("mujoco", None), ("exudyn", 1e-2))
     table = as_table(*(row for scene in scenes for row in scene_rows(scene, requests)))
@@ -155,7 +162,7 @@ def test_claim_that_is_missing_must_say_why_and_must_not_be_reached() -> None:
 
 def test_process_that_broke_down_is_named_and_the_others_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     documents = {("scene", "a"): ({"rows": [dataclasses.asdict(row())]}, {}), ("scene", "b"): ({"failure": "killed by SIGSEGV"}, {})}
-    monkeypatch.setattr(cases.accuracy_campaign, "results", lambda *_: documents)
+    monkeypatch.setattr(tests.verification.accuracy_campaign, "results", lambda *_: documents)
     table, broken = campaign([], Store(tmp_path))
     assert broken == ["b: killed by SIGSEGV"]
     assert Row(**table.to_dict("records")[0]) == row()  # type: ignore[arg-type]
@@ -193,7 +200,7 @@ def test_command_line_writes_what_it_computed_and_continues(
 
 
 def test_campaign_without_any_row_has_an_empty_table(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(cases.accuracy_campaign, "results", lambda *_: {("scene", "a"): ({"rows": []}, {})})
+    monkeypatch.setattr(tests.verification.accuracy_campaign, "results", lambda *_: {("scene", "a"): ({"rows": []}, {})})
     table, broken = campaign([], Store(tmp_path))
     assert broken == ["a: no truth"]
     assert table.empty

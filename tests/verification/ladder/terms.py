@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
-from cases.ladder.row import Row, smoothed
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
 from engines.own.fixed_shapes import FixedShapesSettings
@@ -33,6 +32,7 @@ from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.start_state import StartState, reconstruct
 from reference_model.mechanism import Mechanism, Tip, TorqueDrive
+from tests.verification.ladder.row import Row, smoothed
 
 Array = NDArray[np.float64]
 

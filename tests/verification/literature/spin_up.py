@@ -18,8 +18,6 @@ from scipy.optimize import minimize_scalar
 from cases.case import Case
 from cases.case_file import load_case
 from cases.data import read_toml
-from cases.literature.comparison import Comparison
-from cases.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection, time_unit
 from engines.accurate import Result
 from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN, engine
@@ -27,6 +25,8 @@ from engines.scene import simulate_scene
 from engines.settings import SettingError
 from reference_model.mechanism import FollowerAlone, SpinUp
 from reference_model.spin_up import base_motion
+from tests.verification.literature.comparison import Comparison
+from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection, time_unit
 
 Array = NDArray[np.float64]
 

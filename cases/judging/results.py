@@ -11,16 +11,14 @@ from typing import Any, Final
 import numpy as np
 
 from cases import stored_jobs
-from cases.conditioning import Conditioning, conditioning
-from cases.evidence import Columns, Run, Scene, gather
+from cases.judging.conditioning import Conditioning, conditioning
+from cases.judging.evidence import Columns, Run, Scene, gather
+from cases.judging.verdicts import Breakdown, Evidence
 from cases.store import Store
 from cases.stored_jobs import Campaign, Result, Work
-from cases.verdicts import Breakdown, Evidence
 from reference_model.mechanism import Mechanism
 
-_CAMPAIGN: Final = Campaign(
-    "hard scene", ("cases.evidence", "cases.verdicts", "cases.conditioning", "cases.spectrum", "cases.hard_results")
-)
+_CAMPAIGN: Final = Campaign("hard scene", ("cases.judging",))
 #: Columns that are kept.
 _KEPT: Final = ("time", "tip_deflection", "strain_energy")
 

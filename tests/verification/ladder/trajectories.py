@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.case_file import load_case
-from cases.ladder.row import Row, smoothed
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
 from engines.own.reference import ReferenceSettings
@@ -29,6 +28,7 @@ from engines.settings import Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism, PrescribedSpeed
+from tests.verification.ladder.row import Row, smoothed
 
 Array = NDArray[np.float64]
 

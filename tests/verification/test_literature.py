@@ -8,10 +8,18 @@ import pytest
 
 from cases.case_file import load_case
 from cases.data import read_toml
-from cases.literature.comparison import Comparison
-from cases.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection
-from cases.literature.spin_up import CASE, at_rate, fitted_vibration, linear_lag, manoeuvre, spin_up_table, spinning_rod_stretch
 from reference_model.mechanism import FollowerAlone
+from tests.verification.literature.comparison import Comparison
+from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection
+from tests.verification.literature.spin_up import (
+    CASE,
+    at_rate,
+    fitted_vibration,
+    linear_lag,
+    manoeuvre,
+    spin_up_table,
+    spinning_rod_stretch,
+)
 
 PUBLISHED = read_toml("literature.toml")["rotating_cantilever"][0]
 

@@ -13,10 +13,10 @@ from cases.case import Case
 from cases.comparison import CaseResult
 from cases.cross_validation import cross_validate
 from cases.engine_run import EngineRun
-from cases.random_scenes import LEAST_STIFFNESS_RATIO, OUTPUT_STEP, Scene, sensible_machines
 from cases.store import Store
 from reference_model.natural_modes import stiffness_ratio
 from reference_model.rigid import crank_pace
+from tests.verification.random_scenes import LEAST_STIFFNESS_RATIO, OUTPUT_STEP, Scene, sensible_machines
 
 ENGINES = ("reference", "mujoco")
 SEED = 603

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import cases.conditioning
+import cases.judging.conditioning
 from cases.case_file import load_case
-from cases.conditioning import CHANGE, ILL, changed, conditioning
+from cases.judging.conditioning import CHANGE, ILL, changed, conditioning
 from engines.trajectory import REQUIRED, Trajectory
 from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 
@@ -29,7 +29,7 @@ def motion(mechanism: Mechanism, duration: float, output_step: float) -> Traject
 
 @pytest.fixture(autouse=True)
 def _made_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cases.conditioning, "_run", motion)
+    monkeypatch.setattr(cases.judging.conditioning, "_run", motion)
 
 
 def test_changes_of_a_known_motion() -> None:

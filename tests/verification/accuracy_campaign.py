@@ -1,6 +1,6 @@
 """Whether claims hold: scenes that no table of settings was made for, several engines, several accuracies, every column with a claim.
 
-    python -m cases.accuracy_campaign --library --machines 40 --output table.csv
+    python -m tests.verification.accuracy_campaign --library --machines 40 --output table.csv
 
 An engine claims an error for each of `engines.accurate.ESTIMATED`; the claim holds where the error is no larger. The truth of a scene is
 `reference` with 13 modes, or fewer of a stiff follower, at a tolerance of 1e-9. Its own error is not known but bounded by how far two
@@ -8,7 +8,7 @@ modes fewer are away, which have several times its error where modes converge: a
 as well. A formulation that shares nothing with it confirms it, MuJoCo's chain with as many links as can be afforded, or exudyn's cable
 where the follower is too stiff for that: where the two are more than a percent apart nothing is judged. Nor is it on a violent scene:
 where a change of the bending stiffness by one part in a thousand moves the tip by five percent (`LARGEST_CONDITION`), models that differ
-by as little as an axial stretch differ visibly. What is not judged is listed (`cases.claims`).
+by as little as an axial stretch differ visibly. What is not judged is listed (`tests.verification.claims`).
 """
 
 import argparse
@@ -25,9 +25,7 @@ import numpy as np
 import pandas as pd
 
 from cases.case_file import load_case
-from cases.claims import deliveries, left_out, summary
 from cases.library import case_names
-from cases.random_scenes import OUTPUT_STEP, Scene, condition_of, random_scenes, sensible_machines
 from cases.store import Store, StoreError
 from cases.stored_jobs import Campaign, Result, Work, results
 from cases.units import plain_number
@@ -43,6 +41,8 @@ from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
 from reference_model.natural_modes import frozen_crank_modes
+from tests.verification.claims import deliveries, left_out, summary
+from tests.verification.random_scenes import OUTPUT_STEP, Scene, condition_of, random_scenes, sensible_machines
 
 SEED: Final = 1999
 ENGINES: Final = ("reference", "exudyn", "mujoco")
@@ -58,7 +58,7 @@ CABLE: Final = ExudynSettings(elements=32, step=1.25e-4)
 AFFORDABLE: Final = 4e6  # some ten seconds
 LONGEST: Final = 2.0  # s
 
-_CAMPAIGN: Final = Campaign("accuracy scene", ("cases.accuracy_campaign", "cases.random_scenes"))
+_CAMPAIGN: Final = Campaign("accuracy scene", ("tests.verification.accuracy_campaign", "tests.verification.random_scenes"))
 
 #: Engine, and accuracy asked for.
 Request = tuple[str, float | None]
@@ -70,7 +70,7 @@ class Row:
 
     Attributes:
         scene, engine: names.
-        condition: of the scene (`cases.random_scenes.Scene`).
+        condition: of the scene (`tests.verification.random_scenes.Scene`).
         asked: accuracy as text, "default" if none was asked for.
         column: that the claim is about.
         claim, error: of the column, the engine's own estimate and against the truth; None where there is none.
@@ -247,7 +247,7 @@ def _count(text: str) -> int:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line, see the top of this file; 1 if a scene could not be computed."""
-    parser = argparse.ArgumentParser(prog="python -m cases.accuracy_campaign", description=(__doc__ or "").splitlines()[0])
+    parser = argparse.ArgumentParser(prog="python -m tests.verification.accuracy_campaign", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--library", action="store_true", help="the scenes of the library")
     parser.add_argument("--machines", type=_count, default=0, metavar="N", help="number of sensible machines")
     parser.add_argument("--random", type=_count, default=0, metavar="N", help="number of random scenes around the thesis' mechanism")

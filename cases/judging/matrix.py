@@ -8,13 +8,13 @@ from typing import Any, Final
 import numpy as np
 
 from cases.case import Case
-from cases.conditioning import Conditioning
-from cases.evidence import Columns, Run, Scene, relative_difference
-from cases.hard_results import conditioning_of, conditioning_work, evidence_work, results, run_of
-from cases.spectrum import later_differences
+from cases.judging.conditioning import Conditioning
+from cases.judging.evidence import Columns, Run, Scene, relative_difference
+from cases.judging.results import conditioning_of, conditioning_work, evidence_work, results, run_of
+from cases.judging.spectrum import later_differences
+from cases.judging.verdicts import ACCURATE, ENDED, LATER, Verdict, compared, judge
 from cases.store import Store
 from cases.stored_jobs import Work
-from cases.verdicts import ACCURATE, ENDED, LATER, Verdict, compared, judge
 from engines.registry import MAIN
 
 #: Error of the tip deflection asked of every engine.
@@ -37,7 +37,7 @@ class Cell:
         verdict: after the comparison with the other engines.
         settings: of the run judged.
         true_error: of the tip deflection over the stretch, against the converged solution; None where nothing is claimed or known.
-        true_later: likewise beyond the stretch (`cases.spectrum.later_differences`); None where there is no such part.
+        true_later: likewise beyond the stretch (`cases.judging.spectrum.later_differences`); None where there is no such part.
         holds: whether the claim (error, time, what is said of the part beyond the stretch) holds against the converged solution, whose
             own claimed error is allowed for; None where nothing is claimed or the scene has no converged solution.
         model_error: of an engine that is held against its own equations: the distance of these to the converged solution.
