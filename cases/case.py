@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from cases.errors import CaseError
 from reference_model.mechanism import Mechanism, Scene
+from reference_model.quantities import quantity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +18,7 @@ class Case:
         scene: the mechanism, or a follower alone.
         duration: s, a whole multiple of `output_step`.
         output_step: s.
-        notes: what a reader of results must know, e.g. which published value was replaced and why. Empty for case files.
+        notes: what a reader of results must know, e.g. which published value was replaced and why, or which value is hardly meant.
         source: the file's path, or "library".
     """
 
@@ -25,8 +26,8 @@ class Case:
     title: str
     tags: tuple[str, ...]
     scene: Scene
-    duration: float
-    output_step: float
+    duration: float = quantity("s", "time to simulate, a multiple of output_step", sign="positive")
+    output_step: float = quantity("s", "between rows of a trajectory", sign="positive")
     notes: tuple[str, ...] = ()
     source: str = ""
 

@@ -7,19 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from cases.broken_toml import broken_toml
+from cases.case import Case
 from cases.errors import CaseError, as_written, nearest, nearest_or_all, shortened
-from cases.keys import (
-    HEADER,
-    OPTIONAL_SECTIONS,
-    PRESCRIBED,
-    SECTIONS,
-    SECTIONS_OF_MECHANISM,
-    SPIN_UP,
-    TORQUE_DRIVEN,
-    all_paths,
-    key_of,
-)
+from cases.keys import HEADER, PATHS, SECTIONS, dimension_of
 from cases.text_file import LARGEST_TEXT
+from reference_model.scene_values import ALTERNATIVES, values_of
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000
@@ -38,7 +30,7 @@ class Document:
     Attributes:
         source: file or case name, for messages.
         header: name, title and tags as read.
-        values: dotted key -> string or list, as read.
+        values: dotted key -> string or list as read, or numbers in SI of a case that was no text.
         sections: those present.
         overridden: dotted keys that `--set` gave.
     """
@@ -53,11 +45,53 @@ class Document:
         """The mistake at a dotted key, with its value as written (or a part of it, `value`) if there is one."""
         given = value if value is not None else self.values.get(path, self.header.get(path))
         source = OVERRIDE if path in self.overridden else self.source
-        return CaseError(source, path, None if given is None else as_written(given), problem, accepted)
+        if given is None:
+            return CaseError(source, path, None, problem, accepted)
+        in_si = isinstance(given, (float, tuple))
+        shown = f"{given:.9g} {PATHS[path].unit}" if isinstance(given, float) else str(given) if in_si else as_written(given)
+        return CaseError(source, path, shown, problem, accepted)
 
     def blame(self, *paths: str) -> str:
         """Of keys that do not fit together the one to name: the first that `--set` gave, else the first."""
         return next((path for path in paths if path in self.overridden), paths[0])
+
+    def overridden_by(self, texts: Mapping[str, str]) -> "Document":
+        """The document with values replaced as on the command line: dotted key -> text as in the file.
+
+        Of keys that replace each other, such as the two ways of driving the crank, those that are set drop those that are not. Setting
+        both is a conflict and stays one.
+
+        Raises:
+            CaseError: a key that cannot be set, or a value of the wrong kind.
+        """
+        values = dict(self.values)
+        for first, others in ALTERNATIVES:
+            if first in texts:
+                for path in others:
+                    values.pop(path, None)
+            elif any(path in texts for path in others):
+                values.pop(first, None)
+        for path, text in texts.items():
+            if path in HEADER:
+                raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")
+            if path not in PATHS:
+                raise unknown_key(OVERRIDE, path, text)
+            values[path] = _value_of(text)
+            _check_kind(OVERRIDE, path, values[path])
+        sections = self.sections | {path.partition(".")[0] for path in texts}
+        return replace(self, values=values, sections=sections, overridden=frozenset(texts))
+
+
+def values_in_si(case: Case) -> dict[str, dict[str, Any]]:
+    """Values of a case by section and key of the case file; sections and keys that the scene lacks are left out."""
+    return {**values_of(case.scene), "simulation": {"duration": case.duration, "output_step": case.output_step}}
+
+
+def document_of(case: Case) -> Document:
+    """A case as a document, its values in SI."""
+    sections = values_in_si(case)
+    values = {f"{section}.{key}": value for section, keys in sections.items() for key, value in keys.items()}
+    return Document(case.name, {"name": case.name, "title": case.title, "tags": list(case.tags)}, values, frozenset(sections))
 
 
 def read_document(text: str, source: str) -> Document:
@@ -78,15 +112,18 @@ def read_document(text: str, source: str) -> Document:
     except ValueError as broken:
         raise broken_toml(source, text, str(broken)) from None
 
-    header = {key: value for key, value in content.items() if key in HEADER}
     values: dict[str, Any] = {}
     for name, section in content.items():
         if name in HEADER:
             continue
         _check_section(source, name, section)
         for key, value in section.items():
-            _check_key(source, name, key, value)
-            values[f"{name}.{key}"] = value
+            path = f"{name}.{key}"
+            if path not in PATHS:
+                raise unknown_key(source, path, value)
+            _check_kind(source, path, value)
+            values[path] = value
+    header = {key: value for key, value in content.items() if key in HEADER}
     return Document(source, header, values, frozenset(content) & frozenset(SECTIONS))
 
 
@@ -95,37 +132,27 @@ def _check_section(source: str, name: str, section: Any) -> None:
         shown = shortened(name)
         if isinstance(section, dict):
             raise CaseError(source, shown, None, "unknown section", nearest_or_all(name, tuple(SECTIONS)))
-        if homes := [path for path in all_paths() if path.endswith(f".{name}")]:
+        if homes := [path for path in PATHS if path.endswith(f".{name}")]:
             raise CaseError(source, shown, as_written(section), "stands outside its section", f"accepted as {' or '.join(homes)}")
         raise CaseError(source, shown, as_written(section), "belongs to an unknown key", nearest_or_all(name, (*HEADER, *SECTIONS)))
     if not isinstance(section, dict):
         raise CaseError(source, name, as_written(section), "is no section", f"write [{name}] with its keys below")
 
 
-def _check_key(source: str, section: str, key: str, value: Any) -> None:
-    path = f"{section}.{key}"
-    if key not in SECTIONS[section]:
-        raise unknown_key(source, path, value)
-    wanted = key_of(path)
-    example = wanted.dimension.example
+def _check_kind(source: str, path: str, value: Any) -> None:
+    """Raise CaseError for what is no string or, where several are wanted, no list of so many."""
+    wanted, example = PATHS[path], dimension_of(path).example
     if wanted.count is None:
         if not isinstance(value, str):
-            also = ', or "inf"' if wanted.infinity_accepted else ""
+            number = isinstance(value, (int, float)) and not isinstance(value, bool)
+            also = ', or "inf"' if wanted.infinity else ""
             accepted = f"write a string with number and unit, such as {example}{also}"
-            raise CaseError(source, path, as_written(value), _wrong_type(value), accepted)
+            raise CaseError(source, path, as_written(value), "is a bare number" if number else "is no string", accepted)
     elif not isinstance(value, list) or len(value) != wanted.count or not all(isinstance(item, str) for item in value):
-        problem = (
-            f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
-            if isinstance(value, list) and len(value) != wanted.count
-            else "is no list of strings"
-        )
+        problem = "is no list of strings"
+        if isinstance(value, list) and len(value) != wanted.count:
+            problem = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
         raise CaseError(source, path, as_written(value), problem, f"a list of exactly {wanted.count} strings such as {example} is accepted")
-
-
-def _wrong_type(value: Any) -> str:
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return "is a bare number"
-    return "is no string"
 
 
 def unknown_key(source: str, path: str, value: Any) -> CaseError:
@@ -139,10 +166,10 @@ def unknown_key(source: str, path: str, value: Any) -> CaseError:
 
 def _known_instead(section: str, key: str) -> str:
     """What to write instead of an unknown key: where it belongs, a near one, or all of its section."""
-    if homes := [known for known in all_paths() if known.endswith(f".{key}")]:
+    if homes := [known for known in PATHS if known.endswith(f".{key}")]:
         return f"the nearest known one is {' or '.join(homes)}"
     if section not in SECTIONS:
-        return f"the nearest known one is {nearest(f'{section}.{key}', all_paths())}"
+        return f"the nearest known one is {nearest(f'{section}.{key}', PATHS)}"
     answer = nearest_or_all(key, tuple(SECTIONS[section]))
     return answer.replace("one is ", f"one is {section}.") if "one is " in answer else f"{answer.replace('known', f'known in [{section}]')}"
 
@@ -164,39 +191,6 @@ def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
     return name, title, tuple(tags)
 
 
-def overridden(document: Document, overrides: Mapping[str, str]) -> Document:
-    """The document with values replaced.
-
-    The two ways of driving the crank replace each other as a whole: setting `crank.prescribed_speed` drops the file's torque,
-    damping and initial speed, and setting any of these drops the file's prescribed speed. Setting both is a conflict and stays one.
-    An initial speed that the file states stays when torque or damping change: only where it is left out the crank starts at
-    torque / damping.
-
-    Args:
-        document: as read.
-        overrides: dotted key -> text as in the file, without the quotes (they are accepted, too); lists as in the file.
-
-    Raises:
-        CaseError: an unknown key, or a text that is no list where one is needed.
-    """
-    values = dict(document.values)
-    if PRESCRIBED in overrides and not any(path in overrides for path in TORQUE_DRIVEN):
-        values = {path: value for path, value in values.items() if path not in TORQUE_DRIVEN}
-    if PRESCRIBED not in overrides and any(path in overrides for path in TORQUE_DRIVEN):
-        values.pop(PRESCRIBED, None)
-    for path, text in overrides.items():
-        if path in HEADER:
-            raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")
-        if path not in all_paths():
-            raise unknown_key(OVERRIDE, path, text)
-        value = _value_of(text)
-        section, _, key = path.partition(".")
-        _check_key(OVERRIDE, section, key, value)
-        values[path] = value
-    sections = document.sections | {path.partition(".")[0] for path in overrides}
-    return replace(document, values=values, sections=frozenset(sections), overridden=frozenset(overrides))
-
-
 def _value_of(text: str) -> Any:
     """A text of the command line as TOML reads it, or else the text itself: quotes are optional there."""
     if len(text) <= LONGEST_LINE and re.fullmatch(r"\[.*\]|\".*\"|'.*'", text):
@@ -205,54 +199,3 @@ def _value_of(text: str) -> Any:
         except ValueError:
             return text
     return text
-
-
-def check_complete(document: Document) -> None:
-    """Raise CaseError, naming it, if a section or key is missing that cannot be left out, or where crank and spin-up do not go together.
-
-    The crank's drive is checked apart.
-    """
-    alone = _is_alone(document)
-    for section, keys in SECTIONS.items():
-        if section not in document.sections:
-            if section in OPTIONAL_SECTIONS or (alone and section in SECTIONS_OF_MECHANISM):
-                continue
-            raise CaseError(document.source, f"[{section}]", None, "this section is missing", f"its keys are {', '.join(keys)}")
-        for name, key in keys.items():
-            path = f"{section}.{name}"
-            optional = (
-                path in (PRESCRIBED, *TORQUE_DRIVEN) or (path in SPIN_UP and not alone) or (alone and path == "mechanism.pivot_distance")
-            )
-            if path not in document.values and key.default is None and not optional:
-                raise missing(document, path)
-
-
-def _is_alone(document: Document) -> bool:
-    """Whether the scene is a follower alone: no crank, and a base that is spun up.
-
-    Raises:
-        CaseError: a crank and a base that is spun up, neither, or without a crank what only a crank gives a meaning.
-    """
-    given = [path for path in SPIN_UP if path in document.values]
-    choice = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
-    if "crank" in document.sections:
-        if given:
-            raise document.error(given[0], "conflicts with [crank], which turns the follower", choice)
-        return False
-    if not given:
-        raise CaseError(document.source, "[crank]", None, "this section is missing", choice)
-    if "slider" in document.sections:
-        raise CaseError(document.source, "[slider]", None, "conflicts with the missing [crank], on whose tip it would sit", choice)
-    if "mechanism.pivot_distance" in document.values:
-        raise document.error(
-            "mechanism.pivot_distance",
-            "conflicts with the missing [crank], from whose axis it is measured",
-            "leave it out, or give [crank]",
-        )
-    return True
-
-
-def missing(document: Document, path: str) -> CaseError:
-    """The message for a key that must be there."""
-    key = key_of(path)
-    return document.error(path, "this key is missing", f"write {key.dimension.name}, such as {key.dimension.example}")

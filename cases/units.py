@@ -14,6 +14,7 @@ import math
 import re
 from dataclasses import dataclass
 from decimal import Context, Decimal
+from types import MappingProxyType
 from typing import Any, Final
 
 from cases import slips
@@ -84,10 +85,16 @@ DAMPING_PER_LENGTH: Final = Dimension("a damping per length", (-1, 1, -1, 0), "N
 STIFFNESS: Final = Dimension("a stiffness", (0, 1, -2, 0), "N/m", ("N/m", "lbf/in"))
 DAMPING: Final = Dimension("a damping", (0, 1, -1, 0), "N*s/m", ("N*s/m", "lbf*s/in"))
 
+FORCE: Final = Dimension("a force", (1, 1, -2, 0), "N", ("N", "lbf"))
+ELASTIC_MODULUS: Final = Dimension("an elastic modulus", (-1, 1, -2, 0), "Pa", ("GPa", "N/mm^2", "psi"))
+DENSITY: Final = Dimension("a density", (-3, 1, 0, 0), "kg/m^3", ("kg/m^3", "g/cm^3", "lbf*s^2/in^4"))
+
 _NEEDED: Final = (
     LENGTH, MASS, TIME, ANGLE, ANGULAR_SPEED, ACCELERATION, TORQUE, MOMENT_OF_INERTIA, ROTARY_DAMPING, MASS_PER_LENGTH,
-    BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING,
+    BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING, FORCE, ELASTIC_MODULUS, DENSITY,
 )  # fmt: skip
+#: By the SI unit with which a quantity is declared.
+DIMENSIONS: Final = MappingProxyType({dimension.si_unit: dimension for dimension in _NEEDED})
 _FREQUENCY: Final = (0, 0, -1, 0)
 #: Names for what is given by mistake, by exponents.
 _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
@@ -96,9 +103,6 @@ _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} |
     (1, 0, -1, 0): "a velocity",
     (2, 0, 0, 0): "an area",
     (3, 0, 0, 0): "a volume",
-    (1, 1, -2, 0): "a force",
-    (-1, 1, -2, 0): "a pressure",
-    (-3, 1, 0, 0): "a density",
     (2, 1, -3, 0): "a power",
     (0, 0, -2, 1): "an angular acceleration",
     (2, 1, -1, -1): "a rotary damping",

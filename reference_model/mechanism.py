@@ -4,36 +4,37 @@ Geometry (thesis, figure 4.1): the crank turns about O, the follower about P = O
 length from O, and rides along the follower's centre line. Every part that a scene does not need is absent (`None`) or zero, and
 no model may build anything for it.
 
+Each quantity is declared here and nowhere else: what case files and `quickreturn show` know of it follows (`scene_values`).
+
 Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from reference_model.quantities import ImpossibleMechanism, quantity
 
-class ImpossibleMechanism(ValueError):
-    """The parts do not fit together. `key` names the offending quantity as `part.quantity`."""
-
-    def __init__(self, key: str, message: str) -> None:
-        super().__init__(message)
-        self.key = key
-        self.message = message
+__all__ = [
+    "Base", "Crank", "Follower", "FollowerAlone", "ImpossibleMechanism", "Material", "Mechanism", "PrescribedSpeed", "Scene", "Slider",
+    "SpinUp", "Tip", "TorqueDrive",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class TorqueDrive:
     """A motor of constant torque against viscous friction; its mean speed is torque / damping (thesis, table 5.2)."""
 
-    torque: float  # N m
-    damping: float  # N m s/rad, on the crank's rate
-    initial_speed: float  # rad/s
+    torque: float = quantity("N*m", "constant torque of the drive")
+    damping: float = quantity("N*m*s/rad", "friction, on the crank's rate", sign="not negative")
+    initial_speed: float = quantity("rad/s", "speed at the start; torque / damping if left out", optional=True)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PrescribedSpeed:
     """The crank turns at this speed whatever it takes: the crank angle is then no degree of freedom."""
 
-    speed: float  # rad/s
+    speed: float = quantity("rad/s", "speed of the crank, whatever it takes", key="prescribed_speed")
 
     @property
     def initial_speed(self) -> float:
@@ -45,12 +46,12 @@ class PrescribedSpeed:
 class Crank:
     """Rigid arm OC, turning about O; its centre of mass lies on the line from O to the slider."""
 
-    length: float  # m, from O to the slider
+    length: float = quantity("m", "from O to the slider", sign="positive")
     drive: TorqueDrive | PrescribedSpeed
-    mass: float = 0.0  # kg
-    center_of_mass: float = 0.0  # m, from O
-    inertia: float = 0.0  # kg m^2, about the centre of mass
-    initial_angle: float = math.pi  # rad, counter-clockwise from n1
+    mass: float = quantity("kg", "mass", sign="not negative", default=0.0, optional=False)
+    center_of_mass: float = quantity("m", "centre of mass, from O", default=0.0, optional=False)
+    inertia: float = quantity("kg*m^2", "about the centre of mass", sign="not negative", default=0.0, optional=False)
+    initial_angle: float = quantity("rad", "at the start, counter-clockwise from n1", default=math.pi, optional=False)
 
     @property
     def inertia_about_pivot(self) -> float:
@@ -62,34 +63,76 @@ class Crank:
 class Base:
     """The block that holds the follower and turns about P."""
 
-    inertia: float = 0.0  # kg m^2, about P
-    damping: float = 0.0  # N m s/rad, on the follower angle's rate
+    inertia: float = quantity("kg*m^2", "about P", sign="not negative", default=0.0, optional=False)
+    damping: float = quantity("N*m*s/rad", "on the follower angle's rate", sign="not negative", default=0.0, optional=False)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpinUp:
     """A base whose angle is prescribed: from rest to a steady speed without a jump in acceleration (DERIVATION.md, equation 11.1)."""
 
-    speed: float  # rad/s, from `time` on; 0 holds the base
-    time: float  # s, above 0
+    speed: float = quantity("rad/s", "of the base from `spin_up_time` on; 0 holds it", key="spin_up_speed")
+    time: float = quantity("s", "until the base turns steadily", key="spin_up_time", sign="positive")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """What a follower of rectangular section is made of; with the section it gives stiffness and mass per length."""
+
+    elastic_modulus: float = quantity("Pa", "Young's modulus, in place of bending_stiffness", sign="positive")
+    density: float = quantity("kg/m^3", "in place of mass_per_length", sign="positive")
+
+    @staticmethod
+    def bending_stiffness(elastic_modulus: float, thickness: float, width: float) -> float:
+        """EI of the section, N m^2."""
+        return elastic_modulus * width * thickness**3 / 12.0
+
+    @staticmethod
+    def mass_per_length(density: float, thickness: float, width: float) -> float:
+        """Mass per length of the section, kg/m."""
+        return density * width * thickness
 
 
 @dataclass(frozen=True, kw_only=True)
 class Follower:
     """Uniform, inextensible, unshearable beam from P to the tip; bends about the thin side of its section."""
 
-    length: float  # m
-    mass_per_length: float  # kg/m
-    bending_stiffness: float  # N m^2, math.inf for a rigid follower
-    thickness: float  # m, in the plane of bending
-    width: float  # m, out of the plane
-    damping: float = 0.0  # N s/m^2, per unit length, on the centre line's velocity relative to the base frame
-    strain_gauges: tuple[float, float, float] = (math.nan, math.nan, math.nan)  # m, arc lengths from P
+    length: float = quantity("m", "from P to the tip", sign="positive")
+    mass_per_length: float = quantity("kg/m", "mass per length", sign="positive")
+    bending_stiffness: float = quantity("N*m^2", "EI; infinite for a rigid follower", sign="positive", infinity=True)
+    thickness: float = quantity("m", "of the section, in the plane of bending", sign="positive")
+    width: float = quantity("m", "of the section, out of the plane", sign="positive")
+    damping: float = quantity(
+        "N*s/m^2", "per length, on the centre line's velocity relative to the base", sign="not negative", default=0.0, optional=False
+    )
+    strain_gauges: tuple[float, float, float] = quantity(
+        "m", "arc lengths from P", sign="not negative", count=3, default=(math.nan, math.nan, math.nan), optional=False
+    )
+
+    def __post_init__(self) -> None:
+        for place in self.strain_gauges:
+            if place > self.length:
+                raise ImpossibleMechanism(
+                    "follower.strain_gauges",
+                    f"leaves the strain gauge at {place:.6g} m outside the follower",
+                    f"its length is {self.length:.6g} m",
+                    ("follower.length",),
+                )
 
     @property
     def is_rigid(self) -> bool:
         """Whether the follower has no flexible coordinate at all."""
         return math.isinf(self.bending_stiffness)
+
+    @property
+    def mass(self) -> float:
+        """Of the beam, kg."""
+        return self.mass_per_length * self.length
+
+    @property
+    def slenderness(self) -> float:
+        """Length over thickness."""
+        return self.length / self.thickness
 
     @property
     def axial_stiffness(self) -> float:
@@ -99,91 +142,158 @@ class Follower:
 
 @dataclass(frozen=True, kw_only=True)
 class Tip:
-    """Rigid body clamped to the follower's end."""
+    """Rigid body clamped to the follower's end, and a force there, as of a tool that cuts over a part of the crank's turn.
 
-    mass: float  # kg
-    inertia: float  # kg m^2, about its centre of mass
-    center_of_mass: float = 0.0  # m, beyond the flexible end, along the end's tangent
+    The force keeps its size and its direction in the fixed frame. It comes and goes over `force_ramp` of the crank's angle, twice
+    continuously differentiable (DERIVATION.md, equation 4.9); over the whole turn it is constant.
+    """
+
+    mass: float = quantity("kg", "mass", sign="not negative")
+    inertia: float = quantity("kg*m^2", "about its centre of mass", sign="not negative")
+    center_of_mass: float = quantity("m", "beyond the flexible end, along the end's tangent", default=0.0)
+    force: tuple[float, float] = quantity("N", "on the flexible end, along n1 and n2", count=2, default=(0.0, 0.0))
+    force_from: float = quantity("rad", "crank angle at which the force begins", default=0.0)
+    force_to: float = quantity("rad", "crank angle at which it ends; at most a turn later", default=2.0 * math.pi)
+    force_ramp: float = quantity("rad", "crank angle over which it comes and goes", sign="positive", default=math.radians(10.0))
+
+    def __post_init__(self) -> None:
+        share = self.force_to - self.force_from
+        # a turn that is written as two angles in degrees may be a rounding longer
+        if not self.is_always_forced and not 2.0 * self.force_ramp <= share <= 2.0 * math.pi:
+            raise ImpossibleMechanism(
+                "tip.force_to",
+                f"lets the force act over {math.degrees(share):.6g} deg of the crank's turn",
+                f"from twice force_ramp ({math.degrees(2.0 * self.force_ramp):.6g} deg) to 360 deg are accepted",
+                ("tip.force_from", "tip.force_ramp"),
+            )
+
+    @property
+    def is_forced(self) -> bool:
+        """Whether a force acts on it at all."""
+        return self.force != (0.0, 0.0)
+
+    @property
+    def is_always_forced(self) -> bool:
+        """Whether the force acts over the whole turn."""
+        return abs(self.force_to - self.force_from - 2.0 * math.pi) <= 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
     """What the coupler is besides a frictionless point contact. The default is exactly that: massless, rigid."""
 
-    mass: float = 0.0  # kg
-    inertia: float = 0.0  # kg m^2, turns with the follower's tangent at the slider
-    joint_stiffness: float = math.inf  # N/m, along the follower's normal
-    joint_damping: float = 0.0  # N s/m, along the follower's normal
+    mass: float = quantity("kg", "mass", sign="not negative", default=0.0)
+    inertia: float = quantity("kg*m^2", "turns with the follower's tangent at the slider", sign="not negative", default=0.0)
+    joint_stiffness: float = quantity("N/m", "along the follower's normal", sign="positive", default=math.inf, infinity=True)
+    joint_damping: float = quantity("N*s/m", "along the follower's normal", sign="not negative", default=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mechanism:
+class _Bodies:
+    """What a mechanism and a follower alone have in common."""
+
+    base: Base
+    follower: Follower
+    tip: Tip | None = None
+    gravity: tuple[float, float] = quantity("m/s^2", "along n1 and n2, on every body", count=2, default=(0.0, 0.0))
+
+    @property
+    def has_gravity(self) -> bool:
+        """Whether any gravity term exists."""
+        return self.gravity != (0.0, 0.0)
+
+    @property
+    def tip_body(self) -> Tip:
+        """The tip; one without mass where there is none."""
+        return self.tip or Tip(mass=0.0, inertia=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mechanism(_Bodies):
     """One scene: everything a model needs to know, and nothing about how to solve it.
 
     Raises:
         ImpossibleMechanism: the slider cannot stay on the follower (d + LA > L) or the crank reaches the pivot (LA >= d).
     """
 
-    pivot_distance: float  # m, d
+    pivot_distance: float = quantity("m", "from O to P", sign="positive")
     crank: Crank
-    base: Base
-    follower: Follower
-    tip: Tip | None = None
     slider: Slider = field(default_factory=Slider)
-    gravity: tuple[float, float] = (0.0, 0.0)  # m/s^2, along n1 and n2, on every body
 
     def __post_init__(self) -> None:
         d, crank, length = self.pivot_distance, self.crank.length, self.follower.length
+        others = ("mechanism.pivot_distance", "follower.length")
         if crank >= d:
-            raise ImpossibleMechanism(
-                "crank.length", f"the crank ({crank:.6g} m) must be shorter than mechanism.pivot_distance ({d:.6g} m)"
-            )
+            problem = f"cannot be: the crank ({crank:.6g} m) must be shorter than mechanism.pivot_distance ({d:.6g} m)"
+            raise ImpossibleMechanism("crank.length", problem, others=others)
         if d + crank > length:
             raise ImpossibleMechanism(
                 "crank.length",
-                f"the slider leaves the follower: pivot_distance + crank.length = {d + crank:.6g} m must not exceed"
+                f"cannot be: the slider leaves the follower: pivot_distance + crank.length = {d + crank:.6g} m must not exceed"
                 f" follower.length = {length:.6g} m",
+                others=others,
             )
-
-    @property
-    def has_gravity(self) -> bool:
-        """Whether any gravity term exists."""
-        return self.gravity != (0.0, 0.0)
 
     @property
     def crank_is_free(self) -> bool:
         """Whether the crank angle is a degree of freedom."""
         return isinstance(self.crank.drive, TorqueDrive)
 
+    @property
+    def crank_inertia(self) -> float:
+        """Moment of inertia about O of all that turns with the crank, kg m^2: the crank and the slider's mass."""
+        return self.crank.inertia_about_pivot + self.slider.mass * self.crank.length**2
+
+    @property
+    def crank_moment(self) -> float:
+        """First moment of the same about O, kg m, along the crank."""
+        return self.crank.mass * self.crank.center_of_mass + self.slider.mass * self.crank.length
+
 
 @dataclass(frozen=True, kw_only=True)
-class FollowerAlone:
+class FollowerAlone(_Bodies):
     """A scene without crank and slider: the follower on a base block that turns about O as prescribed.
 
     At the start the follower lies straight along n1, at rest.
 
     Raises:
-        ImpossibleMechanism: a rigid follower, whose motion is prescribed as a whole.
+        ImpossibleMechanism: a rigid follower, whose motion is prescribed as a whole, or a force that waits for a crank to turn.
     """
 
     spin_up: SpinUp
-    base: Base
-    follower: Follower
-    tip: Tip | None = None
-    gravity: tuple[float, float] = (0.0, 0.0)  # m/s^2, along n1 and n2, on every body
 
     def __post_init__(self) -> None:
         if self.follower.is_rigid:
             raise ImpossibleMechanism(
                 "follower.bending_stiffness",
-                "a rigid follower on a base that turns as base.spin_up_speed says leaves nothing to simulate; give a finite stiffness",
+                "cannot be: a rigid follower on a base that turns as base.spin_up_speed says leaves nothing to simulate",
+                "give a finite stiffness",
+                ("base.spin_up_speed", "base.spin_up_time"),
             )
-
-    @property
-    def has_gravity(self) -> bool:
-        """Whether any gravity term exists."""
-        return self.gravity != (0.0, 0.0)
+        if self.tip_body.is_forced:
+            raise ImpossibleMechanism("tip.force", "acts over a part of the crank's turn, and there is no crank", "leave it out")
 
 
 #: What an engine may be asked to simulate.
 Scene = Mechanism | FollowerAlone
+
+
+def doubts(scene: Scene) -> Iterator[str]:
+    """Sentences on values that can be, but are hardly meant."""
+    follower = scene.follower
+    if not 1e-3 <= follower.length <= 20.0:
+        yield f"follower.length is {follower.length:.6g} m: is that meant?"
+    if follower.thickness > 0.25 * follower.length:
+        yield (
+            f"follower.thickness is {follower.thickness:.6g} m, more than a quarter of the length ({follower.length:.6g} m): that is no"
+            " slender beam, and shear is not modelled"
+        )
+    section = follower.width * follower.thickness
+    density = follower.mass_per_length / section
+    if not 20.0 <= density <= 25e3:
+        yield f"follower.mass_per_length and the section make a density of {density:.3g} kg/m^3: is that meant?"
+    modulus = 12.0 * follower.bending_stiffness / (section * follower.thickness**2)
+    if not follower.is_rigid and not 1e6 <= modulus <= 1.5e12:
+        yield f"follower.bending_stiffness and the section make an elastic modulus of {modulus:.3g} Pa: is that meant?"
+    if isinstance(scene, Mechanism) and abs(speed := scene.crank.drive.initial_speed) > 2e3:
+        yield f"the crank turns at {speed * 30.0 / math.pi:.6g} rpm: is that meant?"

@@ -4,25 +4,27 @@ A new case needs no code: drop `NAME.toml` here (its `name` must be NAME).
 """
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+from cases.case import Case
 from cases.document import header_of, read_document
 from cases.errors import CaseError
-from cases.library import hard
+from cases.library import hard, thesis
 from cases.library.inconsistencies import Inconsistency, inconsistencies
-from cases.library.thesis import RUNS, run_name, run_text
+from cases.library.thesis import RUNS, run_name
+from cases.reading import parse_case
 from cases.text_file import read_text
 
-__all__ = ["Entry", "Inconsistency", "case_names", "case_notes", "case_text", "catalogue", "impossible_names", "inconsistencies"]
+__all__ = ["CatalogueLine", "Inconsistency", "case_names", "catalogue", "impossible_names", "inconsistencies", "library_case"]
 
 _FOLDER: Final = Path(__file__).parent
 
 
 @dataclass(frozen=True)
-class Entry:
-    """A line of the catalogue."""
+class CatalogueLine:
+    """What the catalogue tells of a case."""
 
     name: str
     tags: tuple[str, ...]
@@ -36,36 +38,32 @@ def case_names() -> tuple[str, ...]:
 
 
 def impossible_names() -> tuple[str, ...]:
-    """Names of scenes that have a text but cannot be: loading one is refused with a sentence that is known beforehand."""
+    """Names of scenes that cannot be: loading one is refused with a sentence that is known beforehand."""
     return tuple(hard.IMPOSSIBLE)
 
 
 @functools.cache
-def case_text(name: str) -> str:
-    """The TOML text of a case of the library or of an impossible one.
+def library_case(name: str) -> Case:
+    """A case of the library, with what a reader of its results must know of published inconsistencies among its notes.
 
     Raises:
         KeyError: a name that is neither in `case_names` nor in `impossible_names`.
-        CaseError: a broken file.
+        CaseError: a broken file, or a scene that cannot be.
     """
     if name in _file_names():
-        return read_text(str(_FOLDER / f"{name}.toml"))
-    if name in hard.SCENES:
-        return hard.scene_text(name)
-    return run_text(_runs_by_name()[name])
-
-
-@functools.cache
-def case_notes(name: str) -> tuple[str, ...]:
-    """What a reader of a case's results must know of published inconsistencies; empty for cases that are no run of the thesis."""
+        case = parse_case(_file_text(name), name)
+    elif name in hard.SCENES:
+        case = hard.scene_case(name)
+    else:
+        case = thesis.run_case(_runs_by_name()[name])
     run = _runs_by_name().get(name)
-    return tuple(found.sentence for found in inconsistencies() if run in found.runs)
+    return replace(case, notes=(*(found.sentence for found in inconsistencies() if run in found.runs), *case.notes), source="library")
 
 
-def catalogue(tag: str | None = None) -> tuple[Entry, ...]:
+def catalogue(tag: str | None = None) -> tuple[CatalogueLine, ...]:
     """Name, tags and title of all cases, or of those with a tag. Raises CaseError for a broken file in the folder."""
-    entries = tuple(_entry(name) for name in case_names())
-    return tuple(entry for entry in entries if tag is None or tag in entry.tags)
+    lines = (_line(name) for name in case_names())
+    return tuple(line for line in lines if tag is None or tag in line.tags)
 
 
 @functools.cache
@@ -73,13 +71,22 @@ def _file_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
+def _file_text(name: str) -> str:
+    return read_text(str(_FOLDER / f"{name}.toml"))
+
+
 def _runs_by_name() -> dict[str, int]:
     return {run_name(run): run for run in RUNS}
 
 
 @functools.cache
-def _entry(name: str) -> Entry:
-    written, title, tags = header_of(read_document(case_text(name), name))
+def _line(name: str) -> CatalogueLine:
+    """Without making the case: reading units takes time."""
+    if name in hard.SCENES:
+        return CatalogueLine(name, (hard.TAG,), hard.scene_title(name))
+    if name not in _file_names():
+        return CatalogueLine(name, (thesis.TAG,), thesis.run_title(_runs_by_name()[name]))
+    written, title, tags = header_of(read_document(_file_text(name), name))
     if written != name:
         raise CaseError(f"{name}.toml", "name", f'"{written}"', "differs from the file's name", f'in this folder write name = "{name}"')
-    return Entry(name, tags, title)
+    return CatalogueLine(name, tags, title)

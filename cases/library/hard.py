@@ -7,13 +7,13 @@ loading it must be answered by the sentence given there.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from decimal import Decimal
-from fractions import Fraction
 from types import MappingProxyType
 from typing import Final
 
-from cases.library.thesis import run_sections, tip_body
-from cases.library.toml_text import toml_text
+from cases.case import Case
+from cases.document import Document, document_of
+from cases.library.thesis import run_case, tip_body
+from cases.reading import case_of
 
 TAG: Final = "hard"
 _ORIGINAL: Final = 24
@@ -33,18 +33,18 @@ class Scene:
     """
 
     title: str
-    scaled: Mapping[str, Fraction] = field(default_factory=dict)
+    scaled: Mapping[str, float] = field(default_factory=dict)
     given: Values = field(default_factory=dict)
 
 
-_NO_PLATES: Final[Values] = {f"tip.{key}": value for key, value in tip_body(0).items()}
+_NO_PLATES: Final[Values] = tip_body(0)
 #: The crank starts at torque / damping.
 _AT_EQUILIBRIUM: Final[Values] = {"crank.initial_speed": None}
 
 
 def _speed(factor: int, title: str) -> Scene:
     """The same torque against a weaker damping."""
-    return Scene(title, {"crank.damping": Fraction(1, factor)}, _AT_EQUILIBRIUM)
+    return Scene(title, {"crank.damping": 1.0 / factor}, _AT_EQUILIBRIUM)
 
 
 def _crank(length: str, title: str) -> Scene:
@@ -58,20 +58,20 @@ def _joint(stiffness: str) -> Scene:
 #: Name -> scene.
 SCENES: Final = MappingProxyType(
     {
-        "hard-ei-x0.1": Scene("bending stiffness x 0.1", {"follower.bending_stiffness": Fraction(1, 10)}),
-        "hard-ei-x10": Scene("bending stiffness x 10", {"follower.bending_stiffness": Fraction(10)}),
-        "hard-ei-x1000": Scene("bending stiffness x 1000", {"follower.bending_stiffness": Fraction(1000)}),
+        "hard-ei-x0.1": Scene("bending stiffness x 0.1", {"follower.bending_stiffness": 0.1}),
+        "hard-ei-x10": Scene("bending stiffness x 10", {"follower.bending_stiffness": 10.0}),
+        "hard-ei-x1000": Scene("bending stiffness x 1000", {"follower.bending_stiffness": 1000.0}),
         "hard-speed-x2": _speed(2, "crank speed x 2"),
         "hard-speed-x3": _speed(3, "crank speed x 3: the slider leaves the follower"),
         "hard-crank-6in": _crank("6 in", "slider up to 96 % of the length"),
         "hard-crank-6.9in": _crank("6.9 in", "slider up to 99.6 % of the length"),
         "hard-crank-6.95in": _crank("6.95 in", "the deflection pushes the slider off"),
         "hard-no-tip": Scene("no tip body", given={"tip": None}),
-        "hard-tip-x10": Scene("tip body x 10", {"tip.mass": Fraction(10), "tip.inertia": Fraction(10)}),
-        "hard-mass-x0.1": Scene("follower's mass x 0.1", {"follower.mass_per_length": Fraction(1, 10)}),
+        "hard-tip-x10": Scene("tip body x 10", {"tip.mass": 10.0, "tip.inertia": 10.0}),
+        "hard-mass-x0.1": Scene("follower's mass x 0.1", {"follower.mass_per_length": 0.1}),
         "hard-undamped": Scene(
             "neither torque nor damping, 100 cycles",
-            {"crank.torque": Fraction(0), "crank.damping": Fraction(0), "base.damping": Fraction(0), "follower.damping": Fraction(0)},
+            {"crank.torque": 0.0, "crank.damping": 0.0, "base.damping": 0.0, "follower.damping": 0.0},
             {"simulation.duration": "38 s"},  # 2 pi / 16.617773 rad/s = 0.3781 s a cycle
         ),
         "hard-gravity": Scene(
@@ -93,7 +93,7 @@ SCENES: Final = MappingProxyType(
             },
         ),
         "hard-start-at-0deg": Scene("start in the quick return", given={"crank.initial_angle": "0 deg"}),
-        "hard-reversed": Scene("reversed rotation", {"crank.torque": Fraction(-1)}, _AT_EQUILIBRIUM),
+        "hard-reversed": Scene("reversed rotation", {"crank.torque": -1.0}, _AT_EQUILIBRIUM),
         "hard-slider-mass": Scene("slider of 0.5 kg", given={"slider.mass": "0.5 kg"}),
         "hard-slider-inertia": Scene("slider with inertia", given={"slider.mass": "0.1 kg", "slider.inertia": "2e-5 kg*m^2"}),
         "hard-joint-1e3": _joint("1e3"),
@@ -113,25 +113,29 @@ IMPOSSIBLE: Final = MappingProxyType(
 )
 
 
-def scene_text(name: str) -> str:
-    """The case file of a hard scene. Raises KeyError for a name that is not in `SCENES`."""
-    scene, sections = SCENES[name], run_sections(_ORIGINAL)
+def scene_title(name: str) -> str:
+    """What tells a hard scene from run 24, in one line."""
+    return f"Run {_ORIGINAL}, {SCENES[name].title}"
+
+
+def scene_case(name: str) -> Case:
+    """The case of a hard scene.
+
+    Raises:
+        KeyError: a name that is not in `SCENES`.
+        CaseError: a scene that cannot be.
+    """
+    scene, original = SCENES[name], document_of(run_case(_ORIGINAL))
+    values, sections = dict(original.values), set(original.sections)
     for path, factor in scene.scaled.items():
-        section, _, key = path.partition(".")
-        sections[section][key] = _times(str(sections[section][key]), factor)
+        values[path] *= factor
     for path, value in scene.given.items():
-        section, _, key = path.partition(".")
-        if not key:
-            del sections[section]
+        if path in sections:
+            sections.remove(path)
+            values = {kept: found for kept, found in values.items() if not kept.startswith(f"{path}.")}
         elif value is None:
-            sections[section].pop(key, None)
+            values.pop(path)
         else:
-            sections.setdefault(section, {})[key] = value
-    return toml_text({"name": name, "title": f"Run {_ORIGINAL}, {scene.title}", "tags": [TAG]}, sections)
-
-
-def _times(quantity: str, factor: Fraction) -> str:
-    """A number with its unit, multiplied exactly wherever decimals can."""
-    number, unit = quantity.split(" ", 1)
-    product = Decimal(number) * factor.numerator / factor.denominator
-    return f"{product.normalize():f} {unit}"
+            values[path] = value
+    header = {"name": name, "title": scene_title(name), "tags": [TAG]}
+    return case_of(Document(name, header, values, frozenset(sections)))

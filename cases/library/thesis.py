@@ -1,11 +1,15 @@
-"""The 24 runs of the thesis as case files, written from its tables (3.1, 5.1 and 5.2) and its shared scene (3.2 and 5.3)."""
+"""The 24 runs of the thesis, made from its tables (3.1, 5.1 and 5.2) and its shared scene (3.2 and 5.3)."""
 
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
+from cases.case import Case
 from cases.data import read_table, read_toml
-from cases.library.toml_text import toml_text
+from cases.document import Document
+from cases.reading import case_of
+
+TAG: Final = "thesis"
 
 #: Printed crank speed and torque / damping agree to 5e-7 wherever the table is right; the digits printed allow no more.
 SPEED_AGREEMENT: Final = 1e-6
@@ -74,34 +78,28 @@ def run_name(number: int) -> str:
     return f"thesis-{number:02d}"
 
 
-def run_text(number: int) -> str:
-    """The case file of a run. Raises KeyError unless 1 <= number <= 24."""
+def run_title(number: int) -> str:
+    """What tells a run from the others, in one line."""
     run = RUNS[number]
-    header: dict[str, str | list[str]] = {
-        "name": run_name(number),
-        "title": f"Run {number}: crank {run.crank_length} in, {_COUNTS[run.plates]}, {float(run.crank_speed):.1f} rad/s",
-        "tags": ["thesis"],
-    }
-    return toml_text(header, run_sections(number))
+    return f"Run {number}: crank {run.crank_length} in, {_COUNTS[run.plates]}, {float(run.crank_speed):.1f} rad/s"
 
 
-def run_sections(number: int) -> dict[str, dict[str, str | list[str]]]:
-    """Sections and keys of a run's case file, a copy. Raises KeyError unless 1 <= number <= 24."""
+def run_case(number: int) -> Case:
+    """The case of a run: what all share, and its row of the tables. Raises KeyError unless 1 <= number <= 24."""
     run = RUNS[number]
-    of_run: dict[str, dict[str, str | list[str]]] = {
-        "crank": {
-            "length": f"{run.crank_length} in",
-            "torque": f"{run.torque} lbf*in",
-            "damping": f"{run.damping} lbf*in*s/rad",
-            "initial_speed": f"{run.crank_speed} rad/s",
-        },
-        "tip": tip_body(run.plates),
+    shared = {f"{section}.{key}": text for section, keys in read_toml("thesis_scene.toml").items() for key, text in keys.items()}
+    of_run = {
+        "crank.length": f"{run.crank_length} in",
+        "crank.torque": f"{run.torque} lbf*in",
+        "crank.damping": f"{run.damping} lbf*in*s/rad",
+        "crank.initial_speed": f"{run.crank_speed} rad/s",
     }
-    shared = read_toml("thesis_scene.toml")
-    return {name: of_run.get(name, {}) | dict(section) for name, section in shared.items()}
+    header = {"name": run_name(number), "title": run_title(number), "tags": [TAG]}
+    values = {**shared, **of_run, **tip_body(run.plates)}
+    return case_of(Document(run_name(number), header, values, frozenset(path.partition(".")[0] for path in values)))
 
 
-def tip_body(plates: int) -> dict[str, str | list[str]]:
-    """Mass and inertia of the tip with 0, 2, 4 or 6 plates (table 5.1), as in a case file."""
+def tip_body(plates: int) -> dict[str, str]:
+    """Mass and inertia of the tip with 0, 2, 4 or 6 plates (table 5.1), by key."""
     (tip,) = (row for row in read_table("thesis_tip_bodies.csv") if int(row["mass_plates"]) == plates)
-    return {"mass": f"{tip['mass_lbf_s2_per_in']} lbf*s^2/in", "inertia": f"{tip['rotary_inertia_lbf_s2_in']} lbf*s^2*in"}
+    return {"tip.mass": f"{tip['mass_lbf_s2_per_in']} lbf*s^2/in", "tip.inertia": f"{tip['rotary_inertia_lbf_s2_in']} lbf*s^2*in"}

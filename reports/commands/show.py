@@ -3,11 +3,14 @@
 import itertools
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from reports.commands.options import case_argument, json_option, load, read_assignments, refuse_engine_settings, set_option
+
+if TYPE_CHECKING:
+    from reference_model.mechanism import Scene
 
 
 @click.command(name="show")
@@ -16,8 +19,9 @@ from reports.commands.options import case_argument, json_option, load, read_assi
 @json_option
 def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
     """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds."""
+    from cases.document import values_in_si
+    from cases.keys import SECTIONS
     from reports.output import print_json
-    from reports.scene import scene_in_si, units
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
@@ -28,14 +32,36 @@ def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
         "tags": loaded.tags,
         "source": loaded.source,
         "notes": loaded.notes,
-        "scene": scene_in_si(loaded),
-        "units": units(),
+        "scene": values_in_si(loaded),
+        "derived": _derived(loaded.scene),
+        "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
         "engines": _models(loaded.scene),
     }
     if as_json:
         print_json(document)
     else:
         _print(document)
+
+
+def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
+    """What follows from the follower's numbers: name -> value, unit and meaning."""
+    import numpy as np
+
+    from reference_model.mechanism import Mechanism
+    from reference_model.natural_modes import clamped_modes, frozen_crank_modes
+
+    follower = scene.follower
+    found = {
+        "mass": (follower.mass, "kg", "of the follower"),
+        "slenderness": (follower.slenderness, "", "length over thickness"),
+    }
+    if isinstance(scene, Mechanism) and not follower.is_rigid:
+        angles = np.linspace(0.0, np.pi, 25)
+        lowest = min(frozen_crank_modes(scene, angle, 1).frequencies[0] for angle in angles)
+        found["first_bending_frequency"] = (float(lowest), "Hz", "crank held, the least over its turn")
+    elif not isinstance(scene, Mechanism):
+        found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")
+    return {name: {"value": value, "unit": unit, "meaning": meaning} for name, (value, unit, meaning) in found.items()}
 
 
 def _models(scene: Any) -> list[dict[str, Any]]:
@@ -62,6 +88,8 @@ def _print(document: dict[str, Any]) -> None:
     for section, values in document["scene"].items():
         click.echo(f"\n{section}")
         print_table([(f"  {key}", _text(value), units[section][key]) for key, value in values.items()])
+    click.echo("\nwhat follows")
+    print_table([(f"  {name}", _text(of["value"]), of["unit"], of["meaning"]) for name, of in document["derived"].items()])
     for model in document["engines"]:
         if model["refused"]:
             click.echo(f"\n{model['engine']}: {model['refused']}")

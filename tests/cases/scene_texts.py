@@ -4,8 +4,8 @@ from dataclasses import astuple, is_dataclass
 
 import pytest
 
-from cases.case_file import parse_case
 from cases.errors import CaseError
+from cases.reading import parse_case
 
 SCENE = """\
 name = "scene"
@@ -43,6 +43,10 @@ strain_gauges = ["6.25 in", "12.5 in", "18.75 in"]
 mass = "2.90e-4 lbf*s^2/in"
 inertia = "1.96e-5 lbf*s^2*in"
 center_of_mass = "0.5 in"
+force = ["0.1 lbf", "-0.02 lbf"]
+force_from = "200 deg"
+force_to = "330 deg"
+force_ramp = "12 deg"
 
 [slider]
 mass = "0.01 lbf*s^2/in"
@@ -92,6 +96,10 @@ strain_gauges = ["0.15875 m", "0.3175 m", "0.47625 m"]
 mass = "50.786782221478149606299212598422 g"
 inertia = "2.21450264894128732e-6 kg*m^2"
 center_of_mass = "1.27 cm"
+force = ["0.44482216152605 N", "-88.96443230521 mN"]
+force_from = "3.49065850398865915385 rad"
+force_to = "5.75958653158128760385 rad"
+force_ramp = "0.20943951023931954923 rad"
 
 [slider]
 mass = "1.751268352464763779527559055118 kg"

@@ -5,15 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from cases.case_file import load_case, parse_case, with_times
+from cases.case_file import load_case, with_times
 from cases.errors import CaseError
+from cases.reading import parse_case
 from reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from tests.cases.scene_texts import IN_SI, SCENE, changed, numbers
 
 
 def test_a_scene_in_inches_and_in_si_is_the_same() -> None:
     inches, metric = parse_case(SCENE, "scene.toml"), parse_case(IN_SI, "scene.toml")
-    assert len(numbers(metric)) == 31  # every quantity of the file: none was dropped or put in another's place
+    assert len(numbers(metric)) == 36  # every quantity of the file: none was dropped or put in another's place
     # 1e-15: both texts are rounded once to a double, the metric one after 16 or more digits
     assert numbers(inches) == pytest.approx(numbers(metric), rel=1e-15, abs=0.0)
 
@@ -32,6 +33,8 @@ def test_every_key_arrives_where_it_belongs() -> None:
     assert (scene.follower.damping, scene.follower.strain_gauges) == (0.1378951458633672, (0.15875, 0.3175, 0.47625))
     assert scene.tip is not None
     assert (scene.tip.inertia, scene.tip.center_of_mass) == (2.21450264894128732e-6, 0.0127)
+    assert (scene.tip.force, scene.tip.force_from) == ((0.44482216152605, -0.08896443230521), 3.490658503988659)
+    assert (scene.tip.force_to, scene.tip.force_ramp) == (5.759586531581288, 0.20943951023931956)
     assert (scene.slider.joint_stiffness, scene.slider.joint_damping) == (17512.68352464763779, 17.51268352464763779)
 
 
@@ -69,3 +72,71 @@ def test_simulation_times_can_be_replaced() -> None:
     for duration, step in ((math.nan, None), (-1.0, None), (0.0, None), (math.inf, None), (0.0015, None), (None, 3.0), (1e9, 1e-9)):
         with pytest.raises(CaseError, match=r"^command line: --"):
             with_times(case, duration, step)
+
+
+STEEL = """\
+elastic_modulus = "210 GPa"
+density = "7.85 g/cm^3"
+"""
+
+
+def of_material(text: str) -> str:
+    text = text.replace('mass_per_length = "4.75987e-5 lbf*s^2/in^2"\n', "")
+    return text.replace('bending_stiffness = "2128.22 lbf*in^2"\n', STEEL)
+
+
+def test_a_follower_may_be_given_by_material_and_section() -> None:
+    follower = parse_case(of_material(SCENE), "scene.toml").scene.follower
+    thickness, width = 0.125 * 0.0254, 1.5 * 0.0254
+    assert follower.bending_stiffness == pytest.approx(210e9 * width * thickness**3 / 12.0, rel=1e-14)
+    assert follower.mass_per_length == pytest.approx(7850.0 * width * thickness, rel=1e-14)
+    assert follower.mass == pytest.approx(7850.0 * width * thickness * 0.635, rel=1e-14)
+    mixed = changed('mass_per_length = "4.75987e-5 lbf*s^2/in^2"\n', 'density = "7850 kg/m^3"\n')
+    assert (
+        parse_case(mixed, "scene.toml").scene.follower.bending_stiffness == parse_case(SCENE, "scene.toml").scene.follower.bending_stiffness
+    )
+
+
+def test_a_section_may_be_changed_and_stiffness_and_mass_follow() -> None:
+    plain, thick = (parse_case(of_material(SCENE), "scene.toml", {"follower.thickness": text}).scene.follower for text in ("3 mm", "6 mm"))
+    assert thick.bending_stiffness == pytest.approx(8.0 * plain.bending_stiffness, rel=1e-14)
+    assert thick.mass_per_length == pytest.approx(2.0 * plain.mass_per_length, rel=1e-14)
+    stiffness = parse_case(of_material(SCENE), "scene.toml", {"follower.bending_stiffness": "3 N*m^2"}).scene.follower.bending_stiffness
+    assert stiffness == 3.0  # what is set drops what it replaces
+
+
+@pytest.mark.parametrize(("first", "other"), [("elastic_modulus", "bending_stiffness"), ("density", "mass_per_length")])
+def test_material_and_what_follows_from_it_exclude_each_other(first: str, other: str) -> None:
+    both = SCENE.replace("[follower]\n", f"[follower]\n{STEEL}")
+    both = both if first == "elastic_modulus" else both.replace('elastic_modulus = "210 GPa"\n', "")
+    with pytest.raises(CaseError, match=f"follower.{first}.*conflicts with follower.{other}"):
+        parse_case(both, "scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        ({"follower.length": "602.7 m"}, ("follower.length", "602.7 m")),
+        ({"follower.thickness": "17 cm"}, ("follower.thickness", "0.17 m", "quarter")),
+        ({"follower.mass_per_length": "300 kg/m"}, ("follower.mass_per_length", "density")),
+        ({"follower.bending_stiffness": "2e6 N*m^2"}, ("follower.bending_stiffness", "elastic modulus")),
+        ({"crank.initial_speed": "40000 rpm"}, ("crank", "40000 rpm")),
+    ],
+)
+def test_values_that_can_hardly_be_meant_are_said_and_not_refused(overrides: dict[str, str], words: tuple[str, ...]) -> None:
+    assert parse_case(SCENE, "scene.toml").notes == ()
+    notes = parse_case(SCENE, "scene.toml", overrides).notes
+    assert any(all(word in note for word in words) for note in notes), notes
+
+
+@pytest.mark.parametrize(
+    ("overrides", "key"),
+    [
+        ({"tip.force_to": "210 deg"}, "tip.force_to"),  # less than two ramps of 12 deg
+        ({"tip.force_from": "-40 deg"}, "tip.force_from"),  # more than a turn
+        ({"tip.force_ramp": "70 deg"}, "tip.force_ramp"),
+    ],
+)
+def test_a_force_must_come_and_go_within_a_turn(overrides: dict[str, str], key: str) -> None:
+    with pytest.raises(CaseError, match=f"--set: {key}: .*force_ramp.*360 deg are accepted"):
+        parse_case(SCENE, "scene.toml", overrides)

@@ -2,8 +2,8 @@
 
 import pytest
 
-from cases.case_file import parse_case
 from cases.errors import CaseError
+from cases.reading import parse_case
 from reference_model.mechanism import FollowerAlone, PrescribedSpeed
 from tests.cases.scene_texts import SCENE, message
 

@@ -7,11 +7,13 @@ from pathlib import Path
 import pytest
 
 import cases.library
-from cases.case_file import load_case, parse_case
+from cases.case_file import load_case
+from cases.document import document_of
 from cases.errors import CaseError
-from cases.library import case_names, case_notes, case_text, catalogue, inconsistencies
+from cases.library import case_names, catalogue, inconsistencies
 from cases.library.hard import IMPOSSIBLE, SCENES
 from cases.library.thesis import RUNS, run_name
+from cases.reading import case_of, parse_case
 from reference_model.mechanism import TorqueDrive
 
 # Run 24 as anyone would write it down from sections 3.2 and 5.3, with the crank damping mended.
@@ -74,7 +76,7 @@ def test_every_case_can_be_read_and_is_listed_as_it_is(name: str) -> None:
     case = load_case(name)
     assert case.name == name
     assert case.source == "library"
-    assert case.scene == parse_case(case_text(name), name).scene
+    assert case_of(document_of(case)).scene == case.scene
     (entry,) = (entry for entry in catalogue() if entry.name == name)
     assert (entry.tags, entry.title) == (case.tags, case.title)
     times = {"example": (1.0, 0.001), "hard-undamped": (38.0, 0.001), "spin-up": (30.0, 0.02)}
@@ -83,7 +85,7 @@ def test_every_case_can_be_read_and_is_listed_as_it_is(name: str) -> None:
 
 def test_a_case_file_dropped_into_the_folder_is_found_without_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def forget() -> None:
-        for function in (cases.library.case_names, cases.library.case_text, cases.library._file_names, cases.library._entry):
+        for function in (cases.library.case_names, cases.library.library_case, cases.library._file_names, cases.library._line):
             function.cache_clear()
 
     monkeypatch.setattr(cases.library, "_FOLDER", tmp_path)
@@ -140,9 +142,9 @@ def test_published_contradictions_are_found_in_the_tables_and_told() -> None:
     assert "33.234436" in damping.published  # 10 / 0.300892729
     assert "16.617773" in damping.published
     assert damping.used.startswith("0.60176535 ")  # 10 / 16.617773
-    assert any("0.300892729" in note and "0.60176535" in note for note in case_notes("thesis-24"))
-    assert not any("crank damping" in note for note in case_notes("thesis-23"))
-    assert case_notes("rigid") == ()
+    assert any("0.300892729" in note and "0.60176535" in note for note in load_case("thesis-24").notes)
+    assert not any("crank damping" in note for note in load_case("thesis-23").notes)
+    assert load_case("rigid").notes == ()
 
 
 def test_run_1_turns_once_a_second() -> None:
@@ -172,6 +174,6 @@ def test_the_rigid_case_is_run_24_without_bending() -> None:
 
 
 def test_the_example_shows_every_key_that_can_stand_together() -> None:
-    content = tomllib.loads(case_text("example"))
+    content = tomllib.loads((Path(cases.library.__file__).parent / "example.toml").read_text("utf-8"))
     assert set(content) == {"name", "title", "tags", "mechanism", "crank", "base", "follower", "tip", "slider", "simulation"}
     assert load_case("example").mechanism.has_gravity

@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from hypothesis import strategies as st
 
-from cases.keys import SECTIONS
-from reference_model.mechanism import PrescribedSpeed
+from cases.keys import dimension_of
+from reference_model.mechanism import Mechanism, PrescribedSpeed
+from reference_model.scene_values import scene_of, values_of
 from tests.properties.law import for_all
 from tests.properties.runs import (
     COMPLIANT,
@@ -73,7 +73,10 @@ def mirrored(scene: Scene) -> Scene:
         drive = PrescribedSpeed(speed=-drive.speed)
     else:
         drive = replace(drive, torque=-drive.torque, initial_speed=-drive.initial_speed)
-    other = scene.with_part(crank=replace(crank, drive=drive, initial_angle=-crank.initial_angle), gravity=(g1, -g2))
+    tip = scene.mechanism.tip
+    if tip:
+        tip = replace(tip, force=(tip.force[0], -tip.force[1]), force_from=-tip.force_to, force_to=-tip.force_from)
+    other = scene.with_part(crank=replace(crank, drive=drive, initial_angle=-crank.initial_angle), gravity=(g1, -g2), tip=tip)
     return replace(other, bend=-scene.bend, bend_rate=-scene.bend_rate)
 
 
@@ -91,31 +94,18 @@ def factor(exponents: tuple[int, ...], units: tuple[float, float, float]) -> flo
 
 def scaled(scene: Scene, units: tuple[float, float, float]) -> Scene:
     """The scene with all lengths, masses and times multiplied; the dimension of each quantity is the one that case files demand."""
-
-    def changes_of(section: str, part: Any) -> dict[str, Any]:
-        changes = {}
-        for name, key in SECTIONS[section].items():
-            if hasattr(part, name):
-                value, by = getattr(part, name), factor(key.dimension.exponents, units)
-                changes[name] = tuple(by * each for each in value) if key.count else by * value
-        return changes
-
-    def grown(section: str, part: Any) -> Any:
-        return replace(part, **changes_of(section, part))
-
-    m = scene.mechanism
-    parts = {name: grown(name, getattr(m, name)) for name in ("base", "follower", "slider")}
-    drive, speed = m.crank.drive, 1.0 / units[2]
-    drive = PrescribedSpeed(speed=speed * drive.speed) if isinstance(drive, PrescribedSpeed) else grown("crank", drive)
-    crank = replace(grown("crank", m.crank), drive=drive)
-    tip = grown("tip", m.tip) if m.tip else None
-    # all at once: a scene with some of its lengths multiplied may be impossible
-    other = replace(m, **changes_of("mechanism", m), crank=crank, tip=tip, **parts)
+    values = values_of(scene.mechanism)
+    for section, keys in values.items():
+        for name, value in keys.items():
+            by = factor(dimension_of(f"{section}.{name}").exponents, units)
+            keys[name] = tuple(by * each for each in value) if isinstance(value, tuple) else by * value
+    other = scene_of(values)
+    assert isinstance(other, Mechanism)
     return replace(
         scene,
         mechanism=other,
         bend=units[0] * scene.bend,
-        bend_rate=units[0] * speed * scene.bend_rate,
+        bend_rate=units[0] / units[2] * scene.bend_rate,
         duration=units[2] * scene.duration,
     )
 

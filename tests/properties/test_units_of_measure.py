@@ -9,9 +9,10 @@ import pytest
 
 from cases import units
 from cases.case import Case
-from cases.case_file import parse_case
-from cases.keys import SECTIONS
+from cases.keys import dimension_of
+from cases.reading import parse_case
 from cases.units import Dimension
+from reference_model.scene_values import values_of
 from tests.properties.law import for_all
 from tests.properties.runs import COMPLIANT, EXPLICIT, REFERENCE, STEPS_ADD_UP, TOLERANCE, Method, assert_close
 from tests.strategies import Scene, scenes
@@ -38,28 +39,19 @@ CUSTOMARY: dict[Dimension, tuple[str, Decimal]] = {
     units.DAMPING_PER_LENGTH: ("lbf*s/in^2", EXACT.divide(BLOB, INCH)),
     units.STIFFNESS: ("lbf/in", BLOB),
     units.DAMPING: ("lbf*s/in", BLOB),
+    units.FORCE: ("lbf", POUND),
 }
 
 
 def written(scene: Scene, digits: int | None) -> str:
     """The scene as a case file in inches and pounds, each number of eight digits; or the same in SI, rounded to `digits` digits."""
-    m = scene.mechanism
-    parts = {"mechanism": m, "crank": m.crank, "base": m.base, "follower": m.follower, "tip": m.tip, "slider": m.slider}
     lines = ['name = "scene"']
-    for section, keys in SECTIONS.items():
-        if parts.get(section) is None:
-            continue
+    for section, values in values_of(scene.mechanism).items():
         lines.append(f"[{section}]")
-        for name, key in keys.items():
-            value = getattr(parts[section], name, None)
-            if section == "crank" and value is None:
-                value = getattr(m.crank.drive, name.removeprefix("prescribed_") if name == "prescribed_speed" else name, None)
-                if name == "initial_speed" and not m.crank_is_free:
-                    continue
-            if value is None:
-                continue
-            texts = [f'"{_quantity(each, key.dimension, digits)}"' for each in (value if key.count else (value,))]
-            lines.append(f"{name} = [{', '.join(texts)}]" if key.count else f"{name} = {texts[0]}")
+        for name, value in values.items():
+            dimension = dimension_of(f"{section}.{name}")
+            texts = [f'"{_quantity(each, dimension, digits)}"' for each in (value if isinstance(value, tuple) else (value,))]
+            lines.append(f"{name} = [{', '.join(texts)}]" if isinstance(value, tuple) else f"{name} = {texts[0]}")
     step = Context(prec=8).create_decimal_from_float(1e3 * scene.output_step)
     lines.append("[simulation]")
     for name, time in (("duration", EXACT.multiply(step, Decimal(scene.rows))), ("output_step", step)):

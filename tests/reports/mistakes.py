@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from cases.keys import SECTIONS, key_of
+from cases.keys import PATHS, SECTIONS, dimension_of
 from tests.cases.scene_texts import SCENE
 
 Scene = dict[str, dict[str, str]]  # section -> key -> value as TOML text; the header is the section ""
@@ -48,7 +48,7 @@ def with_value(path: str, value: str) -> str:
     """The case file with another value, given as TOML text, for one quantity; in a list it takes the last place."""
     section, _, key = path.partition(".")
     sections = scene()
-    if key_of(path).count:
+    if PATHS[path].count:
         value = f"{sections[section][key].rpartition(',')[0]}, {value}]"
     sections[section][key] = value
     return written(sections)
@@ -73,8 +73,7 @@ NO_QUANTITIES = {
 
 def wrong_quantities(path: str) -> Iterator[Mistake]:
     """Every value of the list above in one place, overlong ones, and those of a wrong sign."""
-    key = key_of(path)
-    unit = key.dimension.examples[0]
+    key, unit = PATHS[path], dimension_of(path).examples[0]
     values = [value.replace("~", " ").replace("U", unit) for values in NO_QUANTITIES.values() for value in values.split()]
     values += [f'"{digits} {unit}"' for digits in ("1" * 200, "0." + "0" * 90 + "1", "1" * 70)]
     values += [f'"-1 {unit}"'] * (key.sign != "any") + [f'"{zero} {unit}"' for zero in ("0", "-0.0", "0e5")] * (key.sign == "positive")
@@ -100,7 +99,7 @@ def wrong_keys(path: str) -> Iterator[Mistake]:
     place = text.index(line, text.index(f"[{section}]"))
     for what, repeated in (("twice", f"{line}{line}"), ("as a section", f"{line}[{path}]\n")):
         yield Mistake(f"{path} {what}", text[:place] + repeated + text[place + len(line) :], (": line ", "repeats a key or section"))
-    if key_of(path).default is None and path != "crank.initial_speed":  # which torque / damping stand for
+    if not PATHS[path].optional:
         yield Mistake(f"no {path}", text[:place] + text[place + len(line) :], (f": {path}: this key is missing",))
 
 
@@ -138,7 +137,7 @@ def rewritten(chance: random.Random) -> str:
         lines += ["", chance.choice([f"[{name}]", f"  [ {name} ]   # the {name}", f'["{name}"]'])]
         for key in chance.sample(list(sections[name]), len(sections[name])):
             value = sections[name][key]
-            if not key_of(f"{name}.{key}").count:
+            if not PATHS[f"{name}.{key}"].count:
                 value = _same_quantity(value.strip('"'), chance)
             lines.append(chance.choice([f"{key} = {value}", f"  {key}={value}  # a note", f"'{key}'\t=\t{value}"]))
     return chance.choice(["\n", "\r\n"]).join(lines) + chance.choice(["", "\n", "\n\n# the end"])

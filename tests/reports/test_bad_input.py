@@ -14,7 +14,7 @@ from pathlib import Path
 import click
 import pytest
 
-from cases.case_file import parse_case
+from cases.reading import parse_case
 from reports.command_line import COMMANDS
 from reports.commands.options import SingleOption
 from tests.reports import mistakes
@@ -196,7 +196,7 @@ IN_THE_FILE = [
     ("crank.torque", '"1 lb*in"', f'"1 lb*in" is a quantity in kg*m because lb is a pound of mass (the pound of force is lbf), but a torque is needed; {WRITE_TORQUE}'),
     ("crank.initial_angle", '"1e9 deg"', '"1e9 deg" is beyond a million degrees; angles from -1e6 deg to 1e6 deg are accepted'),
     ("follower.thickness", '"0 in"', '"0 in" is not positive; a length greater than zero is accepted'),
-    ("follower.strain_gauges", '"26 in"', '["6.25 in", "12.5 in", "26 in"] leaves the strain gauge at 26 in outside the follower; its length is "25 in"'),
+    ("follower.strain_gauges", '"26 in"', '["6.25 in", "12.5 in", "26 in"] leaves the strain gauge at 0.6604 m outside the follower; its length is 0.635 m'),
     ("simulation.output_step", '"3 s"', '"2 s" gives 0.666667 output steps (duration 2 s, output step 3 s); the duration must be a whole multiple of the output step'),
 ]  # fmt: skip
 

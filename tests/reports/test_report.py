@@ -12,7 +12,6 @@ from cases.case_file import load_case
 from cases.comparison import compare
 from cases.experiment import load_curves
 from cases.fingerprint import code_fingerprint
-from cases.library import case_text
 from cases.store import Store
 from cases.studies import Studies
 from reports import report as report_module
@@ -26,6 +25,7 @@ from reports.pictures import OF_CASE, draw_pictures
 from reports.report import CATALOGUE, chapters_of, check_folder, write, write_report
 from reports.tables.table import Table
 from reports.verification import FILE, PARTS, verification
+from tests.cases.scene_texts import SCENE
 from tests.reports.conftest import Call
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.reported_results import PageReader, reported_result
@@ -242,7 +242,7 @@ def test_a_bad_folder_is_told_before_anything_runs(call: Call, tmp_path: Path, m
 
 def test_unknown_cases_and_doubles_are_refused(call: Call) -> None:
     assert call("report", "thesis-25").code == 2
-    Path("twin.toml").write_text(case_text("thesis-24"))
+    Path("twin.toml").write_text(SCENE.replace('"scene"', '"thesis-24"'))
     code, _, errors = call("report", "thesis-24", "./twin.toml")
     assert code == 2
     assert "two cases are called" in errors

@@ -161,7 +161,10 @@ def test_claim_that_is_missing_must_say_why_and_must_not_be_reached() -> None:
 
 
 def test_process_that_broke_down_is_named_and_the_others_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    documents = {("scene", "a"): ({"rows": [dataclasses.asdict(row())]}, {}), ("scene", "b"): ({"failure": "killed by SIGSEGV"}, {})}
+    documents: dict[tuple[str, str], tuple[dict[str, object], dict[str, object]]] = {
+        ("scene", "a"): ({"rows": [dataclasses.asdict(row())]}, {}),
+        ("scene", "b"): ({"failure": "killed by SIGSEGV"}, {}),
+    }
     monkeypatch.setattr(tests.verification.accuracy_campaign, "results", lambda *_: documents)
     table, broken = campaign([], Store(tmp_path))
     assert broken == ["b: killed by SIGSEGV"]

@@ -1,0 +1,81 @@
+"""What a field of a scene measures, declared once, on the field: unit, sign, and what may be left out."""
+
+from collections.abc import Iterator
+from dataclasses import MISSING, Field, dataclass, field, fields
+from typing import Any, Final, Literal
+
+Sign = Literal["any", "not negative", "positive"]
+
+_KEY: Final = "quantity"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with a unit, or a list of `count` of them.
+
+    Attributes:
+        unit: SI unit, as written in a case file.
+        meaning: in words.
+        sign: which signs make sense.
+        key: name in a case file.
+        optional: whether a case file may leave it out.
+        count: length of the list; None for a single number.
+        infinity: whether it may be infinite, for a rigid part.
+    """
+
+    unit: str
+    meaning: str
+    sign: Sign
+    key: str
+    optional: bool
+    count: int | None
+    infinity: bool
+
+
+def quantity(
+    unit: str,
+    meaning: str,
+    *,
+    sign: Sign = "any",
+    default: Any = MISSING,
+    key: str = "",
+    optional: bool | None = None,
+    count: int | None = None,
+    infinity: bool = False,
+) -> Any:
+    """A field of a scene's dataclass; see `Quantity`.
+
+    Unless given, `key` is the field's own name, and what has a default is optional.
+    """
+    known = Quantity(unit, meaning, sign, key, default is not MISSING if optional is None else optional, count, infinity)
+    return field(default=default, metadata={_KEY: known})
+
+
+def quantities_of(part: Any) -> Iterator[tuple[Field[Any], Quantity]]:
+    """The fields of a part (a dataclass or its instance) that are quantities."""
+    for declared in fields(part):
+        if (found := declared.metadata.get(_KEY)) is not None:
+            yield declared, found
+
+
+def key_of(declared: Field[Any], found: Quantity) -> str:
+    """Name of a field's quantity in a case file."""
+    return found.key or declared.name
+
+
+class ImpossibleMechanism(ValueError):
+    """The parts do not fit together.
+
+    Attributes:
+        key: the quantity to blame, as `part.quantity`.
+        problem: a clause that follows the quantity's value.
+        accepted: what is accepted instead; may be empty.
+        others: quantities that may be to blame as well.
+    """
+
+    def __init__(self, key: str, problem: str, accepted: str = "", others: tuple[str, ...] = ()) -> None:
+        super().__init__(f"{key} {problem}" + (f"; {accepted}" if accepted else ""))
+        self.key = key
+        self.problem = problem
+        self.accepted = accepted
+        self.others = others
