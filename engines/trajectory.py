@@ -40,7 +40,7 @@ OPTIONAL: Final = MappingProxyType(
         "dissipated_energy": "J, by all dampings since the start",
         "constraint_gap": "m, distance of the slider from the centre line",
         "gravity_energy": "J, potential energy of gravity, all bodies, zero at the height of O",
-        "drive_work": "J, work of the drive torque since the start",
+        "drive_work": "J, work of the drive torque and of the force on the tip since the start",
         "base_torque": "N m, torque that turns the base as prescribed",
         "axial_stretch": "m, length of the centre line less that of the undeformed follower",
     }

@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism, Tip, TorqueDrive
+from reference_model.mechanism import Mechanism, TorqueDrive
+from reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 
@@ -54,7 +55,7 @@ def rigid_motion(
 def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
     """Rigid follower with base block and tip body: moment of inertia about P (kg m^2) and first moment (kg m), equation 9.6."""
     beam = mechanism.follower
-    tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    tip = mechanism.tip_body
     arm = beam.length + tip.center_of_mass
     inertia = mechanism.base.inertia + beam.mass_per_length * beam.length**3 / 3.0 + tip.inertia + tip.mass * arm**2
     return inertia, 0.5 * beam.mass_per_length * beam.length**2 + tip.mass * arm
@@ -93,7 +94,7 @@ def static_deflection(mechanism: Mechanism, crank_speed: float, angles: int = 48
         crank_speed: rad/s, constant.
         angles: crank angles at which it is taken, evenly spaced.
     """
-    beam, tip = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    beam, tip = mechanism.follower, mechanism.tip_body
     L, rhoA, EI = beam.length, beam.mass_per_length, beam.bending_stiffness
     q1: Array = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
     motion = rigid_motion(mechanism, q1, crank_speed)
@@ -101,9 +102,10 @@ def static_deflection(mechanism: Mechanism, crank_speed: float, angles: int = 48
     s, q2, alpha = motion.slider_position, motion.follower_angle, motion.follower_acceleration
     across = np.cos(q2) * mechanism.gravity[1] - np.sin(q2) * mechanism.gravity[0]
     at_tip = tip.mass * (across - (L + tip.center_of_mass) * alpha)
+    tool = _tool_across(mechanism, q1, q2)
     deflection = force * s**2 * (3.0 * L - s) / 6.0
     deflection += rhoA * L**4 * (across / 8.0 - 11.0 * L * alpha / 120.0)
-    deflection += at_tip * L**3 / 3.0 + (at_tip * tip.center_of_mass - tip.inertia * alpha) * L**2 / 2.0
+    deflection += (at_tip + tool) * L**3 / 3.0 + (at_tip * tip.center_of_mass - tip.inertia * alpha) * L**2 / 2.0
     return float(np.sqrt(np.mean((deflection / EI) ** 2)))
 
 
@@ -127,12 +129,16 @@ def rigid_kinetostatics(
     q1, q2 = np.asarray(crank_angle, dtype=float), motion.follower_angle
     inertia += slider.inertia  # the slider turns with the follower
     about_P = inertia * motion.follower_acceleration + mechanism.base.damping * motion.follower_speed
-    about_P -= moment * (np.cos(q2) * g2 - np.sin(q2) * g1)
+    about_P -= moment * (np.cos(q2) * g2 - np.sin(q2) * g1) + mechanism.follower.length * _tool_across(mechanism, q1, q2)
     force = about_P / motion.slider_position
     damping = getattr(crank.drive, "damping", 0.0)
-    about_O = (crank.inertia_about_pivot + slider.mass * crank.length**2) * np.asarray(crank_acceleration) + damping * np.asarray(
-        crank_speed
-    )
-    about_O -= (crank.mass * crank.center_of_mass + slider.mass * crank.length) * (np.cos(q1) * g2 - np.sin(q1) * g1)
+    about_O = mechanism.crank_inertia * np.asarray(crank_acceleration) + damping * np.asarray(crank_speed)
+    about_O -= mechanism.crank_moment * (np.cos(q1) * g2 - np.sin(q1) * g1)
     # the follower pushes back on the crank tip with -force along its normal
     return force, about_O + force * crank.length * np.cos(q1 - q2)
+
+
+def _tool_across(mechanism: Mechanism, crank_angle: Array, follower_angle: Array) -> Array:
+    """Force on the tip along the follower's normal, N."""
+    force = tip_force(mechanism.tip_body, crank_angle)
+    return np.asarray(np.cos(follower_angle) * force[1] - np.sin(follower_angle) * force[0])

@@ -96,7 +96,7 @@ def scenes(
     L = (d + LA) * draw(numbers(1.1, 1.5))
     rhoA, EI = draw(numbers(0.1, 1.0)), draw(numbers(1.0, 20.0))
     beam, beam_inertia = rhoA * L, rhoA * L**3 / 3.0
-    tip = draw(st.none() | tips(beam, L))
+    tip = draw(st.none() | tips(beam, L, EI))
     heavy = 1.0 + 4.0 * (tip.mass if tip else 0.0) / beam
     slow = math.sqrt(EI / (rhoA * heavy)) / L**2  # rad/s, about a quarter of the cantilever's lowest angular frequency
     speed = slow * draw(numbers(0.5, 1.8)) * draw(st.sampled_from([1.0, -1.0]))
@@ -142,13 +142,23 @@ def scenes(
     )
 
 
-def tips(beam: float, length: float) -> st.SearchStrategy[Tip]:
-    """Bodies at the end of a follower of mass `beam` (kg) and a length (m), some of them a mere point."""
+def tips(beam: float, length: float, stiffness: float) -> st.SearchStrategy[Tip]:
+    """Bodies at the end of a follower of mass `beam` (kg), a length (m) and EI (N m²), some of them a mere point, some of them pushed."""
 
-    def tip(share: float, gyration: float, offset: float) -> Tip:
-        return Tip(mass=beam * share, inertia=beam * share * (gyration * length) ** 2, center_of_mass=offset * length)
+    def tip(share: float, gyration: float, offset: float, push: float, direction: float, begin: float, span: float) -> Tip:
+        return Tip(
+            mass=beam * share,
+            inertia=beam * share * (gyration * length) ** 2,
+            center_of_mass=offset * length,
+            force=(push * stiffness / length**2 * math.cos(direction), push * stiffness / length**2 * math.sin(direction)),
+            force_from=begin,
+            force_to=begin + span,
+            force_ramp=math.radians(25.0),
+        )
 
-    return st.builds(tip, numbers(0.05, 0.5), perhaps(0.01, 0.05), perhaps(0.01, 0.04))
+    angles = numbers(-math.pi, math.pi)
+    spans = numbers(1.5, 5.0) | st.just(2.0 * math.pi)
+    return st.builds(tip, numbers(0.05, 0.5), perhaps(0.01, 0.05), perhaps(0.01, 0.04), perhaps(0.005, 0.03), angles, angles, spans)
 
 
 @st.composite

@@ -5,11 +5,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import exudyn as exu
+import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 
 from engines.base import ModelDescription
 from engines.start import Start
 from reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
+from reference_model.tip_force import share
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
 exu.config.suppressWarnings = True
@@ -124,6 +126,22 @@ class Assembly:
             force = [mass * g for g in self.scene.gravity]
             self.mbs.AddLoad(items.LoadForceVector(markerNumber=self.point_marker(body, x), loadVector=[*force, 0.0]))
 
+    def push_tip(self, marker: Any, crank_node: Any) -> None:
+        """The force on the tip, at a marker there; nothing is built where there is none."""
+        tip = self.scene.tip
+        if tip is None or not tip.is_forced:
+            return
+        force, span = np.array([*tip.force, 0.0]), tip.force_to - tip.force_from
+        if tip.is_always_forced:
+            self.mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=list(force)))
+            return
+
+        def acting(mbs: Any, _time: float, _load: Any) -> Any:
+            angle = mbs.GetNodeOutput(crank_node, exu.OutputVariableType.Rotation)[2]
+            return share(angle, tip.force_from, span, tip.force_ramp) * force
+
+        self.mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=list(force), loadVectorUserFunction=acting))
+
     def crank(self, start: Start) -> tuple[Any, Any, Any]:
         """Add the crank with its drive; a slider's mass turns with the crank tip.
 
@@ -132,8 +150,7 @@ class Assembly:
         """
         crank, slider = self.mechanism.crank, self.mechanism.slider
         name = "crank" if slider.mass == 0.0 else "crank: with the slider's mass at its tip"
-        inertia = crank.inertia_about_pivot + slider.mass * crank.length**2
-        node, body = self.pinned_body(name, 0.0, start.crank_angle, start.crank_speed, inertia)
+        node, body = self.pinned_body(name, 0.0, start.crank_angle, start.crank_speed, self.mechanism.crank_inertia)
         self.weight(body, crank.center_of_mass, crank.mass)
         self.weight(body, crank.length, slider.mass)
         match crank.drive:

@@ -153,6 +153,7 @@ class FlexibleModel:
             self._damper_weights = follower.damping * quadrature(cable)
             self._dampers = Dampers(assembly, base, nodes, cable.nodes, self._damper_weights)
         add_weight(assembly, cable, nodes)
+        assembly.push_tip(assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1])), crank_node)
         slider = add_slider(assembly, cable, state, start, crank, cables, axial)
         self._joint = slider.joint
         assembly.mbs.Assemble()
@@ -206,7 +207,7 @@ class FlexibleModel:
                 f"strain_{i}": cable.curvature(q, x, kink) * follower.thickness / 2.0 for i, x in enumerate(follower.strain_gauges, start=1)
             },
             "slider_force": slider_force,
-            **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),
+            **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint, (rates[:, -1, :2], accelerations[:, -1, :2])),
             "kinetic_energy": self._kinetic_energy(crank_speed, frame_rate, q, rates),
             "strain_energy": cable.strain_energy(q) + self._spring_energy(joint),
             "dissipated_energy": self._dissipated(record, q, rates, accelerations, joint),
@@ -227,9 +228,8 @@ class FlexibleModel:
         return 0.5 * self._mechanism.slider.joint_stiffness * joint.value**2
 
     def _kinetic_energy(self, crank_speed: Array, frame_rate: Array, q: Array, rates: Array) -> Array:
-        crank, slider, tip = self._mechanism.crank, self._mechanism.slider, self._mechanism.tip
-        crank_inertia = crank.inertia_about_pivot + slider.mass * crank.length**2
-        energy = 0.5 * (crank_inertia * crank_speed**2 + self._mechanism.base.inertia * frame_rate**2)
+        tip = self._mechanism.tip
+        energy = 0.5 * (self._mechanism.crank_inertia * crank_speed**2 + self._mechanism.base.inertia * frame_rate**2)
         energy += self._cable.kinetic_energy(rates)
         if tip is not None:
             tangent, rate, _ = direction(q[:, -1, 2:], rates[:, -1, 2:], np.zeros_like(rates[:, -1, 2:]))
@@ -238,9 +238,9 @@ class FlexibleModel:
         return energy
 
     def _gravity_energy(self, crank_angle: Array, q: Array, tip_tangent: Array) -> Array:
-        crank, slider, tip = self._mechanism.crank, self._mechanism.slider, self._mechanism.tip
+        tip = self._mechanism.tip
         crank_arm = np.column_stack([np.cos(crank_angle), np.sin(crank_angle)])
-        moment = (crank.mass * crank.center_of_mass + slider.mass * crank.length) * crank_arm + self._cable.first_moment(q)
+        moment = self._mechanism.crank_moment * crank_arm + self._cable.first_moment(q)
         if tip is not None:
             moment = moment + tip.mass * (q[:, -1, :2] + tip.center_of_mass * tip_tangent)
         return -moment @ np.array(self._mechanism.gravity)

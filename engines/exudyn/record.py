@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
+from reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 
@@ -55,13 +56,34 @@ def accumulated(time: Array, power: Array, power_rate: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(parts)])
 
 
-def drive_columns(assembly: Assembly, record: Record, crank: int, constraint: Any | None) -> dict[str, Array]:
-    """Torque and work of the crank's drive; `crank` is the index of the crank angle."""
+def drive_columns(
+    assembly: Assembly, record: Record, crank: int, constraint: Any | None, tip_motion: tuple[Array, Array]
+) -> dict[str, Array]:
+    """Torque of the crank's drive, and the work of it and of the force on the tip.
+
+    Args:
+        assembly: the system.
+        record: its states.
+        crank: index of the crank's angle.
+        constraint: object number of the constraint that prescribes the crank's speed; None if it is free.
+        tip_motion: velocity (m/s) and acceleration (m/s^2) of the follower's end in the fixed frame, each of shape (rows, 2).
+    """
     angle = record.coordinates[:, crank]
     if constraint is None:
         torque = assembly.mechanism.crank.drive.torque  # type: ignore[union-attr]  # a free crank has a torque
-        return {"crank_torque": np.full_like(angle, torque), "drive_work": torque * (angle - angle[0])}
-    (equation,) = assembly.mbs.systemData.GetObjectLTGAE(constraint)
-    taken = -record.multipliers[:, equation]
-    work = np.concatenate([[0.0], np.cumsum((taken[1:] + taken[:-1]) / 2.0 * np.diff(angle))])
-    return {"crank_torque": taken, "drive_work": work}
+        taken, work = np.full_like(angle, torque), torque * (angle - angle[0])
+    else:
+        (equation,) = assembly.mbs.systemData.GetObjectLTGAE(constraint)
+        taken = -record.multipliers[:, equation]
+        work = np.concatenate([[0.0], np.cumsum((taken[1:] + taken[:-1]) / 2.0 * np.diff(angle))])
+    return {"crank_torque": taken, "drive_work": work + _work_on_tip(assembly, record, crank, *tip_motion)}
+
+
+def _work_on_tip(assembly: Assembly, record: Record, crank: int, velocity: Array, acceleration: Array) -> Array:
+    tip = assembly.mechanism.tip_body
+    if not tip.is_forced:
+        return np.zeros(len(velocity))
+    angle, small = record.coordinates[:, crank], 1e-5  # rad: the force's change with the angle, to ten digits
+    force = tip_force(tip, angle)
+    change = (tip_force(tip, angle + small) - tip_force(tip, angle - small)) / (2.0 * small) * record.rates[:, crank]
+    return accumulated(record.time, np.sum(force.T * velocity, axis=1), np.sum(force.T * acceleration + change.T * velocity, axis=1))

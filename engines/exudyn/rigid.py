@@ -45,6 +45,7 @@ class RigidModel:
         assembly.weight(body, follower.length / 2.0, mass)
         if tip is not None:
             assembly.weight(body, reach, tip.mass)
+            assembly.push_tip(assembly.point_marker(body, follower.length), crank_node)
         self._joint = self._add_slider(start, state, crank, body)
         assembly.mbs.Assemble()
         self._crank_index = index(assembly, crank_node) + 2
@@ -95,8 +96,9 @@ class RigidModel:
         q1_rate, q2_rate = record.rates[:, self._crank_index], record.rates[:, self._follower_index]
         q1_acceleration, q2_acceleration = (record.accelerations[:, i] for i in (self._crank_index, self._follower_index))
         slider = self._slider_in_frame(record.coordinates)
-        crank_inertia = crank.inertia_about_pivot + mechanism.slider.mass * crank.length**2
-        crank_moment = crank.mass * crank.center_of_mass + mechanism.slider.mass * crank.length
+        across = np.column_stack([-np.sin(q2), np.cos(q2)])
+        tip_velocity = length * q2_rate[:, None] * across
+        tip_acceleration = length * (q2_acceleration[:, None] * across - (q2_rate**2)[:, None] * np.column_stack([np.cos(q2), np.sin(q2)]))
         crank_damping, base_damping = getattr(crank.drive, "damping", 0.0), mechanism.base.damping
         straight = np.zeros_like(q1)
         joint_damping = mechanism.slider.joint_damping
@@ -120,8 +122,8 @@ class RigidModel:
             "strain_2": straight,
             "strain_3": straight,
             "slider_force": self._slider_force(record),
-            **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint),
-            "kinetic_energy": 0.5 * (crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
+            **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint, (tip_velocity, tip_acceleration)),
+            "kinetic_energy": 0.5 * (mechanism.crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
             "strain_energy": 0.5 * mechanism.slider.joint_stiffness * slider[:, 1] ** 2 if self.assembly.joint_is_compliant else straight,
             "dissipated_energy": accumulated(
                 record.time,
@@ -134,7 +136,7 @@ class RigidModel:
                 ),
             ),
             "constraint_gap": np.abs(slider[:, 1]),
-            "gravity_energy": -crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))
+            "gravity_energy": -mechanism.crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))
             - self._moment * (gx * np.cos(q2) + gy * np.sin(q2))
             - (self._moment_free_mass() * gx * mechanism.pivot_distance),
         }

@@ -58,7 +58,7 @@ class MujocoEngine(Engine):
             raise Refusal(
                 f"follower.mass_per_length: {follower.mass_per_length:g} kg/m cannot be modelled by engine mujoco; accepted: above 0"
             )
-        if mechanism.crank_is_free and crank.inertia_about_pivot + slider.mass * crank.length**2 <= 0.0:
+        if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
             raise Refusal(
                 f"crank.inertia: {crank.inertia:g} kg m^2 cannot be modelled by engine mujoco on a crank without any mass, as it stands"
                 " in dead centre with the slider; accepted: above 0, or crank.mass or slider.mass above 0"

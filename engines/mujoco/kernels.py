@@ -31,6 +31,7 @@ from engines.mujoco.native import (
     pointer,
 )
 from reference_model.spin_up import base_motion
+from reference_model.tip_force import share
 
 #: One simulation as compiled code sees it. Lengths in m, angles in rad.
 CONTEXT = np.dtype(
@@ -62,6 +63,10 @@ CONTEXT = np.dtype(
         ("prescribed_inertia", "f8"),  # kg m^2 about O, crank and slider
         ("prescribed_weight_1", "f8"),  # N m, gravity's potential energy of crank and slider is w1 cos q1 + w2 sin q1
         ("prescribed_weight_2", "f8"),
+        ("tip_force", "c16"),  # N, along n1 + i n2
+        ("force_begin", "f8"),  # of the crank's turn
+        ("force_span", "f8"),
+        ("force_ramp", "f8"),
         ("base_is_prescribed", "i8"),  # then there is neither crank nor slider
         ("spin_up_speed", "f8"),
         ("spin_up_time", "f8"),  # s
@@ -265,6 +270,23 @@ def _damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
 
 
 @_compiled
+def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: Array) -> float:
+    """Add the force on the tip, the centre line's end; returns its power, W."""
+    if ctx.tip_force == 0.0:
+        return 0.0
+    first = ctx.coordinates - ctx.hinges - 1
+    pushed = ctx.tip_force * share(crank_angle, ctx.force_begin, ctx.force_span, ctx.force_ramp)
+    at_tip = centre_line_coefficients(ctx.follower_length, ctx.hinges, ctx.link_length, 0)
+    moment = power = 0.0
+    for i in range(ctx.hinges, -1, -1):
+        part = at_tip[i] * _dot(1j * e[i], pushed)
+        moment += part
+        force[first + i] += moment
+        power += part * rates[i]
+    return power
+
+
+@_compiled
 def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     """The hook's work: drive and damping, and the slider force, into `force_applied`.
 
@@ -290,6 +312,7 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
         applied[0] = ctx.crank_torque
     dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
     dissipation += _damp_beam(ctx, e, rates, applied)
+    tool_power = _push_tip(ctx, angle, e, rates, applied)
 
     if ctx.joint_is_compliant:
         gap_rate = np.dot(row, qvel)
@@ -312,7 +335,7 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
         ctx.drive_torque = weight - multiplier * crank_row
     if ctx.stage < 4:
         ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
-        ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * ctx.drive_torque * crank_speed
+        ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * (ctx.drive_torque * crank_speed + tool_power)
         ctx.stage += 1
 
 

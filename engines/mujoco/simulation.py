@@ -119,13 +119,11 @@ class ChainSimulation(LinkSimulation):
 
         No faster than where the damping balances the torque: with little damping that is a speed which no run lasts long enough for.
         """
-        crank, slider = self._mechanism.crank, self._mechanism.slider
-        drive = crank.drive
+        drive = self._mechanism.crank.drive
         if not isinstance(drive, TorqueDrive):
             return abs(drive.speed)
         present = abs(float(self._data.qvel[0]))
-        inertia = crank.inertia_about_pivot + slider.mass * crank.length**2
-        reached = present + abs(drive.torque) * duration / inertia
+        reached = present + abs(drive.torque) * duration / self._mechanism.crank_inertia
         balanced = abs(drive.torque) / drive.damping if drive.damping > 0.0 else math.inf
         return max(present, min(reached, balanced))
 
@@ -201,7 +199,7 @@ def _interpolation(gauges: Array, length: float, hinges: int) -> Array:
 def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
     """What compiled code needs to know, `kernels.CONTEXT`, shape (1,)."""
     follower, context = scene.follower, np.zeros(1, kernels.CONTEXT)
-    values: dict[str, float] = {
+    values: dict[str, complex] = {
         "qpos": data.qpos.ctypes.data,
         "qvel": data.qvel.ctypes.data,
         "qacc": data.qacc.ctypes.data,
@@ -223,28 +221,31 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
     return context
 
 
-def _spin_up(scene: FollowerAlone) -> dict[str, float]:
+def _spin_up(scene: FollowerAlone) -> dict[str, complex]:
     return {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
 
 
-def _crank_and_slider(mechanism: Mechanism) -> dict[str, float]:
+def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
     crank, slider, drive = mechanism.crank, mechanism.slider, mechanism.crank.drive
-    values: dict[str, float] = {
+    values: dict[str, complex] = {
         "pivot_distance": mechanism.pivot_distance,
         "crank_length": crank.length,
         "crank_is_free": int(mechanism.crank_is_free),
     }
+    tip = mechanism.tip_body
+    if tip.is_forced:
+        span = {"force_begin": tip.force_from, "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp}
+        values |= {"tip_force": complex(*tip.force), **span}
     if math.isfinite(slider.joint_stiffness):
         values |= {"joint_is_compliant": 1, "joint_stiffness": slider.joint_stiffness, "joint_damping": slider.joint_damping}
     if isinstance(drive, TorqueDrive):
         values |= {"crank_torque": drive.torque, "crank_damping": drive.damping}
     else:
-        moment = crank.mass * crank.center_of_mass + slider.mass * crank.length
         values |= {
             "prescribed_speed": drive.speed,
-            "prescribed_inertia": crank.inertia_about_pivot + slider.mass * crank.length**2,
-            "prescribed_weight_1": -moment * mechanism.gravity[0],
-            "prescribed_weight_2": -moment * mechanism.gravity[1],
+            "prescribed_inertia": mechanism.crank_inertia,
+            "prescribed_weight_1": -mechanism.crank_moment * mechanism.gravity[0],
+            "prescribed_weight_2": -mechanism.crank_moment * mechanism.gravity[1],
         }
     return values
 

@@ -93,7 +93,7 @@ class ReferenceEngine(BeamEngine):
                     " slider.joint_stiffness"
                 )
             return
-        if mechanism.crank_is_free and crank.inertia_about_pivot + slider.mass * crank.length**2 <= 0.0:
+        if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
             raise Refusal(
                 f"crank.inertia: {crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {self.name}, whose open loop leaves"
                 " the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"

@@ -94,7 +94,7 @@ class RivalEngine(StayingShapesEngine):
             raise Refusal(
                 f"slider.inertia: {slider.inertia:g} kg*m^2 cannot be modelled by {self.name}, its joint passes no moment; accepted: 0"
             )
-        if mechanism.crank_is_free and crank.inertia_about_pivot + slider.mass * crank.length**2 <= 0.0:
+        if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
             raise Refusal(
                 f"crank.inertia: {crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {self.name}, whose open loop leaves"
                 " the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"

@@ -25,6 +25,7 @@ from reference_model.motion.inertia import (
     highest_frequency,
     moment_about_pivot,
     partial_velocities,
+    power_of_tool,
     relative_velocities,
     remaining_accelerations,
     slider_force,
@@ -194,7 +195,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, row: int) ->
         out[2 * m + 3] = joint_power(p, w, y)
     observed = row != 0
     if p.first == 0 and not observed:
-        out[2 * m + 2] = p.torque * y[m + 1]
+        out[2 * m + 2] = p.torque * y[m + 1] + power_of_tool(p, t, w)
         return 1
     moment = moment_about_pivot(p, t, w)
     normal = tangential = slider_moment = 0.0
@@ -202,7 +203,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, row: int) ->
     if p.treatment != BASE:
         normal, tangential, slider_moment = slider_force(p, t, w, moment)
         torque, speed = drive_torque(p, w, normal, tangential), y[m + 1]
-    out[2 * m + 2] = torque * speed
+    out[2 * m + 2] = torque * speed + power_of_tool(p, t, w)
     if observed and not observe(p, t, w, y, at, normal, tangential, slider_moment, torque, numbers_at(row, WIDTH)):
         return 0
     return 1

@@ -32,10 +32,13 @@ from reference_model.motion.layout import (
     TIP_1,
     TIP_2,
     TIP_TURN,
+    TOOL_1,
+    TOOL_2,
     Parameters,
     Tables,
     Workspace,
 )
+from reference_model.tip_force import share
 
 Array = NDArray[np.float64]
 
@@ -86,7 +89,7 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
 
 @stage
 def remaining_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
-    """Row A: accelerations of points and bodies without those of the speeds, less gravity (equations 4.3 and 4.4)."""
+    """Row A: accelerations of points and bodies without those of the speeds, less gravity (4.3 and 4.4); the force on the tip (4.9)."""
     n, m, N, f = p.n, p.speeds, t.cells * t.S, w.facts
     g1 = f[COS_Q2] * p.gravity_1 + f[SIN_Q2] * p.gravity_2
     g2 = -f[SIN_Q2] * p.gravity_1 + f[COS_Q2] * p.gravity_2
@@ -95,6 +98,9 @@ def remaining_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) ->
         w.A[j] += s_0 * w.Y[j] - q2_0 * w.z[N + j] - g1
     for j in range(N):
         w.A[N + j] += s_0 * w.Y[N + j] + q2_0 * w.z[j] - g2
+    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y[0], p.force_begin, p.force_span, p.force_ramp)
+    f[TOOL_1] = acting * (f[COS_Q2] * p.force_1 + f[SIN_Q2] * p.force_2)
+    f[TOOL_2] = acting * (f[COS_Q2] * p.force_2 - f[SIN_Q2] * p.force_1)
     end = N - t.S + t.G
     ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
     turn_0, square = q2_0 + w.gamma[end] + w.psi_s[end] * s_0, w.turn[end] ** 2
@@ -133,6 +139,9 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
             w.force[N + j] += p.beam_damping * w.dx[j] * w.relative[N + j]
             moment += w.dx[j] * (p.beam_damping * w.z[j] * w.relative[N + j] - along * w.z[N + j] * w.relative[j])
     moment -= p.base_damping * f[Q2_RATE]
+    end = N - t.S + t.G
+    w.force[end] -= f[TOOL_1]
+    w.force[N + end] -= f[TOOL_2]
     extra = t.kinds * n * N
     hardening = 0.0
     for i in range(n):
@@ -209,7 +218,17 @@ def moment_about_pivot(p: Parameters, t: Tables, w: Workspace) -> float:
     for j in range(N):
         moment += w.mass[j] * (w.z[j] * w.A[N + j] - w.z[N + j] * w.A[j])
     arm_1, arm_2 = w.z[end] + p.tip_offset * w.e[end], w.z[N + end] + p.tip_offset * w.e[N + end]
+    moment -= w.z[end] * f[TOOL_2] - w.z[N + end] * f[TOOL_1]
     return moment + p.tip_mass * (arm_1 * w.A[bodies + TIP_2] - arm_2 * w.A[bodies + TIP_1])
+
+
+@stage
+def power_of_tool(p: Parameters, t: Tables, w: Workspace) -> float:
+    """Power of the force on the tip, W (equation 4.9)."""
+    N, f = t.cells * t.S, w.facts
+    end = N - t.S + t.G
+    v1, v2 = w.relative[end] - f[Q2_RATE] * w.z[N + end], w.relative[N + end] + f[Q2_RATE] * w.z[end]
+    return f[TOOL_1] * v1 + f[TOOL_2] * v2
 
 
 @stage

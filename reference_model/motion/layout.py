@@ -30,8 +30,8 @@ BODIES: Final = 8
 #: Quantities of one state in `Workspace.facts`.
 COS_Q2, SIN_Q2, Q2_RATE, S_RATE, Q2_REMAINDER, S_REMAINDER, CURVATURE, SLIDER_SLOPE, ALONG, ACROSS, EXCESS = range(11)
 GAP, GAP_RATE, GAP_REMAINDER, TANGENT_1, TANGENT_2, FOOT_1, FOOT_2, MISSED, FORCE = range(11, 20)
-FOOT_BY_S_1, FOOT_BY_S_2, ALONG_BY_Q2, ACROSS_BY_Q2 = range(20, 24)
-FACTS: Final = 24
+FOOT_BY_S_1, FOOT_BY_S_2, ALONG_BY_Q2, ACROSS_BY_Q2, TOOL_1, TOOL_2 = range(20, 26)
+FACTS: Final = 26
 
 
 class Tables(NamedTuple):
@@ -81,6 +81,11 @@ class Parameters(NamedTuple):
     tip_mass: float
     tip_inertia: float
     tip_offset: float
+    force_1: float  # N, on the tip, along n1 and n2
+    force_2: float
+    force_begin: float  # rad, of the crank
+    force_span: float
+    force_ramp: float
     slider_inertia: float
     gravity_1: float
     gravity_2: float

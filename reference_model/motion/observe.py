@@ -28,6 +28,8 @@ from reference_model.motion.layout import (
     TIP_1,
     TIP_2,
     TIP_TURN,
+    TOOL_1,
+    TOOL_2,
     Parameters,
     Tables,
     Workspace,
@@ -130,10 +132,11 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int, normal: flo
         moment[N + j] = 0.0
     cumulate(t, w.length, force, w.relative)  # inboard force
     cumulate(t, w.length, moment, w.weighted)  # and its moment about P
-    # the tip body's, and with it everything outboard of P
+    # the tip body's and the tool's, and with them everything outboard of P
     f1, f2 = -p.tip_mass * w.A[bodies + TIP_1], -p.tip_mass * w.A[bodies + TIP_2]
     total_m = (w.z[end] + ec) * f2 - (w.z[N + end] + es) * f1 - p.tip_inertia * w.A[bodies + TIP_TURN] + w.weighted[end]
-    total_1, total_2 = f1 + w.relative[end], f2 + w.relative[N + end]
+    total_m += w.z[end] * f[TOOL_2] - w.z[N + end] * f[TOOL_1]
+    total_1, total_2 = f1 + w.relative[end] + f[TOOL_1], f2 + w.relative[N + end] + f[TOOL_2]
     for j in range(N):
         w.psi[j] = total_m - w.weighted[j] - w.z[j] * (total_2 - w.relative[N + j]) + w.z[N + j] * (total_1 - w.relative[j])
     if p.treatment != BASE:

@@ -6,7 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Tip, TorqueDrive
+from reference_model import tip_force
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 from reference_model.motion.layout import BASE, ELIMINATED, Parameters, Tables
 
 
@@ -48,7 +49,7 @@ def parameters(
         treatment: of the slider; not read for the follower alone.
         transverse_damping: the beam damping acts on the velocity across the base tangent alone.
     """
-    follower, tip = scene.follower, scene.tip or Tip(mass=0.0, inertia=0.0)
+    follower, tip = scene.follower, scene.tip_body
     kind = BASE if isinstance(scene, FollowerAlone) else treatment.kind
     return Parameters(
         treatment=kind,
@@ -66,6 +67,7 @@ def parameters(
         tip_mass=tip.mass,
         tip_inertia=tip.inertia,
         tip_offset=tip.center_of_mass,
+        **tip_force.constants(tip),
         gravity_1=scene.gravity[0],
         gravity_2=scene.gravity[1],
         joint_stiffness=treatment.stiffness,
@@ -87,8 +89,7 @@ def _of_crank(scene: Scene) -> dict[str, float]:
         return dict.fromkeys(names, 0.0) | {"base_speed": scene.spin_up.speed, "base_time": scene.spin_up.time}
     crank, slider, drive = scene.crank, scene.slider, scene.crank.drive
     free = drive if isinstance(drive, TorqueDrive) else TorqueDrive(torque=0.0, damping=0.0, initial_speed=drive.initial_speed)
-    inertia = crank.inertia_about_pivot + slider.mass * crank.length**2
-    moment = crank.mass * crank.center_of_mass + slider.mass * crank.length
+    inertia, moment = scene.crank_inertia, scene.crank_moment
     of_mechanism = (scene.pivot_distance, crank.length, inertia, moment, free.torque, free.damping, slider.inertia, 0.0, 0.0)
     return dict(zip(names, of_mechanism, strict=True))
 

@@ -12,15 +12,24 @@ from numpy.typing import NDArray
 from reference_model.compilation import inlined, stage
 from reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
 from reference_model.thesis.parameters import Parameters, Workspace
+from reference_model.tip_force import share
 
 
 @stage
 def assemble(
-    p: Parameters, c: Slider, k: Contact, q1_rate: float, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: Workspace
+    p: Parameters,
+    c: Slider,
+    k: Contact,
+    q1: float,
+    q1_rate: float,
+    eta: NDArray[np.float64],
+    eta_rate: NDArray[np.float64],
+    w: Workspace,
 ) -> None:
     """Mass matrix `w.M` and force `w.Q` (applied minus inertia) for (q1, q2, eta), loop not yet closed (equations 4.1 to 4.13)."""
+    _push_tip(p, q1, c.q2, w)
     for a in range(p.n + 2):
-        w.Q[a] = 0.0
+        w.Q[a] = w.tool[a]
         for b in range(p.n + 2):
             w.M[a, b] = 0.0
     gravity_1, gravity_2 = _gravity_in_b(p, c.q2)
@@ -118,6 +127,19 @@ def _add_tip(p: Parameters, q2_rate: float, gravity_1: float, gravity_2: float, 
             rotation_j = angle_1 * t.end_dphi[j]
             product = p1 * (-w.f_edges[end, j] - es * rotation_j) + p2 * (t.end_phi[j] + ec * rotation_j)
             w.M[i + 2, j + 2] += m * product + J * rotation_i * rotation_j
+
+
+@stage
+def _push_tip(p: Parameters, q1: float, q2: float, w: Workspace) -> None:
+    """Generalised forces of the force on the tip, at x = L, to `w.tool` (equation 4.14)."""
+    n, end = p.n, len(p.tables.edges) - 1
+    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(q1, p.force_begin, p.force_span, p.force_ramp)
+    F1 = acting * (math.cos(q2) * p.force_1 + math.sin(q2) * p.force_2)
+    F2 = acting * (math.cos(q2) * p.force_2 - math.sin(q2) * p.force_1)
+    w.tool[0] = 0.0
+    w.tool[1] = (p.L - w.F_edges[end]) * F2 - w.end[1] * F1
+    for i in range(n):
+        w.tool[i + 2] = p.tables.end_phi[i] * F2 - w.f_edges[end, i] * F1
 
 
 @stage
@@ -254,5 +276,5 @@ def evaluate(p: Parameters, w: Workspace, y: NDArray[np.float64]) -> tuple[bool,
     k = constraint_row(p, c, q1_rate, eta, eta_rate, w)
     if not k.regular:
         return False, c, k
-    assemble(p, c, k, q1_rate, eta, eta_rate, w)
+    assemble(p, c, k, y[0], q1_rate, eta, eta_rate, w)
     return project(p, k, w), c, k

@@ -37,7 +37,9 @@ def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row:
         rate[i + 1], rate[n + 2 + i] = y[n + 2 + i], w.acceleration[i + 2]
     rate[2 * n + 2] = dissipation(p, y[n + 1], k.q2_rate, y[n + 2 : 2 * n + 2], w)
     force, drive = reactions(p, c, k, w)
-    rate[2 * n + 3] = drive * y[n + 1]
+    rate[2 * n + 3] = drive * y[n + 1] + w.tool[1] * k.q2_rate
+    for i in range(n):
+        rate[2 * n + 3] += w.tool[i + 2] * y[n + 2 + i]
     if len(row):
         observe(p, c, k, w, y, force, drive, row)
     return True
@@ -53,7 +55,7 @@ def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array,
         rate[:] = math.nan
         return False
     c, k = _no_slider(p, angle, turn)
-    assemble(p, c, k, 0.0, eta, eta_rate, w)
+    assemble(p, c, k, 0.0, 0.0, eta, eta_rate, w)
     for i in range(n):
         w.rhs[i] = w.Q[i + 2] - w.M[i + 2, 1] * acceleration
         for j in range(i + 1):

@@ -7,7 +7,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import FollowerAlone, PrescribedSpeed, Scene, Tip
+from reference_model import tip_force
+from reference_model.mechanism import FollowerAlone, PrescribedSpeed, Scene
 from reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
 from reference_model.rigid import deflection_scale
 from reference_model.shapes import ShapeSet
@@ -37,6 +38,11 @@ class Parameters(NamedTuple):
     tip_mass: float  # kg
     tip_inertia: float  # kg m^2
     tip_offset: float  # m
+    force_1: float  # N, on the tip, along n1 and n2
+    force_2: float  # N
+    force_begin: float  # rad, of the crank
+    force_span: float  # rad
+    force_ramp: float  # rad
     slider_inertia: float  # kg m^2
     gravity_1: float  # m/s^2
     gravity_2: float  # m/s^2
@@ -72,7 +78,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
         raise UnsuitableShapes(
             "a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one Hermite element"
         )
-    tip = scene.tip or Tip(mass=0.0, inertia=0.0)
+    tip = scene.tip_body
     tables = build_tables(shapes, cells)
     EI = 0.0 if follower.is_rigid else follower.bending_stiffness
     return Parameters(
@@ -87,6 +93,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
         tip_mass=tip.mass,
         tip_inertia=tip.inertia,
         tip_offset=tip.center_of_mass,
+        **tip_force.constants(tip),
         gravity_1=scene.gravity[0],
         gravity_2=scene.gravity[1],
         has_gravity=scene.has_gravity,
@@ -113,8 +120,8 @@ def _crank_constants(scene: Scene) -> dict[str, float]:
     return {
         "d": scene.pivot_distance,
         "LA": crank.length,
-        "crank_inertia": crank.inertia_about_pivot + slider.mass * crank.length**2,
-        "crank_moment": crank.mass * crank.center_of_mass + slider.mass * crank.length,
+        "crank_inertia": scene.crank_inertia,
+        "crank_moment": scene.crank_moment,
         "torque": 0.0 if isinstance(drive, PrescribedSpeed) else drive.torque,
         "crank_damping": 0.0 if isinstance(drive, PrescribedSpeed) else drive.damping,
         "slider_inertia": slider.inertia,
@@ -146,6 +153,7 @@ class Workspace(NamedTuple):
     weights: Matrix  # (3, POINTS)
     M: Matrix  # (n + 2, n + 2) mass matrix for (q1, q2, eta)
     Q: Vector  # (n + 2,) applied minus inertia forces
+    tool: Vector  # (n + 2,) of these the force on the tip
     C: Vector  # (n + 2,) q2dot = C . (q1dot, -, etadot)
     D: Vector  # (n + 2,) slider rotation rate = D . (q1dot, q2dot, etadot)
     reduced: Matrix  # (n + 1, n + 1)
@@ -189,6 +197,7 @@ def build_workspace(tables: Tables) -> Workspace:
         weights=zeros(3, POINTS),
         M=zeros(n + 2, n + 2),
         Q=zeros(n + 2),
+        tool=zeros(n + 2),
         C=zeros(n + 2),
         D=zeros(n + 2),
         reduced=zeros(n + 1, n + 1),

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 EVERYTHING: Final = run_24(
     gravity=(3.0, -9.81),
     slider=Slider(mass=0.1, inertia=3e-4),
-    tip={"center_of_mass": 0.0127},
+    tip={"center_of_mass": 0.0127, "force": (8.0, -5.0), "force_from": 0.7, "force_to": 5.2, "force_ramp": 1.1},
     follower={"damping": 2.0},
     base={"damping": 0.02},
 )

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.optimize import newton
+from scipy.special import betainc
 
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, Tip, TorqueDrive
 from reference_model.motion.layout import BASE, CHORDS, ELIMINATED, LEVER, SPRING
@@ -322,11 +323,18 @@ class Motion:
     shown: dict[str, float]  # observables
 
 
+def acting_share(tip: Tip, crank_angle: float) -> float:
+    """Share of the force on the tip that acts: the incomplete beta function comes and goes twice continuously differentiable."""
+    turned = (crank_angle - tip.force_from) % (2.0 * math.pi)
+    inside = min(turned, tip.force_to - tip.force_from - turned)
+    return 1.0 if tip.is_always_forced else float(betainc(3.0, 3.0, min(max(inside / tip.force_ramp, 0.0), 1.0)))
+
+
 def motion(beam: PlainBeam, y: Array) -> Motion:
     """Of a state vector of the model; its place of the slider is not read."""
     m, n, scene = beam.speeds, beam.shapes.count, beam.scene
     q, u = y[:m], y[m + 1 : 2 * m + 1]
-    follower, tip = scene.follower, scene.tip or Tip(mass=0.0, inertia=0.0)
+    follower, tip = scene.follower, scene.tip_body
     here = beam.hung(q)
     edges = here.psi.edges
     x, dx = _points(edges)
@@ -379,6 +387,8 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     force -= partial[:, strain_at].real + partial[:, gravity_at].real + scene.base.damping * partial[:, q2_at].real * rate[q2_at].real
     drift = rate[relative].real * beam.damps_along + 1j * rate[relative].imag
     force -= follower.damping * np.real(np.conj(partial[:, relative]) @ (dx * drift))
+    tool = complex(*tip.force) * acting_share(tip, q[0]) if isinstance(scene, Mechanism) else 0j
+    force += np.real(np.conj(partial[:, N + 1]) * tool)
     stiffness = beam.shapes.stiffness(here.s)
     bending = beam.treatment.bending_damping * stiffness @ u[1 : n + 1]
     force[1 : n + 1] -= bending
@@ -417,6 +427,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     total = acceleration @ partial + remainder
     moment = float(mass @ np.imag(np.conj(present[bodies]) * (total[bodies] - g)))
     moment += tip.inertia * total[alpha_end].real + scene.base.inertia * total[q2_at].real + scene.base.damping * rate[q2_at].real
+    moment -= (complex(present[N + 1]).conjugate() * tool).imag
     slider_moment = tangential = torque = drive_power = 0.0
     tangent, lever = 0.0j, 0.0j
     if isinstance(scene, Mechanism):
@@ -439,6 +450,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     else:
         torque, drive_power = moment, moment * float(rate[q2_at].real)
 
+    drive_power += float((tool.conjugate() * rate[N + 1]).real)
     power = crank_damping * u[0] ** 2 + scene.base.damping * rate[q2_at].real ** 2 + bending @ u[1 : n + 1]
     power += follower.damping * float(dx @ (beam.damps_along * rate[relative].real ** 2 + rate[relative].imag ** 2))
     power += beam.treatment.damping * gap_rate**2 if beam.kind == SPRING else 0.0
@@ -468,7 +480,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     load = -follower.mass_per_length * of_frame * (total[:N] - g) - follower.damping * drift
     of_tip = -tip.mass * of_frame * (total[N] - g), -tip.inertia * total[alpha_end].real
     at_contact = (contact * 1j + tangential) * tangent * of_frame, slider_moment
-    shown |= _recovered(beam, here, q[0], load, of_tip, at_contact)
+    shown |= _recovered(beam, here, q[0], load, of_tip, at_contact, tool * of_frame)
     return Motion(
         configuration=here,
         q2_rate=float(rate[q2_at].real),
@@ -495,7 +507,13 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
 
 
 def _recovered(
-    beam: PlainBeam, here: Configuration, q1: float, load: Complex, of_tip: tuple[complex, float], at_slider: tuple[complex, float]
+    beam: PlainBeam,
+    here: Configuration,
+    q1: float,
+    load: Complex,
+    of_tip: tuple[complex, float],
+    at_slider: tuple[complex, float],
+    of_tool: complex,
 ) -> dict[str, float]:
     """Bending by the loads outboard, and the line that it makes.
 
@@ -506,8 +524,9 @@ def _recovered(
         load: per length at the Gauss points, N/m, frame B.
         of_tip: force of the tip body (N) and its moment about its own centre (N m).
         at_slider: the slider's force (N) and moment (N m) on the follower.
+        of_tool: force on the flexible end (N), frame B.
     """
-    follower, tip, edges = beam.scene.follower, beam.scene.tip or Tip(mass=0.0, inertia=0.0), here.psi.edges
+    follower, tip, edges = beam.scene.follower, beam.scene.tip_body, here.psi.edges
     x, L, last = _points(edges)[0], follower.length, len(edges) - 2
     z = here.z.on_pieces_of(edges)
     inboard, about_P = Line.through(edges, load).integral(), Line.through(edges, np.imag(np.conj(z) * load)).integral()
@@ -518,7 +537,7 @@ def _recovered(
     def moment(x: Array, z: Complex) -> Array:
         """Of all that acts outboard of the points."""
         outboard = G - about_P.everywhere(x) - np.imag(np.conj(z) * (F - inboard.everywhere(x)))
-        outboard += np.imag(np.conj(centre - z) * of_tip[0]) + of_tip[1]
+        outboard += np.imag(np.conj(centre - z) * of_tip[0]) + of_tip[1] + np.imag(np.conj(complex(here.z.at(L, last)) - z) * of_tool)
         return np.asarray(outboard + (x < here.s) * (np.imag(np.conj(place - z) * at_slider[0]) + at_slider[1]), dtype=np.float64)
 
     bent = moment(x, z) / follower.bending_stiffness

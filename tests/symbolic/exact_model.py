@@ -237,6 +237,7 @@ class _Mechanism:
         applied = weight.copy()
         applied[-6] += p["crank_torque"] - p["crank_damping"] * rate[0]
         applied[-5] -= p["base_damping"] * speeds[-2]
+        applied[-2:] += np.array([p["force_1"], p["force_2"]])
         internal = np.r_[0, self.elastic_and_damping_force(y[1:], rate[1:])]
 
         matrix = jacobian.T @ (mass[:, None] * jacobian)

@@ -31,6 +31,8 @@ RUN_24 = {
     "slider_inertia": 0.0,
     "gravity_1": 0.0,
     "gravity_2": 0.0,
+    "force_1": 0.0,
+    "force_2": 0.0,
 }
 #: Dampings are magnified in random scenes, where the thesis' values would hide a wrong sign behind the flywheel.
 MAGNIFIED = {"base_damping": 1e4, "beam_damping": 10.0}
@@ -41,6 +43,8 @@ LEFT_OUT = {
     "slider_inertia": 5e-4,
     "gravity_1": 15.0,
     "gravity_2": 15.0,
+    "force_1": 10.0,
+    "force_2": 10.0,
 }
 
 

@@ -54,6 +54,8 @@ PARAMETERS = {
     "slider_inertia": "kg m^2",
     "gravity_1": "m/s^2, along n1",
     "gravity_2": "m/s^2, along n2",
+    "force_1": "N, constant, on x = L, along n1",
+    "force_2": "N, along n2",
 }
 #: What `state` must hold, with units.
 STATE = {
@@ -87,7 +89,7 @@ class Evaluation(TypedDict):
     strain_energy: float  # J
     gravity_energy: float  # J, zero at O
     dissipated_power: float  # W, all dampings
-    drive_power: float  # W, of the constant torque
+    drive_power: float  # W, of the constant torque and the force on x = L
     tip_position: Array  # (2,) x = L from O, along n1 and n2, m
     tip_acceleration: Array  # (2,) absolute acceleration of x = L along n1 and n2, m/s^2
 
@@ -154,7 +156,7 @@ def _compiled() -> tuple[Callable[..., Any], Callable[..., Any]]:
     # Beam damping sees velocities relative to the base frame, so the dissipation function holds no rate of q2 for it.
     dissipation = _integral(p["beam_damping"] * _square(_rate(in_base)) / 2, x, L)
     dissipation += (p["crank_damping"] * _V[0] ** 2 + p["base_damping"] * _V[1] ** 2) / 2
-    drive = p["crank_torque"] * _V[0]
+    drive = p["crank_torque"] * _V[0] + _rate(tip_end).dot(sp.Matrix([p["force_1"], p["force_2"]]))
 
     momenta = [kinetic.diff(v) for v in _V]
     mass = sp.Matrix(5, 5, lambda i, j: momenta[i].diff(_V[j]))
