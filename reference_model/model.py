@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from reference_model.beam import tables as beam
 from reference_model.beam.modes import ModeFamily
-from reference_model.columns import COLUMNS, FOLLOWER_COLUMNS, JOINT_COLUMNS
+from reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
 from reference_model.integrate import Equations, Integration, dop853
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.motion.address import Placed
@@ -241,11 +241,10 @@ class BeamModel:
         rows = observe_states(kernel(), p.address, w.address, np.ascontiguousarray(states), out)
         if rows < len(states):
             raise ObservationFailed(rows)
-        found = dict(zip((*COLUMNS, *JOINT_COLUMNS), np.ascontiguousarray(out.T), strict=True))
+        found = dict(zip((*OBSERVED, *JOINT_COLUMNS), np.ascontiguousarray(out.T), strict=True))
         if self.parameters.treatment == BASE:
-            found["base_torque"] = found["crank_torque"]
-            return {name: found[name] for name in FOLLOWER_COLUMNS}
-        return {name: found[name] for name in COLUMNS} if self.closes_loop else found
+            return of_follower_alone(found)
+        return {name: found[name] for name in OBSERVED} if self.closes_loop else found
 
     def deflection(self, y: Array) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""

@@ -11,7 +11,7 @@ from engines.exudyn import settings as ladder
 from engines.exudyn.assembly import Assembly
 from engines.exudyn.damping import Dampers
 from engines.exudyn.flexible import add_base, add_nodes, add_tip, add_weight, cable_of, direction, dot, quadrature, turned
-from engines.exudyn.record import Record, accumulated, index
+from engines.exudyn.record import Record, accumulated, index, shape_columns
 from engines.exudyn.settings import LARGEST_STEP, ExudynSettings, own
 from engines.exudyn.simulation import ExudynSimulation
 from engines.follower import FollowerEngine, slowest_frequency
@@ -122,6 +122,7 @@ class FollowerModel:
             "dissipated_energy": self._dissipated(record.time, (speed, acceleration), q, rates, accelerations),
             "gravity_energy": -moment @ np.array(scene.gravity),
             "drive_work": work,
+            **shape_columns(cable, q, turned(b1)),
         }
 
     def _dissipated(self, times: Array, turn: tuple[Array, Array], q: Array, rates: Array, accelerations: Array) -> Array:

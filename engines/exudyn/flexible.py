@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from engines.exudyn.assembly import Assembly
 from engines.exudyn.cable import Cable, Kink
 from engines.exudyn.damping import Dampers
-from engines.exudyn.record import Record, accumulated, drive_columns, index
+from engines.exudyn.record import Record, accumulated, drive_columns, index, shape_columns
 from engines.exudyn.settings import ExudynSettings
 from engines.exudyn.slider import Gap, add_slider, gap
 from engines.start import Start
@@ -213,6 +213,7 @@ class FlexibleModel:
             "dissipated_energy": self._dissipated(record, q, rates, accelerations, joint),
             "constraint_gap": np.linalg.norm(cable.evaluate(q, s) - crank_tip, axis=1),
             "gravity_energy": self._gravity_energy(crank_angle, q, tip_tangent),
+            **shape_columns(cable, q, turned(b1)),
         }
 
     def _gap(self, record: Record, line: tuple[Array, Array, Array], s: Array) -> Gap:

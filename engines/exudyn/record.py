@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
+from engines.exudyn.cable import Cable
+from reference_model.columns import PLACES, SHAPE
 from reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -77,6 +79,12 @@ def drive_columns(
         taken = -record.multipliers[:, equation]
         work = np.concatenate([[0.0], np.cumsum((taken[1:] + taken[:-1]) / 2.0 * np.diff(angle))])
     return {"crank_torque": taken, "drive_work": work + _work_on_tip(assembly, record, crank, *tip_motion)}
+
+
+def shape_columns(cable: Cable, q: Array, across: Array) -> dict[str, Array]:
+    """Deflection at the interior places (m); `q` are nodal coordinates, (rows, nodes, 4), `across` is b2, (rows, 2)."""
+    places = [np.full(len(q), cable.length * k / (PLACES + 1)) for k in range(1, PLACES + 1)]
+    return {name: np.sum(across * (cable.evaluate(q, x) - q[:, 0, :2]), axis=1) for name, x in zip(SHAPE, places, strict=True)}
 
 
 def _work_on_tip(assembly: Assembly, record: Record, crank: int, velocity: Array, acceleration: Array) -> Array:

@@ -10,6 +10,7 @@ from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
 from engines.exudyn.record import Record, accumulated, drive_columns, index
 from engines.start import Start
 from engines.start_state import StartState
+from reference_model.columns import SHAPE
 from reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
@@ -139,6 +140,7 @@ class RigidModel:
             "gravity_energy": -mechanism.crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))
             - self._moment * (gx * np.cos(q2) + gy * np.sin(q2))
             - (self._moment_free_mass() * gx * mechanism.pivot_distance),
+            **dict.fromkeys(SHAPE, straight),
         }
 
     def _moment_free_mass(self) -> float:

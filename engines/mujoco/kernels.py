@@ -30,6 +30,7 @@ from engines.mujoco.native import (
     mj_step,
     pointer,
 )
+from reference_model import columns as c
 from reference_model.spin_up import base_motion
 from reference_model.tip_force import share
 
@@ -86,29 +87,6 @@ CONTEXT = np.dtype(
         ("drive_work", "f8"),
         ("dissipated", "f8"),
     ]
-)
-
-#: Columns of the table that `advance` fills, in its order.
-COLUMNS = (
-    "crank_angle",
-    "crank_speed",
-    "follower_angle",
-    "slider_position",
-    "tip_x",
-    "tip_y",
-    "tip_deflection",
-    "tip_acceleration",
-    "strain_1",
-    "strain_2",
-    "strain_3",
-    "slider_force",
-    "crank_torque",
-    "kinetic_energy",
-    "strain_energy",
-    "dissipated_energy",
-    "constraint_gap",
-    "gravity_energy",
-    "drive_work",
 )
 
 GOOD, SLIDER_LEFT, NOT_FINITE = 0, 1, 2
@@ -416,7 +394,7 @@ def _curvatures(ctx: Context, qpos: Array, gauges: Array, gauge_weights: Array) 
 
 @_compiled
 def _record(model: int, data: int, ctx: Context, gauges: Array, gauge_weights: Array, out: Array) -> None:
-    """One row of the table, `COLUMNS`, from the present state. Gauges: arc lengths, (3,), and a weight per hinge, (3, N)."""
+    """One row of the table, `columns.OBSERVED`, from the present state. Gauges: arc lengths, (3,), and a weight per hinge, (3, N)."""
     n, hinges = ctx.coordinates, ctx.hinges
     qpos, qvel = _array(ctx.qpos, n), _array(ctx.qvel, n)
     qacc, energy = _array(ctx.qacc, n), _array(ctx.energy, 2)
@@ -445,15 +423,20 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, gauge_weights: A
     strain_energy += 0.5 * ctx.joint_stiffness * ctx.gap**2
     gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
 
-    out[0], out[1], out[2], out[3] = angle, crank_speed, base_angle, ctx.slider_position
-    out[4], out[5] = ctx.pivot_distance + tip.real, tip.imag
-    out[6] = _dot(1j * complex(math.cos(base_angle), math.sin(base_angle)), tip)
-    out[7] = _dot(1j * e[hinges], tip_acceleration)
-    out[8:11] = ctx.half_thickness * curvature
-    out[11], out[12] = ctx.slider_force, ctx.drive_torque
-    out[13] = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
-    out[14], out[15], out[16] = strain_energy, ctx.dissipated, abs(ctx.gap)
-    out[17], out[18] = gravity, ctx.drive_work
+    out[c.CRANK_ANGLE], out[c.CRANK_SPEED] = angle, crank_speed
+    out[c.FOLLOWER_ANGLE], out[c.SLIDER_POSITION] = base_angle, ctx.slider_position
+    out[c.TIP_X], out[c.TIP_Y] = ctx.pivot_distance + tip.real, tip.imag
+    across = 1j * complex(math.cos(base_angle), math.sin(base_angle))
+    out[c.TIP_DEFLECTION] = _dot(across, tip)
+    for place in range(1, c.PLACES + 1):
+        line = centre_line_coefficients(place * ctx.follower_length / (c.PLACES + 1), hinges, ctx.link_length, 0)
+        out[c.FIRST_OF_SHAPE - 1 + place] = _dot(across, (line * e).sum())
+    out[c.TIP_ACCELERATION] = _dot(1j * e[hinges], tip_acceleration)
+    out[c.STRAIN_1 : c.STRAIN_3 + 1] = ctx.half_thickness * curvature
+    out[c.SLIDER_FORCE], out[c.CRANK_TORQUE] = ctx.slider_force, ctx.drive_torque
+    out[c.KINETIC_ENERGY] = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
+    out[c.STRAIN_ENERGY], out[c.DISSIPATED_ENERGY], out[c.CONSTRAINT_GAP] = strain_energy, ctx.dissipated, abs(ctx.gap)
+    out[c.GRAVITY_ENERGY], out[c.DRIVE_WORK] = gravity, ctx.drive_work
 
 
 @_compiled
@@ -471,7 +454,7 @@ def _state(ctx: Context) -> int:
 def advance(
     model: int, data: int, context: Any, step: float, steps: int, gauges: Array, gauge_weights: Array, table: Array
 ) -> tuple[int, int]:
-    """Fill `table` (shape (rows, len(COLUMNS))): the present state, then one row after every `steps` steps of `step` (s).
+    """Fill `table` (shape (rows, len(columns.OBSERVED))): the present state, then one row after every `steps` steps of `step` (s).
 
     Returns:
         (rows filled, GOOD or why it ended early). Good rows only.

@@ -14,7 +14,8 @@ from engines.mujoco import chain, kernels, modes
 from engines.mujoco.settings import ChainSettings
 from engines.start import Start
 from engines.start_state import StartState, reconstruct
-from engines.trajectory import OF_CRANK_AND_SLIDER, FollowerTrajectory, Trajectory
+from engines.trajectory import FollowerTrajectory, Trajectory
+from reference_model.columns import OBSERVED, of_follower_alone
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ class LinkSimulation(Simulation):
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`."""
         begun = time.perf_counter()
-        table = np.empty((round(duration / output_step) + 1, len(kernels.COLUMNS)))
+        table = np.empty((round(duration / output_step) + 1, len(OBSERVED)))
         times = self.time + output_step * np.arange(len(table), dtype=np.float64)
         steps = max(1, math.ceil(output_step / self._step_over(duration) * (1.0 - 1e-9)))
         self._model.opt.timestep = output_step / steps
@@ -73,7 +74,7 @@ class LinkSimulation(Simulation):
                 rows = first + filled
                 if state != kernels.GOOD or rows == len(table):
                     break
-        columns = {"time": times[:rows]} | dict(zip(kernels.COLUMNS, table[:rows].T.copy(), strict=True))
+        columns = {"time": times[:rows]} | dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
         statistics = {"steps": float(steps * max(rows - 1, 0))}
         trajectory = self._trajectory(columns, time.perf_counter() - begun, statistics)
         if state != kernels.GOOD:
@@ -157,9 +158,7 @@ class FollowerSimulation(LinkSimulation):
 
     def _trajectory(self, columns: dict[str, Array], seconds: float, statistics: dict[str, float]) -> Trajectory:
         """Without the columns of what is not there; the drive turns the base."""
-        columns["base_torque"] = columns.pop("crank_torque")
-        absent = (*OF_CRANK_AND_SLIDER, "constraint_gap")
-        return FollowerTrajectory({name: values for name, values in columns.items() if name not in absent}, seconds, statistics)
+        return FollowerTrajectory(of_follower_alone(columns), seconds, statistics)
 
 
 def _armature(mechanism: Scene, settings: ChainSettings) -> float:

@@ -224,7 +224,7 @@ def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Ar
 
 @compiled
 def observe_states(equations: int, parameters: int, workspace: int, states: Array, out: Array) -> int:
-    """Fill `out` (k, WIDTH), columns as in `observe.COLUMNS`, from `states`; the number of rows filled before a state that cannot be."""
+    """Fill `out` (k, WIDTH), see `observe`, from `states`; the number of rows filled before a state that cannot be."""
     rate = np.empty(states.shape[1])
     for row in range(len(states)):
         y, o = states[row], out[row]

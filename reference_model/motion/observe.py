@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import COLUMNS, JOINT_COLUMNS
+from reference_model import columns as c
 from reference_model.compilation import inlined, stage
 from reference_model.motion.fields import cumulate, directions
 from reference_model.motion.layout import (
@@ -39,8 +39,8 @@ from reference_model.spin_up import base_motion
 
 Array = NDArray[np.float64]
 
-#: Numbers in a row: those of `columns.COLUMNS`, then those of `columns.JOINT_COLUMNS`.
-WIDTH: Final = len(COLUMNS) + len(JOINT_COLUMNS)
+#: Numbers in a row: those of `columns.OBSERVED`, then those of `columns.JOINT_COLUMNS`.
+WIDTH: Final = len(c.OBSERVED) + len(c.JOINT_COLUMNS)
 
 
 @inlined
@@ -64,11 +64,11 @@ def observe(
     its motion is prescribed; the rest is as in `equations.motion`.
     """
     m = p.speeds
-    o[0], o[1], o[7] = y[0], y[m + 1], _tip_acceleration(p, t, w)
-    o[11], o[12], o[15], o[18] = normal, torque, y[2 * m + 1], y[2 * m + 2]
-    o[16], o[19], o[20] = w.facts[EXCESS], w.facts[GAP_RATE], 0.0
+    o[c.CRANK_ANGLE], o[c.CRANK_SPEED], o[c.TIP_ACCELERATION] = y[0], y[m + 1], _tip_acceleration(p, t, w)
+    o[c.SLIDER_FORCE], o[c.CRANK_TORQUE], o[c.DISSIPATED_ENERGY], o[c.DRIVE_WORK] = normal, torque, y[2 * m + 1], y[2 * m + 2]
+    o[c.CONSTRAINT_GAP], o[c.GAP_RATE], o[c.JOINT_POWER] = w.facts[EXCESS], w.facts[GAP_RATE], 0.0
     if m > p.n + 1:
-        o[20] = joint_power(p, w, y)
+        o[c.JOINT_POWER] = joint_power(p, w, y)
     _energies(p, t, w, y, at, o)
     _bending_moment(p, t, w, at, normal, tangential, slider_moment)
     return _recover(p, t, w, y, at, o)
@@ -111,7 +111,7 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Arra
     mass = p.rhoA * p.L + p.tip_mass
     gravity = -p.gravity_1 * (mass * p.d + cosine * moment_1 - sine * moment_2 + p.crank_moment * math.cos(y[0]))
     gravity -= p.gravity_2 * (sine * moment_1 + cosine * moment_2 + p.crank_moment * math.sin(y[0]))
-    o[13], o[14], o[17] = kinetic, strain, gravity
+    o[c.KINETIC_ENERGY], o[c.STRAIN_ENERGY], o[c.GRAVITY_ENERGY] = kinetic, strain, gravity
 
 
 @stage
@@ -153,7 +153,7 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
     N, s, f = t.cells * t.S, w.slider[0], w.facts
     end = N - t.S + t.G
     for gauge in range(3):
-        o[8 + gauge] = 0.5 * p.thickness * _curvature_at(t, w, p.gauges[gauge])
+        o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * _value_at(t, w, w.psi, 0, p.gauges[gauge])
     for j in range(N):
         w.integrand[j], w.integrand[N + j] = w.psi[j], 0.0
     cumulate(t, w.length, w.integrand, w.z)
@@ -161,9 +161,11 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
         return False
     cumulate(t, w.length, w.integrand, w.relative)
     tip_1, tip_2 = w.relative[end], w.relative[N + end]
+    for place in range(1, c.PLACES + 1):
+        o[c.FIRST_OF_SHAPE - 1 + place] = _value_at(t, w, w.relative, N, place * p.L / (c.PLACES + 1))
     cosine, sine, ds = f[COS_Q2], f[SIN_Q2], 0.0
     if p.treatment == BASE:
-        o[2] = base_motion(p.base_speed, p.base_time, y[0])[0]
+        o[c.FOLLOWER_ANGLE] = base_motion(p.base_speed, p.base_time, y[0])[0]
     else:
         # the crank tip is beside the line, by the gap along its normal
         c1, c2 = w.integrand[at], w.integrand[N + at]
@@ -175,25 +177,25 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
         cosine, sine = P1 * Z1 + P2 * Z2, P2 * Z1 - P1 * Z2
         scale = 1.0 / math.sqrt(cosine * cosine + sine * sine)
         cosine, sine = scale * cosine, scale * sine
-        o[2] = math.pi + math.atan2(-sine, -cosine)
-    o[3], o[6] = s + ds, tip_2
-    o[4], o[5] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2
+        o[c.FOLLOWER_ANGLE] = math.pi + math.atan2(-sine, -cosine)
+    o[c.SLIDER_POSITION], o[c.TIP_DEFLECTION] = s + ds, tip_2
+    o[c.TIP_X], o[c.TIP_Y] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2
     return True
 
 
 @stage
-def _curvature_at(t: Tables, w: Workspace, x: float) -> float:
-    """Curvature at x by the polynomial through the points of its cell (Lagrange's form, barycentric)."""
+def _value_at(t: Tables, w: Workspace, field: Array, begin_of_field: int, x: float) -> float:
+    """Value at x of what is given at all points, by the polynomial through the points of its cell (Lagrange's form, barycentric)."""
     cell, begin = 0, 0.0
     while cell < t.cells - 1 and x > begin + w.length[cell] * (1.0 + 1e-12) and w.length[cell + 1] > 0.0:
         begin += w.length[cell]
         cell += 1
-    first, u = cell * t.S, (x - begin) / w.length[cell]
+    first, u = begin_of_field + cell * t.S, (x - begin) / w.length[cell]
     total = weight = 0.0
     for j in range(t.G):
         if u == t.u[j]:
-            return w.psi[first + j]
+            return field[first + j]
         share = t.barycentric[j] / (u - t.u[j])
-        total += share * w.psi[first + j]
+        total += share * field[first + j]
         weight += share
     return total / weight

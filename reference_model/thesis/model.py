@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import COLUMNS, FOLLOWER_COLUMNS
+from reference_model.columns import OBSERVED, of_follower_alone
 from reference_model.integrate import Integration
 from reference_model.mechanism import FollowerAlone, Scene
 from reference_model.model import ObservationFailed
@@ -90,16 +90,13 @@ class ThesisModel:
         Raises:
             ObservationFailed: a state in which the loop cannot close.
         """
-        out = np.zeros((len(states), len(COLUMNS)))
+        out = np.zeros((len(states), len(OBSERVED)))
         rate = np.empty(states.shape[1])
         for row, (y, o) in enumerate(zip(np.ascontiguousarray(states), out, strict=True)):
             if not self.right_hand_side(y, rate, o):
                 raise ObservationFailed(row)
-        found = dict(zip(COLUMNS, np.ascontiguousarray(out.T), strict=True))
-        if not self._alone:
-            return found
-        found["base_torque"] = found["crank_torque"]
-        return {name: found[name] for name in FOLLOWER_COLUMNS}
+        found = dict(zip(OBSERVED, np.ascontiguousarray(out.T), strict=True))
+        return of_follower_alone(found) if self._alone else found
 
     def project_deflection(self, deflection: Array, slope: Array) -> Array:
         """Flexible coordinates (n,) closest to a deflection (m) and slope given at `projection_points`, in the mass norm and slope."""

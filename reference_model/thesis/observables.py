@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from reference_model import columns as c
 from reference_model.compilation import inlined, stage
 from reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from reference_model.thesis.parameters import Parameters, Workspace
@@ -13,13 +14,13 @@ from reference_model.thesis.tables import find_cell
 
 @inlined
 def observe(
-    p: Parameters, c: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, drive: float, o: NDArray[np.float64]
+    p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, drive: float, o: NDArray[np.float64]
 ) -> None:
-    """Fill the row `o` (19,), columns as in `reference_model.columns.COLUMNS`, from what an evaluation left in `w`.
+    """Fill the row `o`, columns as in `reference_model.columns.OBSERVED`, from what an evaluation left in `w`.
 
     Args:
         p: parameters.
-        c: the slider.
+        place: the slider.
         k: its contact.
         w: workspace after the evaluation of the row's state.
         y: q1, eta, q1dot, etadot, dissipated energy, work of the drive.
@@ -28,21 +29,28 @@ def observe(
         o: the row to fill.
     """
     n = p.n
-    o[0], o[1], o[2], o[3] = y[0], y[n + 1], c.q2, c.s
+    o[c.CRANK_ANGLE], o[c.CRANK_SPEED], o[c.FOLLOWER_ANGLE], o[c.SLIDER_POSITION] = y[0], y[n + 1], place.q2, place.s
     end = len(p.tables.edges) - 1
     tip_1, tip_2 = p.L - w.F_edges[end], w.end[1]
-    cosine, sine = math.cos(c.q2), math.sin(c.q2)
-    o[4], o[5], o[6] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
-    o[7] = tip_acceleration(p, k, w, y[n + 2 : 2 * n + 2])
-    o[11], o[12] = force, drive
-    energies(p, c, k, w, y, o)
+    cosine, sine = math.cos(place.q2), math.sin(place.q2)
+    o[c.TIP_X], o[c.TIP_Y], o[c.TIP_DEFLECTION] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
+    o[c.TIP_ACCELERATION] = tip_acceleration(p, k, w, y[n + 2 : 2 * n + 2])
+    o[c.SLIDER_FORCE], o[c.CRANK_TORQUE] = force, drive
+    energies(p, place, k, w, y, o)
     for gauge in range(3):
         curvature = 0.0
         for i in range(n):
             curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
-        o[8 + gauge] = 0.5 * p.thickness * curvature
+        o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * curvature
+    for point in range(c.PLACES):
+        deflection = 0.0
+        for i in range(n):
+            deflection += p.shape_places[point, i] * y[1 + i]
+        o[c.FIRST_OF_SHAPE + point] = deflection
     # the loop is closed on the centre line to the last bits of the slider's place
-    o[16] = abs(math.sqrt(c.x**2 + c.W**2) - math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2))
+    o[c.CONSTRAINT_GAP] = abs(
+        math.sqrt(place.x**2 + place.W**2) - math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
+    )
 
 
 @stage
@@ -77,7 +85,7 @@ def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[
 
 
 @stage
-def energies(p: Parameters, c: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], o: NDArray[np.float64]) -> None:
+def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], o: NDArray[np.float64]) -> None:
     """Kinetic, strain and gravity energy, dissipated energy and drive work (equations 6.4 to 6.6)."""
     n = p.n
     kinetic = strain = 0.0
@@ -103,11 +111,11 @@ def energies(p: Parameters, c: Slider, k: Contact, w: Workspace, y: NDArray[np.f
     end = len(p.tables.edges) - 1
     moment_1 += p.tip_mass * (p.L - w.F_edges[end] + p.tip_offset * math.cos(angle))
     moment_2 += p.tip_mass * (w.end[1] + p.tip_offset * math.sin(angle))
-    o[13], o[14], o[15], o[18] = kinetic, strain, y[2 * n + 2], y[2 * n + 3]
+    o[c.KINETIC_ENERGY], o[c.STRAIN_ENERGY], o[c.DISSIPATED_ENERGY], o[c.DRIVE_WORK] = kinetic, strain, y[2 * n + 2], y[2 * n + 3]
     gravity = 0.0
     if p.has_gravity:
-        cosine, sine = math.cos(c.q2), math.sin(c.q2)
+        cosine, sine = math.cos(place.q2), math.sin(place.q2)
         mass = p.rhoA * p.L + p.tip_mass
         gravity -= p.gravity_1 * (mass * p.d + cosine * moment_1 - sine * moment_2 + p.crank_moment * math.cos(y[0]))
         gravity -= p.gravity_2 * (sine * moment_1 + cosine * moment_2 + p.crank_moment * math.sin(y[0]))
-    o[17] = gravity
+    o[c.GRAVITY_ENERGY] = gravity

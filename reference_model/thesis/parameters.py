@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_model import tip_force
+from reference_model.columns import PLACES
 from reference_model.mechanism import FollowerAlone, PrescribedSpeed, Scene
 from reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
 from reference_model.rigid import deflection_scale
@@ -54,6 +55,7 @@ class Parameters(NamedTuple):
     tables: Tables
     shape_edges: Vector
     shape_coefficients: Cube  # (cells, degree + 1, n)
+    shape_places: Matrix  # (PLACES, n) phi at the interior places whose deflection is shown
     stiffness: Matrix  # (n, n) N/m: EI int phi'' phi''
     mass_transverse: Matrix  # (n, n) kg: rhoA int phi phi
     base_speed: float  # rad/s, of a base that turns as prescribed, after its spin-up
@@ -104,6 +106,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
         tables=tables,
         shape_edges=np.ascontiguousarray(shapes.edges),
         shape_coefficients=np.ascontiguousarray(shapes.coefficients),
+        shape_places=shapes.evaluate(follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)),
         stiffness=EI * (tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)),
         mass_transverse=follower.mass_per_length * (tables.phi.T @ (tables.weights[:, None] * tables.phi)),
         base_speed=scene.spin_up.speed if isinstance(scene, FollowerAlone) else 0.0,

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import COLUMNS
+from reference_model.columns import OBSERVED, SHAPE
 from reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
 from reference_model.motion.address import Placed
 from reference_model.shapes import ShapeSet, hermite_elements
@@ -148,13 +148,14 @@ def computed(equations: Equations, p: Parameters, y: Array) -> Values:
         "accelerations": free,
         "follower_acceleration": w.acceleration[1:2].copy(),
     }
-    rate, row = np.zeros_like(y), np.zeros(len(COLUMNS))
+    rate, row = np.zeros_like(y), np.zeros(len(OBSERVED))
     if not equations.right_hand_side(p, w, y, rate, row):
         raise ValueError("the model refuses the state")
-    column = dict(zip(COLUMNS, row, strict=True))
+    column = dict(zip(OBSERVED, row, strict=True))
     n = p.n
     values |= {name: np.array([column[name]]) for name in ("slider_force", "kinetic_energy", "strain_energy", "gravity_energy")}
     values |= {
+        "shape": np.array([column[name] for name in SHAPE]),
         "state_rate": np.r_[rate[: n + 1], rate[n + 1 + (not p.crank_is_free) : 2 * n + 2]],
         "dissipated_power": rate[2 * n + 2 : 2 * n + 3],
         "drive_power": rate[2 * n + 3 :],
@@ -176,6 +177,7 @@ def expected_cubic(parameters: Mapping[str, float], state: Mapping[str, float]) 
         "projected_force": o["projected_force"],
         "accelerations": free,
         "follower_acceleration": o["accelerations"][1:2],
+        "shape": _cubic(parameters["length"], state),
         "slider_force": np.array([o["slider_force"]]),
         "kinetic_energy": np.array([o["kinetic_energy"]]),
         "strain_energy": np.array([o["strain_energy"]]),
@@ -186,6 +188,12 @@ def expected_cubic(parameters: Mapping[str, float], state: Mapping[str, float]) 
         "tip_position": o["tip_position"],
         "tip_acceleration": np.array([o["tip_acceleration"] @ [-math.sin(normal_angle), math.cos(normal_angle)]]),
     }
+
+
+def _cubic(length: float, state: Mapping[str, float]) -> Array:
+    """Deflection of the single cubic at the interior twelfths, m."""
+    u = np.arange(1, 12) / 12.0
+    return np.asarray((3.0 * u**2 - 2.0 * u**3) * state["tip_deflection"] + length * (u**3 - u**2) * state["tip_slope"])
 
 
 def expected_shapes(

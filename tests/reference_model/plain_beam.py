@@ -561,5 +561,6 @@ def _recovered(
         "tip_x": tip_place.real,
         "tip_y": tip_place.imag,
         "tip_deflection": end.imag,
+        **{f"shape_{k:02d}": place.imag for k, place in enumerate(line.everywhere(L * np.arange(1, 12) / 12.0), start=1)},
         **{f"strain_{k + 1}": float(strain) for k, strain in enumerate(strains)},
     }

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import COLUMNS, JOINT_COLUMNS
+from reference_model.columns import JOINT_COLUMNS, OBSERVED
 from reference_model.motion import equations, fields, inertia, loop, observe
 from reference_model.motion.layout import BASE, CHORDS, ELIMINATED, GAP_REMAINDER, Q2_REMAINDER, S_RATE, S_REMAINDER, workspace
 from reference_model.motion.observe import WIDTH
@@ -115,7 +115,7 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     p = state.model.parameters
     if functions["_kernel"](p, w, _Place(y), _Place(rate), _Place(row)) != 1:
         raise ValueError("the state cannot be")
-    found: dict[str, Any] = dict(zip((*COLUMNS, *JOINT_COLUMNS), row, strict=True))
+    found: dict[str, Any] = dict(zip((*OBSERVED, *JOINT_COLUMNS), row, strict=True))
     m = p.speeds
     found |= {"speeds": rate[:m], "accelerations": rate[m + 1 : 2 * m + 1], "powers": rate[2 * m + 1 :]}
     found |= {f"remainder of {name}": w.facts[fact] for name, fact in REMAINDERS.items()}

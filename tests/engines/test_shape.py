@@ -1,0 +1,46 @@
+"""The deflection at the interior twelfths of the length: in every engine a line from the base to the tip, and the same line."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from engines.accurate import run_once, simulate
+from engines.registry import MAIN, RIVALS, engine
+from engines.start import standard_start
+from engines.trajectory import Trajectory
+from reference_model.columns import SHAPE
+from tests.engines.scenes import run_24
+
+
+def shape(trajectory: Trajectory) -> np.ndarray:
+    """Thirteen places, base and tip included, shape (rows, 13)."""
+    ends = [np.zeros(len(trajectory)), trajectory["tip_deflection"]]
+    return np.column_stack([ends[0], *(trajectory[name] for name in SHAPE), ends[1]])
+
+
+@pytest.mark.parametrize("name", [*MAIN, *RIVALS])
+def test_thirteen_places_are_one_smooth_line_clamped_at_the_base(name: str) -> None:
+    mechanism = run_24()
+    chosen = engine(name)
+    settings = chosen.settings_for(chosen.default_accuracy, mechanism)
+    trajectory = run_once(chosen, mechanism, standard_start(mechanism), 0.2, 1e-3, settings)[0]
+    x, lines = np.linspace(0.0, 1.0, 13), shape(trajectory)
+    size = np.max(np.abs(lines))
+    # leaving out every other place and taking it from a spline through the rest: smooth to 3e-3 of the largest, kink included
+    spline = CubicSpline(x[::2], lines[:, ::2], axis=1, bc_type=((1, np.zeros(len(lines))), "not-a-knot"))
+    assert np.max(np.abs(spline(x[1::2]) - lines[:, 1::2])) < 3e-3 * size
+
+
+def test_engines_draw_the_same_line() -> None:
+    mechanism = run_24()
+    lines = {}
+    for name in ("reference", "mujoco", "exudyn"):
+        result = simulate(engine(name), mechanism, standard_start(mechanism), 0.4, 1e-3)
+        lines[name] = shape(result.trajectory), result.error_estimates["tip_deflection"]
+    ours, own = lines.pop("reference")
+    for name, (line, estimate) in lines.items():
+        assert estimate is not None
+        assert own is not None
+        difference = np.sqrt(np.mean((line - ours) ** 2, axis=0))
+        # the tip moves most; errors further in are no larger than its
+        assert np.all(difference <= (estimate + own) * np.sqrt(np.mean(ours[:, -1] ** 2))), name
