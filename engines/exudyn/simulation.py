@@ -1,5 +1,6 @@
 """Stepping an assembled system on the output grid, with every way of failing turned into an `EngineFailure`."""
 
+import itertools
 import math
 import time
 from typing import ClassVar
@@ -57,15 +58,12 @@ class ExudynSimulation(Simulation):
             raise ValueError(f"duration {duration!r} s is not a multiple of output_step {output_step!r} s")
         begun = time.perf_counter()
         steps = max(1, math.ceil(output_step / self._step - 1e-9))
-        self._stretches = _stretches(output_step, steps)
-        self._set_step(output_step / self._stretches, steps // self._stretches)
         newton_before = self._solver.it.newtonStepsCount
         rows, failure = [self._last], None
-        for _ in range(count):
-            failure = self._output_step()
-            if failure is not None:
-                break
-            rows.append(self._row())
+        while len(rows) <= count and failure is None:
+            outputs = min(_outputs_at_once(output_step), count + 1 - len(rows))
+            found, failure = self._output_steps(output_step, steps, outputs)
+            rows += found
         done = len(rows) - 1
         at = self.time + output_step * np.arange(done + 1, dtype=np.float64)
         columns = self._model.columns(Record(at, *(np.array(values) for values in zip(*rows, strict=True))))
@@ -82,19 +80,47 @@ class ExudynSimulation(Simulation):
             raise EngineFailure(self.time, *failure, trajectory)
         return trajectory
 
+    def _output_steps(self, output_step: float, steps: int, outputs: int) -> tuple[list[_Row], tuple[str, str] | None]:
+        """Solve up to the next output instants; their rows as far as they are good, and cause and advice where that fails.
+
+        Several outputs are solved in one go, which saves Newton's method a Jacobian for each: those on the way are noted before the step
+        that follows them.
+        """
+        if outputs == 1:
+            parts = _stretches(output_step, steps)
+            self._set_step(output_step / parts, steps // parts)
+            for _ in range(parts):
+                if failure := self._stretch():
+                    return [], failure
+            rows = [self._row()]
+        else:
+            self._set_step(outputs * output_step, outputs * steps)
+            rows = []
+            taken = itertools.count()
+
+            def note(_mbs: object, _time: float) -> bool:
+                number = next(taken)
+                if number and number % steps == 0:
+                    rows.append(self._row())
+                return True
+
+            self._mbs.SetPreStepUserFunction(note)
+            try:
+                failure = self._stretch()
+            finally:
+                self._mbs.SetPreStepUserFunction(0)
+            if failure is None:
+                rows.append(self._row())
+        for number, (coordinates, *_) in enumerate(rows):
+            if left := self._left(coordinates):
+                return rows[:number], left
+        return rows, failure
+
     def _set_step(self, stretch: float, steps: int) -> None:
         integration, iteration = self._solver_settings.timeIntegration, self._solver.it
         integration.endTime = iteration.endTime = stretch
         integration.numberOfSteps = iteration.numberOfSteps = steps
         iteration.maxStepSize = iteration.initialStepSize = iteration.currentStepSize = stretch / steps
-
-    def _output_step(self) -> tuple[str, str] | None:
-        """Solve up to the next output instant; cause and advice if that fails."""
-        for _ in range(self._stretches):
-            failure = self._stretch()
-            if failure is not None:
-                return failure
-        return None
 
     def _stretch(self) -> tuple[str, str] | None:
         smaller = "try a smaller engine.step"
@@ -108,10 +134,9 @@ class ExudynSimulation(Simulation):
             return f"Newton's iteration did not converge ({_one_line(self._solver.GetErrorString())})", smaller
         if not math.isclose(self._solver.it.currentTime, self._solver.it.endTime, rel_tol=1e-9):
             return "Exudyn stopped before the end of a stretch of steps", smaller
-        coordinates = self._coordinates()
-        if not np.all(np.isfinite(coordinates)):
+        if not np.all(np.isfinite(self._coordinates())):
             return "the solution is not finite", smaller
-        return self._left(coordinates)
+        return None
 
     def _left(self, coordinates: Array) -> tuple[str, str] | None:
         """Cause and advice if the slider is beyond an end of the follower."""
@@ -126,6 +151,11 @@ class ExudynSimulation(Simulation):
 
     def _coordinates(self) -> Array:
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
+
+
+def _outputs_at_once(output_step: float) -> int:
+    """Output steps that make up a stretch."""
+    return max(1, math.floor(LONGEST / output_step * (1.0 + 1e-9)))
 
 
 def _stretches(output_step: float, steps: int) -> int:
