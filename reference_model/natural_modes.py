@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import scipy
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
 from reference_model.mechanism import FollowerAlone, Mechanism, Tip
 from reference_model.rigid import crank_pace
@@ -170,7 +170,7 @@ def _lowest(M: Array, K: Array, held: list[int], count: int) -> tuple[Array, Arr
     free = np.setdiff1d(np.arange(len(M)), held)
     # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue, so the lowest modes stay
     # exact however short and stiff a span is
-    inverse_squares, vectors = eigh(M[np.ix_(free, free)], K[np.ix_(free, free)])
+    inverse_squares, vectors = scipy.linalg.eigh(M[np.ix_(free, free)], K[np.ix_(free, free)])
     inverse_squares, vectors = inverse_squares[::-1][:count], vectors[:, ::-1][:, :count] / np.sqrt(inverse_squares[::-1][:count])
     full = np.zeros((len(M), count))
     full[free] = vectors

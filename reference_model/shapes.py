@@ -9,9 +9,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import eigh
-from scipy.optimize import brentq
 
 #: Degree of the polynomials that represent a transcendental mode on one cell; with at most a quarter of a wave per cell the
 #: representation error is below 1e-12 of the mode's amplitude and 1e-9 of its curvature.
@@ -100,7 +99,7 @@ def clamped_free_modes(length: float, count: int) -> ShapeSet:
 def _clamped_free_mode(k: int, xi: NDArray[np.float64], derivative: int) -> NDArray[np.float64]:
     """A derivative by xi = x/L of mode k of the clamped-free beam, with decaying exponentials so that high modes keep all digits."""
     guess = (k + 0.5) * np.pi
-    b = brentq(lambda z: np.cos(z) + 1.0 / np.cosh(z), max(guess - 0.6, 1.0), guess + 0.6, xtol=1e-14, rtol=1e-14)
+    b = scipy.optimize.brentq(lambda z: np.cos(z) + 1.0 / np.cosh(z), max(guess - 0.6, 1.0), guess + 0.6, xtol=1e-14, rtol=1e-14)
     one_minus_sigma = (np.sin(b) - np.cos(b) - np.exp(-b)) / (np.sinh(b) + np.sin(b))  # 1 - sigma without cancellation
     sigma = 1.0 - one_minus_sigma
     growing = 0.5 * one_minus_sigma * np.exp(b * xi)
@@ -135,6 +134,6 @@ def vibrating(shapes: ShapeSet, mass_per_length: float, bending_stiffness: float
     mass = (mass_per_length or 1.0) * value.T @ (dx[:, None] * value)
     stiffness = bending_stiffness * curvature.T @ (dx[:, None] * curvature)
     # M v = v / omega^2 K v: rounding errors are relative to the largest eigenvalue, which then belongs to the lowest mode
-    inverse_squares, vectors = eigh(mass, stiffness)
+    inverse_squares, vectors = scipy.linalg.eigh(mass, stiffness)
     inverse_squares, vectors = inverse_squares[::-1], vectors[:, ::-1] / np.sqrt(inverse_squares[::-1])
     return ShapeSet(shapes.edges, shapes.coefficients @ vectors, shapes.has_continuous_curvature), 1.0 / inverse_squares

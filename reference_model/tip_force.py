@@ -6,16 +6,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled
 from reference_model.mechanism import Tip
 
 #: Angle (rad) from which on a part counts as the whole turn, in which the force never comes or goes.
 WHOLE: Final = 2.0 * math.pi - 1e-9
 
 
-@compiled
 def share(crank_angle: float, begin: float, span: float, ramp: float) -> float:
-    """Share of the force that acts at a crank angle, 0 to 1, twice continuously differentiable.
+    """Share of the force that acts at a crank angle, 0 to 1, twice continuously differentiable; compiled by those who compute with it.
 
     Args:
         crank_angle: rad.

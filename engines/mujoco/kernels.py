@@ -32,7 +32,7 @@ from engines.mujoco.native import (
 )
 from reference_model import columns as c
 from reference_model.spin_up import base_motion
-from reference_model.tip_force import share
+from reference_model.tip_force import share as share_of_force
 
 #: One simulation as compiled code sees it. Lengths in m, angles in rad.
 CONTEXT = np.dtype(
@@ -114,6 +114,9 @@ def _compiled(function: Function) -> Function:
 def _entry(signature: Any) -> Callable[[Function], Function]:
     """Compile at import, or load what an earlier process compiled: no first call is slower than the next."""
     return njit(signature, cache=True)
+
+
+share = _compiled(share_of_force)
 
 
 @_compiled

@@ -38,9 +38,11 @@ from reference_model.motion.layout import (
     Tables,
     Workspace,
 )
-from reference_model.tip_force import share
+from reference_model.tip_force import share as share_of_force
 
 Array = NDArray[np.float64]
+
+share = stage(share_of_force)
 
 
 @stage

@@ -1,8 +1,8 @@
 """Natural frequencies of the explicit model with the crank frozen (thesis/DERIVATION.md, section 7)."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
 from reference_model.mechanism import Mechanism, Tip
 from reference_model.shapes import ShapeSet
@@ -36,5 +36,5 @@ def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, co
     stiffness = beam.bending_stiffness * tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)
     # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
     wanted = min(count, shapes.count)
-    inverse_squares = eigh(mass, stiffness, eigvals_only=True, subset_by_index=(shapes.count - wanted, shapes.count - 1))[::-1]
+    inverse_squares = scipy.linalg.eigh(mass, stiffness, eigvals_only=True, subset_by_index=(shapes.count - wanted, shapes.count - 1))[::-1]
     return 1.0 / (2.0 * np.pi * np.sqrt(inverse_squares))
