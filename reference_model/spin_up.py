@@ -2,12 +2,11 @@
 
 import math
 
-from reference_model.compilation import compiled
 
-
-@compiled
 def base_motion(speed: float, time: float, t: float) -> tuple[float, float, float]:
     """Angle (rad), rate (rad/s) and acceleration (rad/s^2) of the base at the instant `t` (s), equation 11.1.
+
+    Compiled by those who compute with it.
 
     Args:
         speed: from `time` on, rad/s.

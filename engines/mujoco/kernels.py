@@ -31,7 +31,7 @@ from engines.mujoco.native import (
     pointer,
 )
 from reference_model import columns as c
-from reference_model.spin_up import base_motion
+from reference_model.spin_up import base_motion as motion_of_base
 from reference_model.tip_force import share as share_of_force
 
 #: One simulation as compiled code sees it. Lengths in m, angles in rad.
@@ -116,7 +116,7 @@ def _entry(signature: Any) -> Callable[[Function], Function]:
     return njit(signature, cache=True)
 
 
-share = _compiled(share_of_force)
+share, base_motion = _compiled(share_of_force), _compiled(motion_of_base)
 
 
 @_compiled

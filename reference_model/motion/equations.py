@@ -54,8 +54,7 @@ from reference_model.motion.layout import (
     workspace_at,
 )
 from reference_model.motion.loop import accelerate_loop, joint_power, move_loop, remaining_places, share_force
-from reference_model.motion.observe import WIDTH, observe
-from reference_model.spin_up import base_motion
+from reference_model.motion.observe import WIDTH, base_motion, observe
 
 Array = NDArray[np.float64]
 

@@ -35,9 +35,11 @@ from reference_model.motion.layout import (
     Workspace,
 )
 from reference_model.motion.loop import joint_power
-from reference_model.spin_up import base_motion
+from reference_model.spin_up import base_motion as motion_of_base
 
 Array = NDArray[np.float64]
+
+base_motion = stage(motion_of_base)
 
 #: Numbers in a row: those of `columns.OBSERVED`, then those of `columns.JOINT_COLUMNS`.
 WIDTH: Final = len(c.OBSERVED) + len(c.JOINT_COLUMNS)
