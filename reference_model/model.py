@@ -18,25 +18,23 @@ from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.motion.address import Placed
 from reference_model.motion.equations import evaluate, kernel, observe_states
 from reference_model.motion.layout import (
-    BASE,
-    ELIMINATED,
     EXTRAS,
     FOOT_1,
     FOOT_2,
     GAP_RATE,
     PARAMETERS_TYPE,
     S_RATE,
-    SPRING,
     WORKSPACE_TYPE,
     Parameters,
     state_size,
     workspace,
 )
 from reference_model.motion.observe import WIDTH
-from reference_model.motion.parameters import CLOSED, Treatment, characteristic_frequency, parameters
+from reference_model.motion.parameters import characteristic_frequency, parameters
 from reference_model.natural_modes import clamped_modes
 from reference_model.rigid import deflection_scale, rigid_motion
 from reference_model.shapes import ShapeSet, no_shapes, vibrating
+from reference_model.treatment import BASE, CLOSED, ELIMINATED, SPRING, Treatment
 
 Array = NDArray[np.float64]
 #: Place of the slider and arc lengths (k,) to tangent angles of the shapes and their derivatives by that place, each (k, n).

@@ -1,19 +1,25 @@
-"""What the engines on the one beam share: description, start, preparation. An engine chooses shapes and treatment of the slider."""
+"""What the engines on the one beam share: description, start, preparation. An engine chooses shapes and treatment of the slider.
+
+The compiled equations are loaded when the first model is built, not when engines are listed.
+"""
 
 import time
 from abc import abstractmethod
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from engines.base import Engine, EngineFailure, ModelDescription
-from engines.own.simulation import OwnSimulation
 from engines.settings import Settings
 from engines.start import Start
 from engines.start_state import reconstruct
 from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
+
+if TYPE_CHECKING:
+    from engines.own.simulation import OwnSimulation
+    from reference_model.model import BeamModel
 
 
 class BeamEngine(Engine):
@@ -24,7 +30,7 @@ class BeamEngine(Engine):
     kind_of_shapes = "shapes"
 
     @abstractmethod
-    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
         """The model of a scene.
 
         Raises:
@@ -59,8 +65,10 @@ class BeamEngine(Engine):
         joints = joints_of(mechanism, self.joint_line(mechanism, settings))
         return ModelDescription(bodies_of(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid"), joints, free)
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> OwnSimulation:
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> "OwnSimulation":
         """See `engines.base.Engine.prepare`."""
+        from engines.own.simulation import OwnSimulation
+
         self.check(mechanism)
         began = time.perf_counter()
         model = self.model(mechanism, settings)
@@ -94,7 +102,7 @@ def joints_of(mechanism: Mechanism, slider: str) -> tuple[str, ...]:
     return "crank pivot" if mechanism.crank_is_free else "crank pivot (speed prescribed)", "follower pivot", slider
 
 
-def state_of(model: BeamModel, mechanism: Mechanism, start: Start) -> NDArray[np.float64]:
+def state_of(model: "BeamModel", mechanism: Mechanism, start: Start) -> NDArray[np.float64]:
     """The model's state closest to a start."""
     straight = start.deflection is None and start.deflection_rate is None
     if straight or mechanism.follower.is_rigid:

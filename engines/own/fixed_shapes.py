@@ -2,21 +2,22 @@
 
 import time
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import Comparison, ModelDescription, Refusal
 from engines.follower import FollowerEngine, parts
-from engines.own.simulation import OwnSimulation
 from engines.own.staying_shapes import LADDER, ShapeSettings, StayingShapesEngine, fewer_shapes, shapes_of
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.model import BeamModel
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import hermite_between
-from reference_model.thesis.frequencies import shape_frequencies
+
+if TYPE_CHECKING:
+    from engines.own.simulation import OwnSimulation
+    from reference_model.model import BeamModel
 
 _BOTH: Final = "both components"
 
@@ -46,8 +47,10 @@ class FixedShapesEngine(StayingShapesEngine):
         """Refuse a compliant slider joint: the loop is closed exactly."""
         self.refuse_compliance(mechanism, "loop")
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
         """See `BeamEngine.model`."""
+        from reference_model.model import BeamModel
+
         chosen = own(FixedShapesSettings, settings)
         shapes = shapes_of(mechanism.follower, chosen)
         if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
@@ -70,6 +73,8 @@ class FixedShapesEngine(StayingShapesEngine):
         """Converged: Hermite elements with a node at the slider, doubled until no frequency changes by more than 1e-6 of itself."""
         if mechanism.follower.is_rigid:
             return np.zeros(0)
+        from reference_model.thesis.frequencies import shape_frequencies
+
         self.check(mechanism)
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
         elements, last = max(8, count), np.full(count, np.inf)
@@ -108,8 +113,11 @@ class FixedShapesAlone(FollowerEngine):
         shapes, factor = fewer_shapes(chosen.shapes, chosen.family)
         return (Comparison(chosen, chosen.replaced(shapes=shapes), factor),)
 
-    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> OwnSimulation:
+    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> "OwnSimulation":
         """See `FollowerEngine.prepare`."""
+        from engines.own.simulation import OwnSimulation
+        from reference_model.model import BeamModel
+
         began, chosen = time.perf_counter(), own(FixedShapesSettings, settings)
         model = BeamModel.alone(scene, shapes_of(scene.follower, chosen), transverse_damping=chosen.damping_law != _BOTH)
         return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)

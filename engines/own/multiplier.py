@@ -1,13 +1,15 @@
 """The engine `multiplier`: the slider's constraint by a Lagrange multiplier (Beale and Scott; Lanczos)."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from engines.own.staying_shapes import LADDER, RivalEngine, ShapeSettings, shapes_of
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
-from reference_model.motion.layout import MULTIPLIER
-from reference_model.motion.parameters import Treatment
+from reference_model.treatment import MULTIPLIER, Treatment
+
+if TYPE_CHECKING:
+    from reference_model.model import BeamModel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +34,10 @@ class MultiplierEngine(RivalEngine):
         super().check(mechanism)
         self.refuse_compliance(mechanism, "gap")
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
         """See `BeamEngine.model`."""
+        from reference_model.model import BeamModel
+
         chosen = own(MultiplierSettings, settings)
         treatment = Treatment(kind=MULTIPLIER, stabilization=chosen.stabilization)
         return BeamModel.staying(mechanism, shapes_of(mechanism.follower, chosen), treatment)

@@ -1,16 +1,17 @@
 """The engine `nodal-load`: standard finite elements with fixed nodes, the slider force shared between two of them (Buchanan)."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from engines.base import Comparison
 from engines.own.staying_shapes import RivalEngine
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
-from reference_model.motion.layout import CHORDS, LEVER, MULTIPLIER
-from reference_model.motion.parameters import Treatment
 from reference_model.shapes import hermite_elements, no_shapes
+from reference_model.treatment import CHORDS, LEVER, MULTIPLIER, Treatment
+
+if TYPE_CHECKING:
+    from reference_model.model import BeamModel
 
 _DISTRIBUTIONS: Final = {"lever": LEVER, "consistent": MULTIPLIER, "both linear": CHORDS}
 
@@ -52,8 +53,10 @@ class NodalLoadEngine(RivalEngine):
         super().check(mechanism)
         self.refuse_compliance(mechanism, "gap")
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
         """See `BeamEngine.model`; conjugate distributions need no damping, and a rigid follower has no nodes but one multiplier."""
+        from reference_model.model import BeamModel
+
         chosen = own(NodalLoadSettings, settings)
         follower = mechanism.follower
         shapes = no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, chosen.elements)

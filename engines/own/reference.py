@@ -4,23 +4,23 @@ import dataclasses
 import math
 import time
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import Comparison, ModelDescription, NoSteadyState, Refusal, SteadyState
 from engines.follower import FollowerEngine, parts
-from engines.own import orbit
 from engines.own.beam_engine import BeamEngine
-from engines.own.simulation import OwnSimulation
 from engines.settings import Settings, own, setting
 from engines.start import Start, standard_start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.model import BeamModel
-from reference_model.motion.layout import SPRING
-from reference_model.motion.parameters import CLOSED, Treatment
 from reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
+from reference_model.treatment import CLOSED, SPRING, Treatment
+
+if TYPE_CHECKING:
+    from engines.own.simulation import OwnSimulation
+    from reference_model.model import BeamModel
 
 #: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s against 12 modes (tolerance 1e-9), which differ from
 #: 13 by 2e-6. Three modes are hardly better than two (1.3e-3) and left out. Over the thesis' runs the errors are 0.06 to 1.8 times these.
@@ -108,8 +108,10 @@ class ReferenceEngine(BeamEngine):
         """A compliant joint leaves the follower's angle free."""
         return math.isfinite(mechanism.slider.joint_stiffness)
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
         """See `BeamEngine.model`; a compliant joint is a spring and a damper along the normal."""
+        from reference_model.model import BeamModel
+
         slider, modes, treatment = mechanism.slider, own(ReferenceSettings, settings).modes, CLOSED
         if self.opens_loop(mechanism):
             inertia = joint_inertia(mechanism, modes)
@@ -161,6 +163,8 @@ class ReferenceEngine(BeamEngine):
         """See `engines.base.Engine.steady_state`; a rigid follower or a compliant slider joint is marched."""
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
+        from engines.own import orbit
+
         return orbit.steady_state(self.prepare(mechanism, start, settings))
 
     def periodic_start(self, mechanism: Mechanism, settings: Settings) -> Start:
@@ -172,6 +176,8 @@ class ReferenceEngine(BeamEngine):
         found = self.steady_state(mechanism, standard_start(mechanism), settings)
         if found is None or not found.stable:
             raise NoSteadyState("a rigid follower or a soft joint is marched" if found is None else "the periodic state is not stable")
+        from engines.own.simulation import OwnSimulation
+
         assert isinstance(found.simulation, OwnSimulation)
         return found.simulation.present_start()
 
@@ -209,8 +215,11 @@ class ReferenceAlone(FollowerEngine):
             return (Comparison(chosen, _with_modes(chosen, chosen.modes - 2), 1.0 / RATIO),)
         return (Comparison(chosen, _with_modes(chosen, more), RATIO),)
 
-    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> OwnSimulation:
+    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> "OwnSimulation":
         """See `FollowerEngine.prepare`."""
+        from engines.own.simulation import OwnSimulation
+        from reference_model.model import BeamModel
+
         chosen, began = own(ReferenceSettings, settings), time.perf_counter()
         model = BeamModel.alone(scene, chosen.modes)
         return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)

@@ -13,8 +13,8 @@ from reference_model import integrate
 from reference_model.columns import JOINT_COLUMNS
 from reference_model.mechanism import FollowerAlone
 from reference_model.model import BeamModel, ObservationFailed
-from reference_model.motion.layout import LEVER
 from reference_model.thesis.model import ThesisModel
+from reference_model.treatment import LEVER
 
 Array = NDArray[np.float64]
 

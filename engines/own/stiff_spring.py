@@ -2,15 +2,16 @@
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from engines.base import Comparison
 from engines.own.staying_shapes import RivalEngine, ShapeSettings, shapes_of
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
-from reference_model.motion.layout import SPRING
-from reference_model.motion.parameters import Treatment
+from reference_model.treatment import SPRING, Treatment
+
+if TYPE_CHECKING:
+    from reference_model.model import BeamModel
 
 #: Clamped-free modes, stiffness (N/m), damping (N s/m), integration tolerance, and error of the tip deflection in run 24 over 2 s: the sum
 #: of the shapes' error (`staying_shapes.LADDER`) and the spring's (8.8e-3 at 1e6 N/m, in proportion to 1/k). Shapes are too stiff and
@@ -42,8 +43,10 @@ class StiffSpringEngine(RivalEngine):
     default_accuracy = 1e-2
     settings_type = StiffSpringSettings
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> BeamModel:
+    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
         """See `BeamEngine.model`."""
+        from reference_model.model import BeamModel
+
         shapes = shapes_of(mechanism.follower, own(ShapeSettings, settings))
         return BeamModel.staying(mechanism, shapes, self._spring(mechanism, settings))
 

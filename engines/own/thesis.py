@@ -3,7 +3,7 @@
 import math
 import time
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import scipy
@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal
 from engines.follower import FollowerEngine, parts
 from engines.own.beam_engine import bodies_of, joints_of
-from engines.own.simulation import OwnSimulation
 from engines.settings import Settings, own, setting
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import hermite_elements, no_shapes
-from reference_model.thesis.frequencies import shape_frequencies
-from reference_model.thesis.model import ThesisModel
-from reference_model.thesis.parameters import UnsuitableShapes
+
+if TYPE_CHECKING:
+    from engines.own.simulation import OwnSimulation
+    from reference_model.thesis.model import ThesisModel
 
 #: LSODA tolerance for an error of the tip deflection, run 24 over 2 s: tolerances 1e-4, 1e-5, 1e-6, 1e-7 gave errors 6.6e-4, 9.4e-5,
 #: 1.7e-5, 2.6e-6. The factor keeps the scatter from cycle to cycle far below what counts as settled (at 3e-5 a third of the runs
@@ -64,12 +64,15 @@ class ThesisEngine(Engine):
                 f' modelled by {self.name}, which closes the loop exactly; accepted: "inf" and "0 N*s/m"'
             )
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> ThesisModel:
+    def model(self, mechanism: Mechanism, settings: Settings) -> "ThesisModel":
         """The thesis' model of a scene.
 
         Raises:
             Refusal: the scene has what this model or these shapes cannot carry.
         """
+        from reference_model.thesis.model import ThesisModel
+        from reference_model.thesis.parameters import UnsuitableShapes
+
         self.check(mechanism)
         chosen, length = own(ThesisSettings, settings), mechanism.follower.length
         shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, chosen.elements)
@@ -84,8 +87,10 @@ class ThesisEngine(Engine):
         bodies = bodies_of(mechanism, f"{model.shapes.count} shapes" if model.shapes.count else "rigid")
         return ModelDescription(bodies, joints_of(mechanism, "slider on the centre line (eliminated)"), model.degrees_of_freedom)
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> OwnSimulation:
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> "OwnSimulation":
         """See `engines.base.Engine.prepare`."""
+        from engines.own.simulation import OwnSimulation
+
         began = time.perf_counter()
         model = self.model(mechanism, settings)
         points = model.projection_points()
@@ -120,6 +125,8 @@ class ThesisEngine(Engine):
         if mechanism.follower.is_rigid:
             return np.zeros(0)
         self.check(mechanism)
+        from reference_model.thesis.frequencies import shape_frequencies
+
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
         return shape_frequencies(
             mechanism, hermite_elements(mechanism.follower.length, own(ThesisSettings, settings).elements), support, count
@@ -150,8 +157,11 @@ class ThesisAlone(FollowerEngine):
         """As with the mechanism."""
         return _compared(own(ThesisSettings, settings))
 
-    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> OwnSimulation:
+    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> "OwnSimulation":
         """See `FollowerEngine.prepare`."""
+        from engines.own.simulation import OwnSimulation
+        from reference_model.thesis.model import ThesisModel
+
         began, chosen = time.perf_counter(), own(ThesisSettings, settings)
         model = ThesisModel(scene, hermite_elements(scene.follower.length, chosen.elements), chosen.geometry == "exact")
         return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)

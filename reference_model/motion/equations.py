@@ -33,9 +33,7 @@ from reference_model.motion.inertia import (
 from reference_model.motion.layout import (
     ACROSS,
     ALONG,
-    BASE,
     COS_Q2,
-    ELIMINATED,
     FORCE,
     GAP,
     GAP_RATE,
@@ -46,7 +44,6 @@ from reference_model.motion.layout import (
     S_RATE,
     S_REMAINDER,
     SIN_Q2,
-    SPRING,
     Parameters,
     Tables,
     Workspace,
@@ -55,6 +52,7 @@ from reference_model.motion.layout import (
 )
 from reference_model.motion.loop import accelerate_loop, joint_power, move_loop, remaining_places, share_force
 from reference_model.motion.observe import WIDTH, base_motion, observe
+from reference_model.treatment import BASE, ELIMINATED, SPRING
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,6 @@ from reference_model.motion.layout import (
     COS_Q2,
     CRANK_TURN,
     CURVATURE,
-    ELIMINATED,
     FOOT_1,
     FOOT_2,
     FORCE,
@@ -39,6 +38,7 @@ from reference_model.motion.layout import (
     Workspace,
 )
 from reference_model.tip_force import share as share_of_force
+from reference_model.treatment import ELIMINATED
 
 Array = NDArray[np.float64]
 

@@ -11,14 +11,6 @@ import numpy as np
 
 from reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
 
-#: Treatments of the slider: what happens to the gap between crank tip and centre line along the follower's normal.
-ELIMINATED: Final = 0  # it is closed by the follower's angle
-MULTIPLIER: Final = 1  # it is closed by a force, a Lagrange multiplier
-SPRING: Final = 2  # a spring and a damper hold it
-LEVER: Final = 3  # as MULTIPLIER, but the force acts on the two nodes of the slider's element by the lever rule: not conjugate
-CHORDS: Final = 4  # as LEVER, and the slider rides on the chords between the nodes: conjugate
-BASE: Final = 5  # there is no slider; the follower's base turns as prescribed
-
 #: Quantities per shape behind those per point in a row of the table: omega^2, its derivative by s, curvature at the slider, and the
 #: first two derivatives of psi(s; s).
 EXTRAS: Final = 5

@@ -12,10 +12,8 @@ from reference_model.motion.layout import (
     ACROSS_BY_Q2,
     ALONG,
     ALONG_BY_Q2,
-    CHORDS,
     COS_Q2,
     CURVATURE,
-    ELIMINATED,
     EXCESS,
     FOOT_1,
     FOOT_2,
@@ -25,7 +23,6 @@ from reference_model.motion.layout import (
     GAP,
     GAP_RATE,
     GAP_REMAINDER,
-    LEVER,
     MISSED,
     Q2_RATE,
     Q2_REMAINDER,
@@ -39,6 +36,7 @@ from reference_model.motion.layout import (
     Tables,
     Workspace,
 )
+from reference_model.treatment import CHORDS, ELIMINATED, LEVER
 
 Array = NDArray[np.float64]
 

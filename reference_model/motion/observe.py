@@ -14,7 +14,6 @@ from reference_model import columns as c
 from reference_model.compilation import inlined, stage
 from reference_model.motion.fields import cumulate, directions
 from reference_model.motion.layout import (
-    BASE,
     COS_Q2,
     CURVATURE,
     EXCESS,
@@ -36,6 +35,7 @@ from reference_model.motion.layout import (
 )
 from reference_model.motion.loop import joint_power
 from reference_model.spin_up import base_motion as motion_of_base
+from reference_model.treatment import BASE
 
 Array = NDArray[np.float64]
 

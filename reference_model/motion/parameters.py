@@ -1,39 +1,13 @@
 """The constants of a scene for the equations of motion (DERIVATION.md, section 1)."""
 
 import math
-from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
 from reference_model import tip_force
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
-from reference_model.motion.layout import BASE, ELIMINATED, Parameters, Tables
-
-
-@dataclass(frozen=True, kw_only=True)
-class Treatment:
-    """What happens to the gap between crank tip and centre line.
-
-    Attributes:
-        kind: one of ELIMINATED, MULTIPLIER, SPRING, LEVER and CHORDS of `reference_model.motion.layout`.
-        stiffness: N/m, of SPRING.
-        damping: N s/m, of SPRING.
-        inertia: kg, of SPRING: a force in proportion to the gap's second derivative, which slows the vibration of a stiff joint.
-        stabilization: 1/s, rate at which a gap decays that a force keeps closed.
-        bending_damping: s, damping moment over elastic moment per curvature rate.
-    """
-
-    kind: int = ELIMINATED
-    stiffness: float = 0.0
-    damping: float = 0.0
-    inertia: float = 0.0
-    stabilization: float = 0.0
-    bending_damping: float = 0.0
-
-
-#: The gap is closed by the follower's angle: no force has to be found.
-CLOSED: Final = Treatment()
+from reference_model.motion.layout import Parameters, Tables
+from reference_model.treatment import BASE, CLOSED, ELIMINATED, Treatment
 
 
 def parameters(

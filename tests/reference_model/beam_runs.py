@@ -10,8 +10,9 @@ from reference_model.beam.tables import slider_range, span_tables
 from reference_model.integrate import REACHED_END
 from reference_model.mechanism import Mechanism
 from reference_model.model import BeamModel, _of_family
-from reference_model.motion.parameters import CLOSED, Treatment, parameters
+from reference_model.motion.parameters import parameters
 from reference_model.shapes import clamped_free_modes
+from reference_model.treatment import CLOSED, Treatment
 
 Array = NDArray[np.float64]
 

@@ -20,10 +20,9 @@ from scipy.optimize import newton
 from scipy.special import betainc
 
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, Tip, TorqueDrive
-from reference_model.motion.layout import BASE, CHORDS, ELIMINATED, LEVER, SPRING
-from reference_model.motion.parameters import Treatment
 from reference_model.natural_modes import clamped_modes, supported_modes
 from reference_model.shapes import ShapeSet
+from reference_model.treatment import BASE, CHORDS, ELIMINATED, LEVER, SPRING, Treatment
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

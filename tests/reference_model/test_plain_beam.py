@@ -15,21 +15,9 @@ import numpy as np
 import pytest
 
 from reference_model.motion.equations import evaluate, kernel
-from reference_model.motion.layout import (
-    BASE,
-    COS_Q2,
-    GAP,
-    GAP_RATE,
-    GAP_REMAINDER,
-    LEVER,
-    Q2_RATE,
-    Q2_REMAINDER,
-    S_RATE,
-    S_REMAINDER,
-    SIN_Q2,
-    SPRING,
-)
+from reference_model.motion.layout import COS_Q2, GAP, GAP_RATE, GAP_REMAINDER, Q2_RATE, Q2_REMAINDER, S_RATE, S_REMAINDER, SIN_Q2
 from reference_model.shapes import hermite_elements
+from reference_model.treatment import BASE, LEVER, SPRING
 from tests.reference_model.beam_states import (
     ALONE,
     BARE,

@@ -10,9 +10,9 @@ import pytest
 
 from reference_model.mechanism import Slider
 from reference_model.model import BeamModel
-from reference_model.motion.layout import CHORDS, COS_Q2, LEVER, MISSED, MULTIPLIER, Q2_RATE, SIN_Q2, SPRING
-from reference_model.motion.parameters import CLOSED, Treatment
+from reference_model.motion.layout import COS_Q2, MISSED, Q2_RATE, SIN_Q2
 from reference_model.thesis.frequencies import shape_frequencies
+from reference_model.treatment import CHORDS, CLOSED, LEVER, MULTIPLIER, SPRING, Treatment
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array, run, with_fine_tables
 from tests.reference_model.beam_states import COMPLIANT, EVERYTHING, HEAVY, ON_ELEMENTS, elements_of, modes_of, rates
