@@ -29,7 +29,7 @@ from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import MAIN, engine
 from engines.settings import as_texts
 from engines.start import standard_start
-from reference_model.mechanism import Mechanism, Tip
+from reference_model.mechanism import Mechanism
 
 #: The case on which accuracy is shown, and the settings whose three solutions confirm each other.
 ACCURACY_CASE: Final = "thesis-24"
@@ -181,7 +181,7 @@ def _settings_text(settings: Mapping[str, Any]) -> str:
 def open_changes(mechanism: Mechanism) -> dict[str, Mechanism]:
     """What the thesis leaves open, as changed scenes, by a text that names the change."""
     follower, slider = mechanism.follower, mechanism.slider
-    tip = mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    tip = mechanism.tip_body
 
     def stiffness(factor: float) -> Mechanism:
         return dataclasses.replace(mechanism, follower=dataclasses.replace(follower, bending_stiffness=factor * follower.bending_stiffness))

@@ -4,7 +4,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism, Tip
+from reference_model.mechanism import Mechanism
 from reference_model.shapes import ShapeSet
 from reference_model.thesis.tables import build_tables
 
@@ -21,7 +21,7 @@ def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, co
         support: s, m.
         count: how many; fewer come back if there are fewer shapes.
     """
-    beam, tip = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    beam, tip = mechanism.follower, mechanism.tip_body
     tables = build_tables(shapes, 0)
     at_support = shapes.evaluate(np.array([support]))[0]
     turn = -at_support / support

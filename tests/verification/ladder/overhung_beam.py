@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 
-from reference_model.mechanism import Mechanism, Tip
+from reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def conditions(mechanism: Mechanism, s: float, frequency: float) -> Array:
     w = D (cos - cosh) + E sin + F sinh, which vanishes at the slider. Unknowns A to F: w(s) = 0, moment at P, slope and moment at
     the slider, moment and shear at the tip. Each row is scaled by its largest entry.
     """
-    beam, tip, omega = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0), 2.0 * math.pi * frequency
+    beam, tip, omega = mechanism.follower, mechanism.tip_body, 2.0 * math.pi * frequency
     EI = beam.bending_stiffness
     k = (beam.mass_per_length * omega**2 / EI) ** 0.25
     m, J, e = tip.mass, tip.inertia, tip.center_of_mass
@@ -87,7 +87,7 @@ def natural_modes(mechanism: Mechanism, s: float, count: int) -> list[Mode]:
 
 def cubic_frequencies(mechanism: Mechanism, s: float) -> Array:
     """The two frequencies (Hz) of a follower that can only bend as one cubic, by Ritz' method with the cubics that vanish at P and s."""
-    beam, tip = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    beam, tip = mechanism.follower, mechanism.tip_body
     x, weights = _gauss(0.0, beam.length)
 
     def shapes(at: Array, nu: int) -> Array:
@@ -127,7 +127,7 @@ def sag(mechanism: Mechanism, s: float, weight: float) -> Sag:
 
     Uniform load q = rho A weight, tip weight at L + e, slider force at s.
     """
-    beam, tip = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    beam, tip = mechanism.follower, mechanism.tip_body
     L, q, P, reach = beam.length, beam.mass_per_length * weight, tip.mass * weight, beam.length + tip.center_of_mass
     force = -(0.5 * q * L**2 + P * reach) / s  # moments about P
 
@@ -142,7 +142,7 @@ def sag(mechanism: Mechanism, s: float, weight: float) -> Sag:
 def cubic_sag(mechanism: Mechanism, s: float, weight: float) -> Sag:
     """The same of a follower that can only bend as one cubic: moments averaged with the curvatures 1 and x (Galerkin)."""
     exact = sag(mechanism, s, weight)
-    beam, tip = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    beam, tip = mechanism.follower, mechanism.tip_body
     L, reach = beam.length, beam.length + tip.center_of_mass
     moments = np.zeros(2)
     for low, high in ((0.0, s), (s, L)):
@@ -156,7 +156,7 @@ def cubic_sag(mechanism: Mechanism, s: float, weight: float) -> Sag:
 
 
 def _mode(mechanism: Mechanism, s: float, frequency: float) -> Mode:
-    beam, tip = mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    beam, tip = mechanism.follower, mechanism.tip_body
     EI, L, omega = beam.bending_stiffness, beam.length, 2.0 * math.pi * frequency
     k = (beam.mass_per_length * omega**2 / EI) ** 0.25
     A, B, C, D, E, F = np.linalg.svd(conditions(mechanism, s, frequency))[2][-1]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism, Tip
+from reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def rigid_loop(mechanism: Mechanism, crank_angle: Array, crank_speed: Array | fl
         crank_speed: rad/s.
         crank_acceleration: rad/s^2.
     """
-    crank, beam, tip = mechanism.crank, mechanism.follower, mechanism.tip or Tip(mass=0.0, inertia=0.0)
+    crank, beam, tip = mechanism.crank, mechanism.follower, mechanism.tip_body
     arm = crank.length * np.exp(1j * np.asarray(crank_angle))
     c = arm - mechanism.pivot_distance
     first = 1j * arm * crank_speed / c

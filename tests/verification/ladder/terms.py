@@ -154,7 +154,7 @@ def _scales(exact: Terms, mechanism: Mechanism) -> dict[str, float]:
 
 def _pair_scales(pairs: dict[str, float], exact: Terms, mechanism: Mechanism) -> dict[str, float]:
     """Sizes of the entries: a straight follower's inertia on the crank, and what bends; the weight is as small as it is against bending."""
-    tip, beam = mechanism.tip or Tip(mass=0.0, inertia=0.0), mechanism.follower
+    tip, beam = mechanism.tip_body, mechanism.follower
     inertia = beam.mass_per_length * beam.length**3 / 3.0 + tip.mass * beam.length**2
     crank, bending = inertia * (mechanism.crank.length / exact.slider_position) ** 2, abs(pairs[BENDING])
     scales = {CRANK: crank, BENDING: bending, MIXED: math.sqrt(crank * bending), ELASTIC: abs(pairs[ELASTIC])}
@@ -194,7 +194,7 @@ def _size(field: PPoly, mechanism: Mechanism) -> float:
 def _exact_terms(mechanism: Mechanism, start: Start) -> Terms:
     """By quadrature over the given line, split at its knots."""
     state, beam, crank = reconstruct(mechanism, start), mechanism.follower, mechanism.crank
-    tip, base, slider = mechanism.tip or Tip(mass=0.0, inertia=0.0), mechanism.base, mechanism.slider
+    tip, base, slider = mechanism.tip_body, mechanism.base, mechanism.slider
     assert isinstance(start.deflection, PPoly)
     x, weights = _quadrature(start.deflection.x)
     velocity, end = state.velocity(x), np.array([beam.length])
