@@ -5,9 +5,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from cases.case import Case
-from cases.document import document_of
 from cases.errors import CaseError, as_written, nearest, path_shown
-from cases.library import case_names, impossible_names, library_case
+from cases.library import case_names, impossible_names, library_case, library_document
 from cases.reading import case_of, misfit, parse_case
 from cases.text_file import read_text
 
@@ -28,7 +27,7 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
         case = library_case(name_or_path)
         if not overrides:
             return case
-        changed = case_of(document_of(case).overridden_by(overrides))
+        changed = case_of(library_document(name_or_path).overridden_by(overrides))
         return replace(changed, notes=tuple(dict.fromkeys((*case.notes, *changed.notes))), source=case.source)
     if not (os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path)):
         shown = as_written(name_or_path)

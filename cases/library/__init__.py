@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from cases.case import Case
-from cases.document import header_of, read_document
+from cases.document import Document, document_of, header_of, read_document
 from cases.errors import CaseError
 from cases.library import hard, thesis
 from cases.library.inconsistencies import Inconsistency, inconsistencies
@@ -17,7 +17,16 @@ from cases.library.thesis import RUNS, run_name
 from cases.reading import parse_case
 from cases.text_file import read_text
 
-__all__ = ["CatalogueLine", "Inconsistency", "case_names", "catalogue", "impossible_names", "inconsistencies", "library_case"]
+__all__ = [
+    "CatalogueLine",
+    "Inconsistency",
+    "case_names",
+    "catalogue",
+    "impossible_names",
+    "inconsistencies",
+    "library_case",
+    "library_document",
+]
 
 _FOLDER: Final = Path(__file__).parent
 
@@ -58,6 +67,11 @@ def library_case(name: str) -> Case:
         case = thesis.run_case(_runs_by_name()[name])
     run = _runs_by_name().get(name)
     return replace(case, notes=(*(found.sentence for found in inconsistencies() if run in found.runs), *case.notes), source="library")
+
+
+def library_document(name: str) -> Document:
+    """The values of a case of the library, for changes: of a file as they are written there, else in SI. Raises like `library_case`."""
+    return read_document(_file_text(name), name) if name in _file_names() else document_of(library_case(name))
 
 
 def catalogue(tag: str | None = None) -> tuple[CatalogueLine, ...]:
