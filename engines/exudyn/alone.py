@@ -12,10 +12,10 @@ from engines.exudyn.assembly import Assembly
 from engines.exudyn.damping import Dampers
 from engines.exudyn.flexible import add_base, add_nodes, add_tip, add_weight, cable_of, direction, dot, quadrature, turned
 from engines.exudyn.record import Record, accumulated, index, shape_columns
-from engines.exudyn.settings import LARGEST_STEP, ExudynSettings, own
+from engines.exudyn.settings import LARGEST_STEP, ExudynSettings
 from engines.exudyn.simulation import ExudynSimulation
 from engines.follower import FollowerEngine, slowest_frequency
-from engines.settings import Settings
+from engines.settings import Settings, own
 from engines.start_state import at_rest
 from engines.trajectory import FollowerTrajectory
 from reference_model.mechanism import FollowerAlone
@@ -153,7 +153,7 @@ class ExudynAlone(FollowerEngine):
 
     def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""
-        return FollowerModel(scene, own(settings)).assembly.describe()
+        return FollowerModel(scene, own(ExudynSettings, settings)).assembly.describe()
 
     def settings_for(self, accuracy: float, scene: FollowerAlone) -> ExudynSettings:
         """The engine's ladder, its steps in proportion to the slowest period."""
@@ -162,12 +162,12 @@ class ExudynAlone(FollowerEngine):
 
     def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
         """Time and space apart, as with the mechanism."""
-        in_time = ladder.in_time(own(settings), output_step)
-        return in_time, ladder.in_space(own(settings), in_time)
+        in_time = ladder.in_time(own(ExudynSettings, settings), output_step)
+        return in_time, ladder.in_space(own(ExudynSettings, settings), in_time)
 
     def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> Simulation:
         """See `FollowerEngine.prepare`."""
         begun = time.perf_counter()
-        simulation = FollowerSimulation(FollowerModel(scene, own(settings)), own(settings))
+        simulation = FollowerSimulation(FollowerModel(scene, own(ExudynSettings, settings)), own(ExudynSettings, settings))
         simulation.setup_seconds = time.perf_counter() - begun
         return simulation

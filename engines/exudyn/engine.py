@@ -15,9 +15,10 @@ from engines.exudyn.alone import ExudynAlone
 from engines.exudyn.flexible import FlexibleModel
 from engines.exudyn.record import Model
 from engines.exudyn.rigid import RigidModel
-from engines.exudyn.settings import ExudynSettings, own
+from engines.exudyn.settings import ExudynSettings
 from engines.exudyn.simulation import ExudynSimulation
 from engines.settings import Settings as AnySettings
+from engines.settings import own
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from reference_model.mechanism import Mechanism
@@ -57,7 +58,7 @@ class ExudynEngine(Engine):
 
     def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Time, space and stretch apart, for their errors have different signs; a rigid follower has no elements."""
-        chosen = own(settings)
+        chosen = own(ExudynSettings, settings)
         in_time = ladder.in_time(chosen, output_step)
         if mechanism.follower.is_rigid:
             return (in_time,)
@@ -65,27 +66,27 @@ class ExudynEngine(Engine):
 
     def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""
-        return ladder.finer(own(settings), excess, output_step)
+        return ladder.finer(own(ExudynSettings, settings), excess, output_step)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
         self.check(mechanism)
         begun = time.perf_counter()
-        simulation = ExudynSimulation(self._model(mechanism, start, settings), own(settings))
+        simulation = ExudynSimulation(self._model(mechanism, start, settings), own(ExudynSettings, settings))
         simulation.setup_seconds = time.perf_counter() - begun
         return simulation
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
-        return modes.natural_frequencies(mechanism, crank_angle, count, own(settings).elements)
+        return modes.natural_frequencies(mechanism, crank_angle, count, own(ExudynSettings, settings).elements)
 
     @staticmethod
     def _model(mechanism: Mechanism, start: Start, settings: AnySettings) -> Model:
         state = reconstruct(mechanism, start)
         if mechanism.follower.is_rigid:
             return RigidModel(mechanism, start, state)
-        return FlexibleModel(mechanism, start, state, own(settings))
+        return FlexibleModel(mechanism, start, state, own(ExudynSettings, settings))
 
     def follower_alone(self) -> ExudynAlone:
         """A cable clamped to a base that is turned."""

@@ -169,10 +169,3 @@ def finer(own: ExudynSettings, excess: tuple[float, ...], output_step: float) ->
 def _steps(own: ExudynSettings, output_step: float) -> int:
     """Steps from one output to the next."""
     return max(1, math.ceil(output_step / own.step - 1e-9))
-
-
-def own(settings: Settings) -> ExudynSettings:
-    """The settings, known to be this engine's."""
-    if not isinstance(settings, ExudynSettings):
-        raise TypeError(f"exudyn needs ExudynSettings, not {type(settings).__name__}")
-    return settings

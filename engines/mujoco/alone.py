@@ -3,8 +3,8 @@
 from engines.base import Comparison, ModelDescription, Simulation
 from engines.follower import FollowerEngine
 from engines.mujoco import settings as ladder
-from engines.mujoco.settings import ChainSettings, own
-from engines.settings import Settings
+from engines.mujoco.settings import ChainSettings
+from engines.settings import Settings, own
 from reference_model.mechanism import FollowerAlone
 
 
@@ -15,7 +15,7 @@ class MujocoAlone(FollowerEngine):
         """See `FollowerEngine.describe`."""
         from engines.mujoco import chain
 
-        return chain.describe_alone(scene, chain.hinge_count(scene, own(settings).links))
+        return chain.describe_alone(scene, chain.hinge_count(scene, own(ChainSettings, settings).links))
 
     def settings_for(self, accuracy: float, scene: FollowerAlone) -> ChainSettings:
         """The engine's ladder, which the run's own estimate corrects."""
@@ -23,10 +23,10 @@ class MujocoAlone(FollowerEngine):
 
     def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
         """As with the mechanism."""
-        return ladder.comparisons(own(settings))
+        return ladder.comparisons(own(ChainSettings, settings))
 
     def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> Simulation:
         """See `FollowerEngine.prepare`."""
         from engines.mujoco.simulation import FollowerSimulation
 
-        return FollowerSimulation(scene, own(settings))
+        return FollowerSimulation(scene, own(ChainSettings, settings))

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.mujoco import settings as ladder
 from engines.mujoco.alone import MujocoAlone
-from engines.mujoco.settings import ChainSettings, own
+from engines.mujoco.settings import ChainSettings
 from engines.settings import Settings as AnySettings
+from engines.settings import own
 from engines.start import Start
 from reference_model.mechanism import Mechanism
 from reference_model.natural_modes import stiffness_ratio
@@ -68,7 +69,7 @@ class MujocoEngine(Engine):
         """See `Engine.describe`."""
         from engines.mujoco import chain
 
-        return chain.describe(mechanism, chain.hinge_count(mechanism, own(settings).links))
+        return chain.describe(mechanism, chain.hinge_count(mechanism, own(ChainSettings, settings).links))
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
         """See `Engine.settings_for`."""
@@ -76,25 +77,25 @@ class MujocoEngine(Engine):
 
     def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Chains with other numbers of links."""
-        return ladder.comparisons(own(settings))
+        return ladder.comparisons(own(ChainSettings, settings))
 
     def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
         """See `Engine.finer`."""
-        return ladder.finer(own(settings), excess)
+        return ladder.finer(own(ChainSettings, settings), excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """See `Engine.prepare`."""
         self.check(mechanism)
         from engines.mujoco.simulation import ChainSimulation
 
-        return ChainSimulation(mechanism, start, own(settings))
+        return ChainSimulation(mechanism, start, own(ChainSettings, settings))
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
         """See `Engine.natural_frequencies`."""
         self.check(mechanism)
         from engines.mujoco import modes
 
-        return modes.natural_frequencies(mechanism, crank_angle, count, own(settings).links)
+        return modes.natural_frequencies(mechanism, crank_angle, count, own(ChainSettings, settings).links)
 
     def follower_alone(self) -> MujocoAlone:
         """The same chain on a base that is turned."""

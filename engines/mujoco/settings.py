@@ -92,10 +92,3 @@ def finer(settings: ChainSettings, excess: tuple[float, ...]) -> ChainSettings |
     wanted = settings.links * min(sum(excess) ** (1.0 / ORDER) if excess else _UNKNOWN, 2.0)
     enough = [links for links in above if links >= wanted]
     return settings.replaced(links=(enough or above[-1:])[0]) if above else None
-
-
-def own(settings: AnySettings) -> ChainSettings:
-    """The settings, known to be this engine's."""
-    if not isinstance(settings, ChainSettings):
-        raise TypeError(f"engine mujoco takes ChainSettings, not {type(settings).__name__}")
-    return settings
