@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -12,18 +12,14 @@ from numpy.typing import NDArray
 
 from cases.case import Case
 from cases.case_file import load_case
-from cases.comparison import HALVES
-from cases.engine_run import EngineRun
-from cases.fingerprint import SIMULATION, code_fingerprint
-from cases.marching import Columns, channels_of
+from cases.jobs.job import Job
+from cases.jobs.workshop import Workshop
 from cases.measures import CHANNELS, on_common_grid, relative_change
-from cases.runner import Named, run_tasks
-from cases.steady_run import Task
-from cases.store import Store, key_of
-from cases.stored_jobs import Result, stored
-from cases.workers import PRELOAD, Job, Limits, Outcome
+from cases.runs.campaign import carry_out
+from cases.runs.comparison import HALVES
+from cases.runs.marching import Columns, channels_of
+from cases.runs.request import Run, RunRequest
 from engines.accurate import ESTIMATED, run_once, simulate
-from engines.base import EngineFailure
 from engines.convergence import convergence_table
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import MAIN, engine
@@ -69,81 +65,87 @@ class Studies:
     failures: tuple[str, ...]
 
 
-def run_studies(store: Store, jobs: int | None = None, limits: Limits | None = None) -> Studies:
-    """All studies, from the store where they are there; `limits` are those of each simulation, None: `default_limits`.
+def run_studies(workshop: Workshop) -> Studies:
+    """All studies, from the store where they are there.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     case = load_case(ACCURACY_CASE)
-    work: dict[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]] = {
-        ("converged",): (_trajectory, (case, *CONVERGED)),
-        **{("confirming", name): (_trajectory, (case, name, settings)) for name, settings in CONFIRMING.items()},
-        ("convergence",): (_convergence, (case,)),
-        **{("default", name): (_trajectory, (case, name, None)) for name in MAIN},
+    scene = (case.mechanism, case.duration, case.output_step)
+    failures: list[str] = []
+    wanted: list[tuple[str, str, Mapping[str, str] | None]] = [("converged", *CONVERGED)]
+    wanted += [("confirming", *other) for other in CONFIRMING.items()]
+    wanted += [("default", name, None) for name in MAIN]
+    jobs: list[Job[Any]] = [
+        Job(f"{what} {name}", _trajectory, (*scene, name, settings), "study", (name,), _CODE) for what, name, settings in wanted
+    ]
+    jobs.append(Job("convergence", _convergence, scene, "study", ("reference",), _CODE))
+    *trajectories, convergence = workshop.outcomes(jobs, "studies")
+    failures += [f"study {outcome.job.name}: {outcome.explanation}" for outcome in (*trajectories, convergence) if not outcome.completed]
+    found = {
+        (what, name): outcome.value for (what, name, _), outcome in zip(wanted, trajectories, strict=True) if outcome.value is not None
     }
-    found, failures = _stored(work, store, jobs, limits)
-    accuracy, confirmation = _accuracy_tables(found, failures)
-    rows = found[("convergence",)][0]["rows"] if ("convergence",) in found else []
-    from_orbit = run_tasks(_from_orbit(case), store, jobs, "from the periodic orbit", limits)
-    tasks = [*_straight(case, from_orbit), *_open_tasks()]  # together: one that marches straight takes as long as all the others
-    results = run_tasks(tasks, store, jobs, "what the thesis leaves open, and another start", limits)
+    accuracy, confirmation = _accuracy_tables(found)
+    from_orbit = _runs(_from_orbit(case), workshop, "from the periodic orbit")
+    requests = {**_straight(case, from_orbit), **_open_requests()}  # together: one that marches straight takes as long as all the others
+    results = _runs(requests, workshop, "what the thesis leaves open, and another start")
     sensitivity = _sensitivity(results, failures)
     both_ways = _both_ways({**from_orbit, **results}, failures)
-    return Studies(accuracy, confirmation, pd.DataFrame(rows), sensitivity, both_ways, tuple(failures))
+    return Studies(accuracy, confirmation, pd.DataFrame(convergence.value or []), sensitivity, both_ways, tuple(failures))
 
 
-Found = dict[tuple[str, ...], Result]
+_CODE: Final = ("cases.studies",)
+
+Name = tuple[str, str]
+Runs = Mapping[Name, Run]
 
 
-def _stored(
-    work: Mapping[tuple[str, ...], tuple[Callable[..., Any], tuple[Any, ...]]], store: Store, jobs: int | None, limits: Limits | None
-) -> tuple[Found, list[str]]:
-    """Results of the jobs by name, computed where they are not stored, and a sentence for each that failed."""
-    code = code_fingerprint((*SIMULATION, "cases.studies"))
-    versions = {name: "" if engine(name).unavailable() else engine(name).version() for name in MAIN}
-    names: dict[str, tuple[str, ...]] = {}
-    for name, (_, arguments) in work.items():
-        scene = [item.mechanism if isinstance(item, Case) else item for item in arguments]
-        times = [(item.duration, item.output_step) for item in arguments if isinstance(item, Case)]
-        names[key_of({"kind": "study", "name": name, "scene": scene, "times": times, "versions": versions, "code": code})] = name
-    pending = [Job(key, *work[name]) for key, name in names.items()]
-    entries, others = stored(pending, store, "studies", at_once=jobs, limits=limits, preload=(*PRELOAD, "cases.studies"))
-    failures = [f"study {' '.join(names[key])}: {_clause(outcome)}" for key, outcome in others.items()]
-    return {names[key]: (entry.document, entry.arrays) for key, entry in entries.items()}, failures
+def _runs(requests: Mapping[Name, RunRequest], workshop: Workshop, title: str) -> dict[Name, Run]:
+    names = [" ".join(name) for name in requests]
+    return dict(zip(requests, carry_out(list(requests.values()), workshop, title, names), strict=True))
 
 
-def _clause(outcome: Outcome) -> str:
-    return str(outcome.error) if isinstance(outcome.error, EngineFailure) else outcome.explanation
+@dataclass(frozen=True)
+class StudiedTrajectory:
+    """A trajectory from the standard start, and what it took; estimate and what follows it belong to one to an accuracy."""
+
+    engine: str
+    settings: dict[str, Any]
+    solve_seconds: float
+    setup_seconds: float
+    columns: Columns
+    error_estimate: float | None = None
+    degrees_of_freedom: int | None = None
+    remark: str = ""
 
 
-def _trajectory(case: Case, name: str, settings: Mapping[str, str] | None) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
-    """A trajectory from the standard start: to the engine's default accuracy, or once with given settings."""
-    chosen, start = engine(name), standard_start(case.mechanism)
-    if settings is None:
-        result = simulate(chosen, case.mechanism, start, case.duration, case.output_step)
-        document = {
-            "settings": result.settings.as_dict(),
-            "error_estimate": result.error_estimate,
-            "solve_seconds": result.solve_seconds,
-            "setup_seconds": result.setup_seconds,
-            "compile_seconds": result.compile_seconds,
-            "degrees_of_freedom": result.description.degrees_of_freedom,
-            "remark": result.remark,
-        }
-        trajectory = result.trajectory
-    else:
-        used = chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(settings))
-        trajectory, setup_seconds = run_once(chosen, case.mechanism, start, case.duration, case.output_step, used)
-        document = {"settings": used.as_dict(), "solve_seconds": trajectory.solve_seconds, "setup_seconds": setup_seconds}
-    return {"engine": name, **document}, dict(trajectory.columns)
+def _trajectory(
+    mechanism: Mechanism, duration: float, output_step: float, name: str, settings: Mapping[str, str] | None
+) -> StudiedTrajectory:
+    """To the engine's default accuracy, or once with given settings."""
+    chosen, start = engine(name), standard_start(mechanism)
+    if settings is not None:
+        used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
+        trajectory, setup_seconds = run_once(chosen, mechanism, start, duration, output_step, used)
+        return StudiedTrajectory(name, used.as_dict(), trajectory.solve_seconds, setup_seconds, dict(trajectory.columns))
+    result = simulate(chosen, mechanism, start, duration, output_step)
+    return StudiedTrajectory(
+        engine=name,
+        settings=result.settings.as_dict(),
+        solve_seconds=result.solve_seconds,
+        setup_seconds=result.setup_seconds,
+        columns=dict(result.trajectory.columns),
+        error_estimate=result.error_estimate,
+        degrees_of_freedom=result.description.degrees_of_freedom,
+        remark=result.remark,
+    )
 
 
-def _convergence(case: Case) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
+def _convergence(mechanism: Mechanism, duration: float, output_step: float) -> list[dict[str, Any]]:
     ladder = [ReferenceSettings(modes=modes, tolerance=tolerance) for modes in MODES for tolerance in TOLERANCES]
-    table = convergence_table(ReferenceEngine(), case.mechanism, ladder, case.duration, case.output_step)
-    plain = [{str(k): (v.item() if hasattr(v, "item") else v) for k, v in row.items()} for row in table.to_dict("records")]
-    return {"rows": plain}, {}
+    table = convergence_table(ReferenceEngine(), mechanism, ladder, duration, output_step)
+    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
 
 
 def relative_error(values: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
@@ -151,27 +153,22 @@ def relative_error(values: NDArray[np.float64], truth: NDArray[np.float64]) -> f
     return float(np.sqrt(np.mean((values - truth) ** 2) / np.mean(truth**2)))
 
 
-def _accuracy_tables(found: Found, failures: list[str]) -> tuple[pd.DataFrame, pd.DataFrame]:
-    if ("converged",) not in found:
+def _accuracy_tables(found: Mapping[Name, StudiedTrajectory]) -> tuple[pd.DataFrame, pd.DataFrame]:
+    name, _ = CONVERGED
+    if ("converged", name) not in found:
         return pd.DataFrame(), pd.DataFrame()
-    document, truth = found["converged",]
-    rows = []
-    for name in MAIN:
-        if ("default", name) not in found:
-            continue
-        about, columns = found["default", name]
-        errors = {column: relative_error(columns[column], truth[column]) for column in ESTIMATED}
-        rows.append(about | {"settings": _settings_text(about["settings"])} | errors)
-    confirmation = []
-    for name in CONFIRMING:
-        if ("confirming", name) not in found:
-            continue
-        about, columns = found["confirming", name]
-        row: dict[str, Any] = {column: relative_error(columns[column], truth[column]) for column in ESTIMATED}
-        texts = {"engine": document["engine"], "settings": _settings_text(document["settings"])}
-        texts |= {"confirmed_by": about["engine"], "with_settings": _settings_text(about["settings"])}
-        confirmation.append(texts | row)
-    return pd.DataFrame(rows), pd.DataFrame(confirmation)
+    truth = found["converged", name]
+    accuracy, confirmation = [], []
+    for (what, _), run in found.items():
+        errors = {column: relative_error(run.columns[column], truth.columns[column]) for column in ESTIMATED}
+        about = {field.name: getattr(run, field.name) for field in dataclasses.fields(run) if field.name != "columns"}
+        if what == "default":
+            accuracy.append(about | {"settings": _settings_text(run.settings)} | errors)
+        elif what == "confirming":
+            texts = {"engine": truth.engine, "settings": _settings_text(truth.settings)}
+            texts |= {"confirmed_by": run.engine, "with_settings": _settings_text(run.settings)}
+            confirmation.append(texts | errors)
+    return pd.DataFrame(accuracy), pd.DataFrame(confirmation)
 
 
 def _settings_text(settings: Mapping[str, Any]) -> str:
@@ -205,19 +202,15 @@ DAMPING_LAW: Final = "beam damping on the transverse velocity alone"
 DAMPING_LAW_ACCURACY: Final = 3e-3
 
 
-Runs = Mapping[tuple[str, ...], EngineRun]
-
-
-def _open_tasks() -> list[Named]:
-    tasks = []
+def _open_requests() -> dict[Name, RunRequest]:
+    requests = {}
     for name in OPEN_RUNS:
         case = load_case(name)
         scenes = {"": case.mechanism, **open_changes(case.mechanism)}
-        tasks += [
-            Named((name, change), Task(mechanism=scene, duration=case.duration, engine="reference")) for change, scene in scenes.items()
-        ]
+        for change, scene in scenes.items():
+            requests[name, change] = RunRequest(mechanism=scene, duration=case.duration, engine="reference")
         for law in ("both components", "transverse"):
-            task = Task(
+            requests[name, law] = RunRequest(
                 mechanism=case.mechanism,
                 duration=case.duration,
                 engine="fixed-shapes",
@@ -225,8 +218,7 @@ def _open_tasks() -> list[Named]:
                 settings={"damping_law": law},
                 estimated=False,
             )
-            tasks.append(Named((name, law), task))
-    return tasks
+    return requests
 
 
 def _sensitivity(results: Runs, failures: list[str]) -> pd.DataFrame:
@@ -239,7 +231,7 @@ def _sensitivity(results: Runs, failures: list[str]) -> pd.DataFrame:
             if run.usable and nominal.usable:
                 rows += _changes(name, change, run, nominal)
             else:
-                failures.append(f"study {name} {change}: {run.document['remark'] or nominal.document['remark']}")
+                failures.append(f"study {name} {change}: {run.remark or nominal.remark}")
     return pd.DataFrame(rows)
 
 
@@ -247,26 +239,23 @@ def _sensitivity(results: Runs, failures: list[str]) -> pd.DataFrame:
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
-def _from_orbit(case: Case) -> list[Named]:
-    return [Named((name, "orbit"), Task(mechanism=case.mechanism, duration=case.duration, engine=name)) for name in PACKAGES]
+def _from_orbit(case: Case) -> dict[Name, RunRequest]:
+    return {(name, "orbit"): RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name) for name in PACKAGES}
 
 
-def _straight(case: Case, from_orbit: Runs) -> list[Named]:
+def _straight(case: Case, from_orbit: Runs) -> dict[Name, RunRequest]:
     """With the settings of the runs from the orbit, so that nothing differs but the start."""
-    return [
-        Named(
-            (name, "straight"),
-            Task(
-                mechanism=case.mechanism,
-                duration=case.duration,
-                engine=name,
-                settings=as_texts(from_orbit[name, "orbit"].document.get("settings") or {}),
-                straight=True,
-                estimated=False,
-            ),
+    return {
+        (name, "straight"): RunRequest(
+            mechanism=case.mechanism,
+            duration=case.duration,
+            engine=name,
+            settings=as_texts(from_orbit[name, "orbit"].settings or {}),
+            straight=True,
+            estimated=False,
         )
         for name in PACKAGES
-    ]
+    }
 
 
 def _both_ways(results: Runs, failures: list[str]) -> pd.DataFrame:
@@ -274,11 +263,11 @@ def _both_ways(results: Runs, failures: list[str]) -> pd.DataFrame:
     for name in PACKAGES:
         orbit, straight = results[name, "orbit"], results[name, "straight"]
         if not (orbit.usable and straight.usable):
-            failures.append(f"study of {name} from both starts: {straight.document['remark'] or orbit.document['remark']}")
+            failures.append(f"study of {name} from both starts: {straight.remark or orbit.remark}")
             continue
         found: dict[str, Any] = {"engine": name, "difference": cycle_difference(straight.cycle, orbit.cycle)}
         for way, run in (("orbit", orbit), ("straight", straight)):
-            found |= {f"{way}_{key}": run.document[key] for key in ("start", "cycles", "settling_error")}
+            found |= {f"{way}_start": run.start, f"{way}_cycles": run.cycles, f"{way}_settling_error": run.settling_error}
         rows.append(found)
     return pd.DataFrame(rows)
 
@@ -288,7 +277,7 @@ def cycle_difference(one: Columns, other: Columns) -> float:
     return relative_change(on_common_grid(channels_of(other)), on_common_grid(channels_of(one)))
 
 
-def _changes(name: str, change: str, run: EngineRun, nominal: EngineRun) -> list[dict[str, Any]]:
+def _changes(name: str, change: str, run: Run, nominal: Run) -> list[dict[str, Any]]:
     rows = []
     for half in HALVES:
         pairs: list[tuple[str, str, float | None, float | None]] = [
@@ -297,7 +286,7 @@ def _changes(name: str, change: str, run: EngineRun, nominal: EngineRun) -> list
         for channel in CHANNELS:
             before, after = nominal.measure(half, channel), run.measure(half, channel)
             if before and after:
-                pairs.append(("first_mode_amplitude", channel, before["first_mode_amplitude"], after["first_mode_amplitude"]))
+                pairs.append(("first_mode_amplitude", channel, before.first_mode_amplitude, after.first_mode_amplitude))
         for quantity, channel, old, new in pairs:
             known = old is not None and new is not None
             rows.append(

@@ -18,6 +18,7 @@ from typing import Final, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from engines import progress
 from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal
 from engines.settings import SettingError, Settings
 from engines.solver import S, Solver
@@ -276,6 +277,7 @@ class _Runs(Generic[S]):
         self._done: dict[Settings, tuple[Trajectory, float]] = {}
         self._failed: dict[Settings, EngineFailure] = {}
         self.compile_seconds = 0.0
+        self._rung = 0
         self._begin = time.perf_counter()
 
     def run(self, settings: Settings) -> tuple[Trajectory, float]:
@@ -294,19 +296,24 @@ class _Runs(Generic[S]):
     def _compile(self, settings: Settings) -> None:
         """One output step, so that all code is there before times are taken; what fails here fails again where it counts."""
         start, _, output_step = self._run
+        progress.tell(phase="compiling")
         began = time.perf_counter()
         with contextlib.suppress(EngineFailure):
             run_once(self.engine, self.scene, start, output_step, output_step, settings)
         self.compile_seconds = time.perf_counter() - began
+        progress.tell(phase="simulating", rung=self._rung)
         self._begin = time.perf_counter()
 
     def judged(self, settings: Settings) -> _Judged:
+        self._rung += 1
+        progress.tell(engine=self.engine.name, phase="simulating", rung=self._rung)
         trajectory, setup_seconds = self.run(settings)
         length, parts = self.scene.follower.length, []
         pairs = self.engine.comparisons(settings, self.scene, self._run[-1])
         if any(pair.run == pair.other for pair in pairs):
             remark = "the error is unknown: these settings leave no others to compare with"
             return _Judged(settings, trajectory, setup_seconds, remark=remark)
+        progress.tell(phase="estimating the error", rung=self._rung)
         try:
             for pair in pairs:
                 runs = compared(pair, lambda other: self.run(other)[0])

@@ -145,13 +145,13 @@ def _with_help(error: click.ClickException) -> str:
 def _told_of(error: Exception) -> int:
     """Print what is wrong and choose the exit code. The classes are imported here, for importing them takes a moment."""
     from cases.errors import CaseError
-    from cases.store import StoreError
+    from cases.jobs.store import StoreError
     from engines.base import EngineFailure, Refusal
     from engines.registry import UnknownEngine
     from engines.settings import SettingError
     from reference_model.mechanism import ImpossibleMechanism
-    from reports.engine_jobs import EngineDied
     from reports.output import OutputError
+    from reports.questions import EngineDied
 
     if isinstance(error, UnknownEngine):
         return _told(f"--engine {error}", BAD_INPUT)

@@ -7,7 +7,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Final
 
-from cases.workers import available_cores
+from cases.jobs.processes import available_cores
 
 #: Packages whose versions the report names besides those of the engines.
 PACKAGES: Final = ("quickreturn", "numpy", "scipy", "numba", "pandas", "matplotlib", "exudyn", "mujoco-core", "pint")

@@ -1,5 +1,6 @@
 """What goes out: files written whole or not at all, JSON that any reader takes, and text in aligned columns."""
 
+import dataclasses
 import json
 import math
 import os
@@ -55,7 +56,7 @@ def write_file(path: Path, content: bytes) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    from cases.store import write_atomically
+    from cases.jobs.store import write_atomically
 
     target = _resolved(path)
     try:
@@ -74,7 +75,9 @@ def print_json(document: Any) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Only what JSON knows: numpy's numbers and arrays become plain ones, infinity the text "inf", NaN null."""
+    """Only what JSON knows: dataclasses become objects, numpy's numbers and arrays plain ones, infinity the text "inf", NaN null."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        value = vars(value)
     if isinstance(value, Mapping):
         return {str(name): plain(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -115,7 +118,7 @@ def _is_special(path: Path) -> bool:
 
 
 def _output_error(path: Path, error: OSError) -> OutputError:
-    from cases.store import words_of
+    from cases.jobs.store import words_of
 
     return OutputError(f"{_option(path)}: it cannot be written ({words_of(error)})")
 

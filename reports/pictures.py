@@ -1,20 +1,18 @@
 """All pictures of the report: from the store where they are there, else drawn in processes of their own, one per case."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from importlib import metadata
 from typing import Any, Final
 
-import numpy as np
 import pandas as pd
 
 from cases.benchmark import Benchmark
-from cases.comparison import CaseResult
 from cases.experiment import AxisLabels, MeasuredCurve, axis_labels
-from cases.store import Entry, Store
-from cases.stored_jobs import Result, stored
+from cases.jobs.job import Job, Limits
+from cases.jobs.workshop import Workshop
+from cases.runs.comparison import CaseResult
 from cases.studies import Studies
-from cases.workers import PRELOAD, Job, Limits, Outcome
-from reports.cache import content_of, content_of_curves, page_key
 from reports.findings.runs import run_number
 from reports.plots.picture import Picture
 
@@ -26,10 +24,9 @@ OF_ALL: Final = ("overview", "heat_map")
 OF_STUDIES: Final = ("convergence", "sensitivity")
 
 _LIMITS: Final = Limits(seconds=600.0)  # drawing takes a few seconds
-_PRELOAD: Final = (*PRELOAD, "matplotlib.figure", "reports.pictures")
-_ALL: Final = "all cases"
-_STUDIES: Final = "the studies"
-_METHODS: Final = "the methods"
+#: Everything in the project may leave its mark on a picture, and so may these libraries.
+_CODE: Final = ("cases", "reports")
+_LIBRARIES: Final = ("matplotlib", "pandas", "pillow")
 
 Drawn = dict[str, Picture | None]
 
@@ -54,39 +51,32 @@ def draw_pictures(
     studies: Studies | None,
     benchmarks: Sequence[Benchmark],
     curves: Sequence[MeasuredCurve],
-    store: Store,
-    jobs: int | None = None,
+    workshop: Workshop,
 ) -> Pictures:
     """All pictures of the page.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; what was drawn is stored.
     """
-    work: list[Job] = []
-    inputs: dict[str, Any]
-    everything = [content_of(result) for result in results]
-    orders: list[tuple[str, Mapping[str, Any], Job]] = [(_ALL, {"results": everything}, Job(_ALL, draw_all, (list(results),)))]
+    jobs = [_job("all cases", draw_all, (list(results),))]
     if studies is not None:
-        tables = {name: getattr(studies, name) for name in ("convergence", "sensitivity")}
-        texts: dict[str, Any] = {name: table.to_csv() for name, table in tables.items()}
-        orders.append((_STUDIES, texts, Job(_STUDIES, draw_studies, tuple(tables.values()))))
+        tables = (studies.convergence, studies.sensitivity)
+        jobs.append(_job("the studies", draw_studies, tables, [table.to_csv() for table in tables]))
     if benchmarks:
-        points = {table.case: table.points for table in benchmarks}
-        orders.append((_METHODS, points, Job(_METHODS, draw_methods, (list(benchmarks),))))
-    for result, content in zip(results, everything, strict=True):
-        labels, its_curves = _of_run(result, curves)
-        inputs = {"result": content, "labels": labels, "curves": content_of_curves(its_curves)}
-        orders.append((result.case.name, inputs, Job(result.case.name, draw_case, (result, labels, its_curves))))
-    names = {}
-    for name, determined_by, job in orders:
-        key = page_key(f"pictures of {name if name in (_ALL, _STUDIES, _METHODS) else 'a case'}", determined_by)
-        names[key] = name
-        work.append(Job(key, job.function, job.arguments))
-    entries, others = stored(work, store, "pictures", at_once=jobs, limits=_LIMITS, keep=_kept, preload=_PRELOAD)
-    found = {names[key]: _unpacked(entry) for key, entry in entries.items()}
-    failures = [f"pictures of {names[key]}: drawing {outcome.explanation}" for key, outcome in others.items()]
-    of_all = found.pop(_ALL, {}) | found.pop(_STUDIES, {}) | found.pop(_METHODS, {})
-    return Pictures(of_all, found, tuple(failures))
+        jobs.append(_job("the methods", draw_methods, (list(benchmarks),), {table.case: table.points for table in benchmarks}))
+    together = len(jobs)
+    jobs += [_job(result.case.name, draw_case, (result, *_of_run(result, curves))) for result in results]
+    outcomes = workshop.outcomes(jobs, "pictures")
+    failures = [f"pictures of {outcome.job.name}: drawing {outcome.explanation}" for outcome in outcomes if not outcome.completed]
+    of_all: Drawn = {}
+    for outcome in outcomes[:together]:
+        of_all |= outcome.value or {}
+    return Pictures(of_all, {outcome.job.name: outcome.value for outcome in outcomes[together:] if outcome.value}, tuple(failures))
+
+
+def _job(name: str, function: Callable[..., Drawn], arguments: tuple[Any, ...], inputs: Any = None) -> Job[Drawn]:
+    determined_by = [arguments if inputs is None else inputs, [metadata.version(library) for library in _LIBRARIES]]
+    return Job(name, function, arguments, kind="pictures", code=_CODE, inputs=determined_by, limits=_LIMITS)
 
 
 def draw_case(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequence[MeasuredCurve]) -> Drawn:
@@ -140,22 +130,3 @@ def _of_run(result: CaseResult, curves: Sequence[MeasuredCurve]) -> tuple[tuple[
     if number is None:
         return (), []
     return axis_labels(number), [curve for curve in curves if curve.run == number]
-
-
-def _kept(outcome: Outcome) -> Result | None:
-    return _packed(outcome.value) if outcome.completed else None
-
-
-def _packed(drawn: Drawn) -> tuple[dict[str, Any], dict[str, Any]]:
-    document: dict[str, Any] = {}
-    arrays = {}
-    for name, shown in drawn.items():
-        document[name] = None
-        if shown is not None:
-            document[name] = {"mime": shown.mime, "width": shown.width, "height": shown.height, "alt": shown.alt}
-            arrays[name] = np.frombuffer(shown.data, dtype=np.uint8)
-    return document, arrays
-
-
-def _unpacked(entry: Entry) -> Drawn:
-    return {name: None if about is None else Picture(data=entry.arrays[name].tobytes(), **about) for name, about in entry.document.items()}

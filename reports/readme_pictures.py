@@ -10,10 +10,11 @@ from PIL import Image
 
 from cases.benchmark import stored
 from cases.case_file import load_case
-from cases.cross_validation import cross_validate
 from cases.experiment.published import axis_labels
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
 from cases.library.thesis import RUNS, run_name
-from cases.store import Store
+from cases.runs.comparison import cross_validate
 from reports.plots.cycle import cycle_figure
 from reports.plots.overview import overview_figure
 from reports.plots.picture import Picture
@@ -25,11 +26,12 @@ COLOURS = 64  # of the palette: flat colours and their soft edges need no more
 
 def main() -> None:
     """Write all pictures; results that are not stored are computed."""
-    results = cross_validate([load_case(run_name(run)) for run in RUNS], Store())
+    workshop = Workshop(Store())
+    results = cross_validate([load_case(run_name(run)) for run in RUNS], workshop)
     FOLDER.mkdir(exist_ok=True)
     _write("overview", overview_figure(results))
     _write("run-24", cycle_figure(results[-1], axis_labels(24)))
-    measured = stored(results[-1].case, Store())
+    measured = stored(results[-1].case, workshop)
     _write("methods", None if measured is None else work_precision_figure(measured))
 
 

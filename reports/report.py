@@ -11,15 +11,14 @@ from typing import Final
 from cases.benchmark import SCENES, Benchmark, measure, stored
 from cases.case import Case
 from cases.case_file import load_case
-from cases.comparison import CaseResult
-from cases.cross_validation import cross_validate
-from cases.engine_run import PARTS
 from cases.errors import shortened
 from cases.experiment import load_curves
-from cases.fingerprint import code_fingerprint
-from cases.store import Store, words_of
+from cases.jobs.key import SIMULATION, code_fingerprint
+from cases.jobs.store import words_of
+from cases.jobs.workshop import Workshop
+from cases.runs.comparison import CaseResult, cross_validate
+from cases.runs.request import CODE
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, Studies, run_studies
-from cases.workers import Limits
 from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN
 from reports.findings.evidence import Evidence, NoEvidence, evidence
@@ -86,23 +85,14 @@ def check_folder(folder: Path) -> None:
         raise OutputError(f"--output {shortened(str(folder))}: it cannot be written ({reason})") from error
 
 
-def write_report(
-    cases: Sequence[Case],
-    folder: Path,
-    store: Store,
-    jobs: int | None = None,
-    engines: Sequence[str] = MAIN,
-    limits: Limits | None = None,
-) -> Written:
+def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engines: Sequence[str] = MAIN) -> Written:
     """Compute what is missing, and write the page and its tables.
 
     Args:
         cases: at least one.
         folder: where it goes; it is created, and found out about before anything runs (see `check_folder`).
-        store: results and pictures are taken from here and kept here.
-        jobs: processes at a time; None: one per core.
+        workshop: where results and pictures are computed and kept.
         engines: names.
-        limits: of each engine on each case; None: `cases.workers.default_limits`.
 
     Raises:
         CaseError: a measured curve that breaks its documented form; nothing has been computed then.
@@ -111,11 +101,11 @@ def write_report(
     """
     check_folder(folder)
     curves = load_curves()
-    results = cross_validate(cases, store, engines, jobs=jobs, limits=limits)
-    studies = _studies(cases, store, jobs, limits)
-    benchmarks = _benchmarks(store, limits) if studies is not None else []
+    results = cross_validate(cases, workshop, engines)
+    studies = _studies(cases, workshop)
+    benchmarks = _benchmarks(workshop) if studies is not None else []
     example = of_run(results, EXAMPLE) if EXAMPLE else None
-    found, missing = _evidence(example, store, limits)
+    found, missing = _evidence(example, workshop)
     content = Content(
         results=results,
         studies=studies,
@@ -123,12 +113,12 @@ def write_report(
         evidence=found,
         curves=curves,
         comparisons=measured_comparisons(results, curves),
-        pictures=draw_pictures(results, studies, benchmarks, curves, store, jobs),
-        hard_scenes=stored_matrix(store),
-        verification=stored_verification(store.folder),
+        pictures=draw_pictures(results, studies, benchmarks, curves, workshop),
+        hard_scenes=stored_matrix(workshop),
+        verification=stored_verification(workshop.store.folder),
         facts=machine_facts(),
-        code=code_fingerprint(PARTS),
-        notices=(*missing, *store.notices),
+        code=code_fingerprint((*SIMULATION, *CODE)),
+        notices=(*missing, *workshop.store.notices),
     )
     return write(content, folder)
 
@@ -163,29 +153,29 @@ def chapters_of(content: Content) -> list[Chapter]:
     return [*chapters, files(content, catalogue(tables, about))]
 
 
-def _evidence(example: CaseResult | None, store: Store, limits: Limits | None) -> tuple[Evidence | None, list[str]]:
+def _evidence(example: CaseResult | None, workshop: Workshop) -> tuple[Evidence | None, list[str]]:
     """The evidence on the example run and why there is none, if it could not be computed."""
     try:
-        return (None if example is None else evidence(example, store, limits)), []
+        return (None if example is None else evidence(example, workshop)), []
     except NoEvidence as reason:
         return None, [str(reason)]
 
 
-def _studies(cases: Sequence[Case], store: Store, jobs: int | None, limits: Limits | None) -> Studies | None:
+def _studies(cases: Sequence[Case], workshop: Workshop) -> Studies | None:
     """The studies, if the report is about all runs that they are about."""
     shown = {case.name for case in cases if case.source == "library"}
-    return run_studies(store, jobs, limits) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
+    return run_studies(workshop) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
 
 
-def _benchmarks(store: Store, limits: Limits | None) -> list[Benchmark]:
+def _benchmarks(workshop: Workshop) -> list[Benchmark]:
     """What was measured last of each scene; the first scene is measured now, once, if it never was."""
     found = []
     for name in SCENES:
         case = load_case(name)
-        table = stored(case, store)
+        table = stored(case, workshop)
         if table is None and name == SCENES[0]:
             with contextlib.suppress(EngineFailure, Refusal):  # the chapter says what is missing
-                table = measure(case, store, repetitions=1, longest=QUICK, limits=limits)
+                table = measure(case, workshop, repetitions=1, longest=QUICK)
         if table is not None:
             found.append(table)
     return found

@@ -64,8 +64,8 @@ class _Outcome:
             self.rows.append([file.removeprefix("tests/"), _words(name), report.outcome, round(report.duration, 1), measured or None])
 
     def pytest_sessionfinish(self) -> None:
-        from cases.fingerprint import code_fingerprint
-        from cases.store import Store, write_atomically
+        from cases.jobs.key import code_fingerprint
+        from cases.jobs.store import Store, write_atomically
         from reports.verification import FILE, PARTS
 
         passed = sum(row[2] == "passed" for row in self.rows)

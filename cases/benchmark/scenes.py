@@ -2,15 +2,14 @@
 
 import dataclasses
 from collections.abc import Sequence
-from contextlib import closing
-from typing import Final
+from typing import Any, Final
 
 from cases.benchmark.measurement import LONG, REPETITIONS, Benchmark, last_at_work, pinned
 from cases.benchmark.methods import methods
 from cases.case import Case
-from cases.fingerprint import SIMULATION, code_fingerprint
-from cases.store import Store, key_of
-from cases.workers import Job, Limits, default_limits, run_jobs
+from cases.jobs.job import Executor, Job, Limits
+from cases.jobs.progress import answers
+from cases.jobs.workshop import Workshop
 from engines.accurate import run_once
 from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN, RIVALS, engine
@@ -21,39 +20,37 @@ from engines.start import standard_start
 SCENES: Final = ("thesis-24", "thesis-17", "hard-ei-x0.1", "hard-crank-6in")
 
 ENGINES: Final = (*MAIN, *RIVALS)
-PARTS: Final = (*SIMULATION, "cases.benchmark")
 
 
-def stored(case: Case, store: Store, names: Sequence[str] = ENGINES) -> Benchmark | None:
+def stored(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES) -> Benchmark | None:
     """The result that was measured last with this code and these libraries, or None."""
-    entry = store.get(_key(case, names))
-    return None if entry is None else Benchmark(**entry.document)
+    found = workshop.stored(_job(case, names, ()))
+    return None if found is None else found.value
 
 
 def measure(
     case: Case,
-    store: Store,
+    workshop: Workshop,
     names: Sequence[str] = ENGINES,
     repetitions: int = REPETITIONS,
     longest: float = LONG,
-    limits: Limits | None = None,
 ) -> Benchmark:
     """Measure anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
 
-    An engine that dies, or is stopped at the limits (None: `cases.workers.default_limits`), is left out and the others are measured once
-    more; such a result is not stored.
+    An engine that dies, or is stopped at the executor's limits, is left out and the others are measured once more; such a result is not
+    stored. The time limit stands for each engine.
 
     Raises:
         EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.
         KeyboardInterrupt: Ctrl-C.
     """
-    limits = limits or default_limits()
-    failures = tried(case, names, limits)
+    limits, failures = workshop.executor.limits, tried(case, workshop.executor, names)
     while True:
         sound = tuple(name for name in names if name not in failures)
         allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
-        (outcome,) = run_jobs([Job(case.name, pinned, (case, sound, repetitions, longest))], limits=allowed)
-        if outcome.completed:
+        job = dataclasses.replace(_job(case, names, (case, sound, repetitions, longest)), limits=allowed)
+        outcome = answers(workshop.executor, [job], case.name)[0]
+        if outcome.value is not None:
             break
         if isinstance(outcome.error, (EngineFailure, Refusal)):
             raise outcome.error
@@ -65,37 +62,36 @@ def measure(
         if culprit is None or culprit not in sound:
             raise EngineFailure(0.0, f"the process of the benchmark {outcome.explanation}", "try fewer engines at once")
         failures[culprit] = f"{outcome.failure}, at finer settings"
-    result: Benchmark = dataclasses.replace(outcome.value, failures=failures)
+    result = dataclasses.replace(outcome.value, failures=failures)
     if not failures:
-        store.put(_key(case, names), dataclasses.asdict(result))
+        workshop.kept(dataclasses.replace(outcome, value=result))
     return result
 
 
-def tried(case: Case, names: Sequence[str], limits: Limits) -> dict[str, str]:
+def tried(case: Case, executor: Executor, names: Sequence[str]) -> dict[str, str]:
     """Engines that must not be let into the process in which all are measured, with the reason.
 
     Each is tried with its coarsest settings in a process of its own. One that fails with words of its own is not among them: that is a
     result, and stays in the table.
     """
     failures = {}
-    with closing(run_jobs([Job(name, _try, (case, name)) for name in names], limits=limits)) as outcomes:
-        for outcome in outcomes:
-            if outcome.value:
-                failures[outcome.job.name] = str(outcome.value)
-            elif not (outcome.completed or isinstance(outcome.error, (EngineFailure, Refusal, SettingError))):
-                failures[outcome.job.name] = outcome.explanation
+    for outcome in answers(executor, [Job(name, _try, (case, name)) for name in names], "trying the engines"):
+        if outcome.value:
+            failures[outcome.job.name] = outcome.value
+        elif not (outcome.completed or isinstance(outcome.error, (EngineFailure, Refusal, SettingError))):
+            failures[outcome.job.name] = outcome.explanation
     return {name: failures[name] for name in names if name in failures}
 
 
-def _try(case: Case, name: str) -> str | None:
-    """Run the coarsest settings; why the engine cannot be used here, if it cannot."""
+def _try(case: Case, name: str) -> str:
+    """Run the coarsest settings; why the engine cannot be used here, "" if it can."""
     for method in methods([name], case)[:1]:
         if method.ladder:
             run_once(method.engine, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, method.ladder[0])
-    return engine(name).unavailable()
+    return engine(name).unavailable() or ""
 
 
-def _key(case: Case, names: Sequence[str]) -> str:
-    versions = {name: "" if engine(name).unavailable() else engine(name).version() for name in names}
-    scene = {"mechanism": case.mechanism, "duration": case.duration, "output_step": case.output_step}
-    return key_of({"kind": "benchmark", "scene": scene, "versions": versions, "code": code_fingerprint(PARTS)})
+def _job(case: Case, names: Sequence[str], arguments: tuple[Any, ...]) -> Job[Benchmark]:
+    """The measurement of a scene, told apart by scene and engines alone: not by how often or how far it is measured."""
+    inputs = (case.mechanism, case.duration, case.output_step)
+    return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), code=("cases.benchmark",), inputs=inputs)

@@ -35,7 +35,7 @@ _CUTS: Final = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scene:
+class TrialScene:
     """A scene to be judged; `horizon` is the stretch (s) on which its motion is well conditioned, at most the duration."""
 
     mechanism: Mechanism
@@ -45,8 +45,8 @@ class Scene:
 
 
 @dataclass(frozen=True)
-class Run:
-    """What the climb ended with.
+class Trial:
+    """An engine tried in a scene: what the climb ended with.
 
     Attributes:
         evidence: for `cases.judging.verdicts.judge`.
@@ -60,8 +60,8 @@ class Run:
 
 
 def gather(
-    engine: str, scene: Scene, requested: float, usable: Callable[[str], Engine] = usable_engine, asked: Sequence[float] = ASKED
-) -> Run:
+    engine: str, scene: TrialScene, requested: float, usable: Callable[[str], Engine] = usable_engine, asked: Sequence[float] = ASKED
+) -> Trial:
     """The evidence on an engine in a scene.
 
     Args:
@@ -72,7 +72,7 @@ def gather(
         asked: see `ASKED`.
     """
     nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
-    found = Run(nothing, {}, {})
+    found = Trial(nothing, {}, {})
     try:
         chosen = usable(engine)
         for share in asked:
@@ -84,19 +84,19 @@ def gather(
             if judge(run.evidence).claimed_error is not None or estimate is None or estimate > share * requested:
                 break  # no doubt left, or the ladder ends here
     except (Refusal, SettingError) as refusal:
-        return Run(replace(nothing, refused=str(refusal)), {}, {})
+        return Trial(replace(nothing, refused=str(refusal)), {}, {})
     return found
 
 
 class _Request:
     """An engine asked for an accuracy in a scene; the evidence is held against `requested`, which is at least that."""
 
-    def __init__(self, engine: Engine, scene: Scene, requested: float, accuracy: float) -> None:
+    def __init__(self, engine: Engine, scene: TrialScene, requested: float, accuracy: float) -> None:
         self._engine, self._scene, self._accuracy = engine, scene, accuracy
         self._start = standard_start(scene.mechanism)
         self._nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
 
-    def run(self) -> Run:
+    def run(self) -> Trial:
         """All runs that the evidence needs.
 
         Raises:
@@ -106,7 +106,7 @@ class _Request:
         stretch, result, failure = self._delivered()
         if failure is not None and (result is None or not self._at_the_end(failure.partial)):
             broken = Breakdown(time=failure.time, cause=failure.cause)
-            return Run(replace(self._nothing, breakdown=broken), {}, dict(failure.partial.columns) if failure.partial else {})
+            return Trial(replace(self._nothing, breakdown=broken), {}, dict(failure.partial.columns) if failure.partial else {})
         assert result is not None
         whole, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.settings)
         evidence = replace(self._nothing, stretch=stretch, error_estimate=result.error_estimate, remark=result.remark)
@@ -116,7 +116,7 @@ class _Request:
         estimate = result.error_estimate
         if estimate is not None and estimate <= evidence.requested and whole is not None:
             evidence = self._balanced(evidence, columns, *self._finer(result.settings))
-        return Run(evidence, result.settings.as_dict(), columns)
+        return Trial(evidence, result.settings.as_dict(), columns)
 
     def _delivered(self) -> tuple[float, Result | None, EngineFailure | None]:
         """What a user is given of the longest stretch that there is, and why it is not the whole, where it is not."""

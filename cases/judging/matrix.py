@@ -1,20 +1,20 @@
 """The matrix of verdicts: every engine on every hard scene, each verdict checked afterwards against a converged solution."""
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, Final
 
 import numpy as np
 
 from cases.case import Case
-from cases.judging.conditioning import Conditioning
-from cases.judging.evidence import Columns, Run, Scene, relative_difference
-from cases.judging.results import conditioning_of, conditioning_work, evidence_work, results, run_of
+from cases.jobs.job import Job, Outcome, T
+from cases.jobs.workshop import Workshop
+from cases.judging.conditioning import Conditioning, conditioning
+from cases.judging.evidence import Columns, Trial, TrialScene, gather, relative_difference
 from cases.judging.spectrum import later_differences
-from cases.judging.verdicts import ACCURATE, ENDED, LATER, Verdict, compared, judge
-from cases.store import Store
-from cases.stored_jobs import Work
+from cases.judging.verdicts import ACCURATE, ENDED, LATER, Breakdown, Evidence, Verdict, contradicted, judge
 from engines.registry import MAIN
 
 #: Error of the tip deflection asked of every engine.
@@ -25,6 +25,10 @@ CONVERGED: Final = ("reference", 1e-3)
 MODEL: Final = "thesis"
 #: The error asked of its equations' converged solution.
 MODEL_CONVERGED: Final = 1e-4
+#: Columns of a trial that are kept.
+_KEPT: Final = ("time", "tip_deflection", "strain_energy")
+_KIND: Final = "hard scene"
+_CODE: Final = ("cases.judging",)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,52 +86,81 @@ class Matrix:
         return tuple(cell for cell in self.cells.values() if cell.silently_wrong)
 
 
-def judge_scenes(
-    cases: Sequence[Case], store: Store, engines: Sequence[str] = MAIN, jobs: int | None = None, *, compute: bool = True
-) -> Matrix:
+def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[str] = MAIN, *, compute: bool = True) -> Matrix:
     """The matrix, from the store where it is there.
 
     Args:
         cases: the scenes.
-        store: results are taken from here and kept here.
+        workshop: where what is missing is computed.
         engines: names.
-        jobs: processes at a time; None: one per core.
         compute: False: what is not stored is left out.
 
     Raises:
         UnknownEngine: a name that is no engine's.
-        StoreError: see `cases.store`.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    conditions = [conditioning_work(case.name, case.mechanism, case.duration, case.output_step) for case in cases]
-    known = {name[1]: conditioning_of(stored) for name, stored in results(conditions, store, jobs, compute=compute).items()}
-    conditionings = {name: found for name, found in known.items() if found is not None}
-    work = {item.name: item for case in cases for item in _work_on(case, conditionings.get(case.name), engines)}
-    found = results(list(work.values()), store, jobs, compute=compute)
-    runs = {name: run_of(stored, work[name]) for name, stored in found.items()}
+
+    def outcomes(jobs: Sequence[Job[T]]) -> list[Outcome[T] | None]:
+        return [*workshop.outcomes(jobs, "hard scenes")] if compute else [workshop.stored(job) for job in jobs]
+
+    known = outcomes([_conditioning_job(case) for case in cases])
+    conditionings = {case.name: found.value for case, found in zip(cases, known, strict=True) if found is not None and found.value}
+    scenes = {case.name: _scene(case, conditionings.get(case.name)) for case in cases}
+    jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(scenes[case.name], engines).items()}
+    trials: dict[tuple[str, str], Trial] = {}
+    for (what, name), found in zip(jobs, outcomes(list(jobs.values())), strict=True):
+        if found is not None:
+            trials[what, name] = found.value or _broken(jobs[what, name], found)
     cells: dict[tuple[str, str], Cell] = {}
     converged: dict[str, float | None] = {}
     for case in cases:
-        truth = runs.get(("converged", case.name))
-        of_case = {name: runs["cell", case.name, name] for name in engines if ("cell", case.name, name) in runs}
-        cells |= {(case.name, cell.engine): cell for cell in _cells(case.name, of_case, truth, runs.get(("model", case.name)))}
+        truth = trials.get(("converged", case.name))
+        of_case = {name: trials[name, case.name] for name in engines if (name, case.name) in trials}
+        cells |= {(case.name, cell.engine): cell for cell in _cells(case.name, of_case, truth, trials.get(("model", case.name)))}
         converged[case.name] = judge(truth.evidence).claimed_error if truth else None
     return Matrix(tuple(cases), tuple(engines), cells, conditionings, converged)
 
 
-def _work_on(case: Case, conditioning: Conditioning | None, engines: Sequence[str]) -> list[Work]:
+def _scene(case: Case, conditioning: Conditioning | None) -> TrialScene:
     horizon = conditioning.horizon if conditioning else case.duration
-    scene = Scene(mechanism=case.mechanism, duration=case.duration, output_step=case.output_step, horizon=horizon)
-    work = [evidence_work(("converged", case.name), CONVERGED[0], scene, CONVERGED[1])]
-    if MODEL in engines:
-        work.append(evidence_work(("model", case.name), MODEL, scene, MODEL_CONVERGED))
-    return work + [evidence_work(("cell", case.name, name), name, scene, REQUESTED) for name in engines]
+    return TrialScene(mechanism=case.mechanism, duration=case.duration, output_step=case.output_step, horizon=horizon)
 
 
-def _cells(scene: str, runs: Mapping[str, Run], truth: Run | None, model: Run | None) -> list[Cell]:
+def _conditioning_job(case: Case) -> Job[Conditioning]:
+    arguments = (case.mechanism, case.duration, case.output_step)
+    return Job(f"conditioning of {case.name}", conditioning, arguments, kind=_KIND, engines=("reference",), code=_CODE)
+
+
+def _trial_jobs(scene: TrialScene, engines: Sequence[str]) -> dict[str, Job[Trial]]:
+    """The converged solution, that of `MODEL`'s own equations if it is among the engines, and each engine."""
+    wanted = {"converged": CONVERGED} | ({"model": (MODEL, MODEL_CONVERGED)} if MODEL in engines else {})
+    wanted |= {name: (name, REQUESTED) for name in engines}
+    return {
+        what: Job(f"{name} in a hard scene", trial, (name, scene, requested), _KIND, engines=(name,), code=_CODE)
+        for what, (name, requested) in wanted.items()
+    }
+
+
+def trial(engine: str, scene: TrialScene, requested: float) -> Trial:
+    """What is kept of an engine tried in a scene; a number that is none is infinite: it fails every test."""
+    found = gather(engine, scene, requested)
+    numbers: Any = {name: math.inf for name, value in vars(found.evidence).items() if isinstance(value, float) and math.isnan(value)}
+    later = found.evidence.later and {name: math.inf if math.isnan(value) else value for name, value in found.evidence.later.items()}
+    columns: Columns = {name: found.columns[name] for name in _KEPT if name in found.columns}
+    return replace(found, evidence=replace(found.evidence, later=later, **numbers), columns=columns)
+
+
+def _broken(job: Job[Trial], outcome: Outcome[Trial]) -> Trial:
+    """Of a process that ended without a result, that it did."""
+    _, scene, requested = job.arguments
+    broken = Breakdown(time=0.0, cause=outcome.explanation)
+    return Trial(Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step, breakdown=broken), {}, {})
+
+
+def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Trial | None) -> list[Cell]:
     own = {name: judge(run.evidence) for name, run in runs.items()}
     others = {name: verdict for name, verdict in own.items() if name != MODEL}
-    verdicts = own | dict(compared(others, _differences(runs, others)).verdicts)
+    verdicts = own | contradicted(others, _differences(runs, others))
     cells = []
     for name, verdict in verdicts.items():
         right = model if name == MODEL else truth
@@ -137,7 +170,7 @@ def _cells(scene: str, runs: Mapping[str, Run], truth: Run | None, model: Run | 
     return cells
 
 
-def _differences(runs: Mapping[str, Run], verdicts: Mapping[str, Verdict]) -> dict[tuple[str, str], float]:
+def _differences(runs: Mapping[str, Trial], verdicts: Mapping[str, Verdict]) -> dict[tuple[str, str], float]:
     """Of every two runs that claim something, over the stretch that both claim."""
     claiming = [name for name, verdict in verdicts.items() if verdict.stretch is not None]
     found = {}
@@ -153,14 +186,14 @@ def _difference(columns: Columns, other: Columns, stretch: float) -> float:
     return relative_difference(columns["tip_deflection"][:rows], other["tip_deflection"][:rows])
 
 
-def _distance(run: Run, truth: Run) -> float | None:
+def _distance(run: Trial, truth: Trial) -> float | None:
     """Of two converged solutions, over what both claim."""
     stretches = [judge(each.evidence).stretch for each in (run, truth)]
     known = [stretch for stretch in stretches if stretch is not None]
     return _difference(run.columns, truth.columns, min(known)) if len(known) == 2 else None
 
 
-def _checked(verdict: Verdict, run: Run, truth: Run) -> dict[str, Any]:
+def _checked(verdict: Verdict, run: Trial, truth: Trial) -> dict[str, Any]:
     """What the converged solution says about a claim; empty where there is nothing to say."""
     right = judge(truth.evidence)
     claimed, stretch = verdict.claimed_error, verdict.stretch

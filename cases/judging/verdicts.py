@@ -3,11 +3,11 @@
 Nothing here knows the right answer. The evidence is how far the run is from the same scene at coarser and finer settings, whether
 its energy balance closes, its slider stays on the follower's centre line and its crank angle is the integral of its crank speed.
 That finds what is too coarse, unstable or broken. An engine that converges to something else (a wrong parameter, a missing term)
-passes all of it; only the comparison with other engines finds that (`contradictions`).
+passes all of it; only the comparison with other engines finds that (`contradicted`).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
 
@@ -185,25 +185,8 @@ def _later_doubt(evidence: Evidence) -> str:
     return ""
 
 
-@dataclass(frozen=True)
-class Contradiction:
-    """Two runs whose claims cannot both hold: their difference exceeds the sum of the claims."""
-
-    first: str
-    second: str
-    difference: float
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Verdicts after the comparison, and what it found."""
-
-    verdicts: Mapping[str, Verdict]
-    contradictions: tuple[Contradiction, ...] = field(default=())
-
-
-def compared(verdicts: Mapping[str, Verdict], differences: Mapping[tuple[str, str], float]) -> Comparison:
-    """Hold the claims of engines on one scene against each other.
+def contradicted(verdicts: Mapping[str, Verdict], differences: Mapping[tuple[str, str], float]) -> dict[str, Verdict]:
+    """The verdicts after holding the claims of engines on one scene against each other.
 
     Each run claims to be within its claimed error of the same right answer, so two of them may differ by the sum of their claims.
     Where they differ by more, one at least is wrong: it is the one that fewer others bear out. Where that does not decide, both are
@@ -215,24 +198,21 @@ def compared(verdicts: Mapping[str, Verdict], differences: Mapping[tuple[str, st
     """
     claims = {name: v.claimed_error for name, v in verdicts.items() if v.kind in (ACCURATE, ENDED) and v.claimed_error is not None}
     borne_out = dict.fromkeys(claims, 0)
-    found: list[Contradiction] = []
-    for first, second in combinations(claims, 2):
-        difference = differences.get((first, second), differences.get((second, first)))
+    too_far: dict[tuple[str, str], float] = {}
+    for pair in combinations(claims, 2):
+        difference = differences.get(pair, differences.get(pair[::-1]))
         if difference is None:
             continue
-        if difference <= claims[first] + claims[second]:
-            borne_out[first] += 1
-            borne_out[second] += 1
-        else:
-            found.append(Contradiction(first, second, difference))
+        if difference > claims[pair[0]] + claims[pair[1]]:
+            too_far[pair] = difference
+            continue
+        for name in pair:
+            borne_out[name] += 1
     judged = dict(verdicts)
-    for contradiction in found:
-        pair = (contradiction.first, contradiction.second)
+    for pair, difference in too_far.items():
         weaker = [name for name in pair if borne_out[name] == min(borne_out[other] for other in pair)]
         for name in weaker:
             other = pair[1 - pair.index(name)]
-            reason = (
-                f"differs from {other} by {contradiction.difference:.2g}, more than both claim ({claims[name]:.2g}, {claims[other]:.2g})"
-            )
+            reason = f"differs from {other} by {difference:.2g}, more than both claim ({claims[name]:.2g}, {claims[other]:.2g})"
             judged[name] = replace(verdicts[name], kind=CONTRADICTED, reason=reason)
-    return Comparison(judged, tuple(found))
+    return judged

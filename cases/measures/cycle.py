@@ -1,6 +1,6 @@
 """All measures of one cycle: both halves, every channel, simulated and measured signals alike."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,15 +101,15 @@ def measure_cycle(
                     first.reason,
                 )
             )
-        of_half = [measure for measure in measures if measure.half == half]
-        agreed.append(
-            consensus(
-                half,
-                [m.first_mode_frequency for m in of_half if m.first_mode_frequency is not None],
-                [m.first_mode_frequency_uncertainty for m in of_half if m.first_mode_frequency_uncertainty is not None],
-            )
-        )
+        agreed.append(consensus_of(half, [measure for measure in measures if measure.half == half]))
     return CycleMeasures(tuple(measures), tuple(agreed))
+
+
+def consensus_of(half: str, measures: Sequence[Measure]) -> Consensus:
+    """Consensus of those measures of a half that resolve the first mode's frequency."""
+    known = [(measure.first_mode_frequency, measure.first_mode_frequency_uncertainty) for measure in measures]
+    found = [(frequency, uncertainty) for frequency, uncertainty in known if frequency is not None and uncertainty is not None]
+    return consensus(half, [frequency for frequency, _ in found], [uncertainty for _, uncertainty in found])
 
 
 def _vibrations(scale: TimeScale, half: HalfCycle, signals: Mapping[str, CubicSpline]) -> dict[str, tuple[FirstMode, float | None]]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,10 +91,6 @@ class Outlook:
     ratio: float | None
     cycles_needed: int | None
     stalled_since: int | None
-
-    def as_dict(self) -> dict[str, float | int | str | None]:
-        """Plain values for JSON, the sentence among them."""
-        return {**asdict(self), "sentence": self.sentence()}
 
     def sentence(self) -> str:
         """The same in words, with what to try."""

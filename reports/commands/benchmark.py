@@ -8,10 +8,9 @@ import click
 from reports.commands.options import (
     WholeNumber,
     json_option,
-    limits,
     load,
     memory_limit_option,
-    opened_store,
+    opened_workshop,
     read_assignments,
     refuse_engine_settings,
     refuse_equal_names,
@@ -69,12 +68,11 @@ def command(
     for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
         usable_engine(name) if engines else engine(name)
     _ = [case.mechanism for case in loaded]  # and so is a scene without crank
-    allowed = limits(time_limit, memory_limit)
-    store, tables = opened_store(), []
+    workshop, tables = opened_workshop(None, time_limit, memory_limit), []
     failed = False
     for case in loaded:
         try:
-            tables.append(measure(case, store, names, repetitions, limits=allowed))
+            tables.append(measure(case, workshop, names, repetitions))
         except EngineFailure as failure:  # of the solution to measure against; the other cases have their own
             tell(f"{case.name}: {failure}")
             failed = True
@@ -88,7 +86,7 @@ def command(
             tell(f"{table.case}: engine {name} was left out: {reason}")
     if failed or any(table.failures for table in tables):
         return ENGINE_TROUBLE
-    return BAD_INPUT if store.lost else GOOD
+    return BAD_INPUT if workshop.store.lost else GOOD
 
 
 def _print(table: "Benchmark") -> None:

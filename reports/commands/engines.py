@@ -1,10 +1,13 @@
 """`quickreturn engines`: which engines there are, which can be used here, and what can be set."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from reports.commands.options import json_option
+
+if TYPE_CHECKING:
+    from reports.questions import About
 
 
 @click.command(name="engines")
@@ -19,54 +22,43 @@ def command(engine: str | None, as_json: bool) -> None:
 
 
 def _list(as_json: bool) -> None:
-    from cases.workers import Job, default_limits, run_jobs
+    from cases.jobs.job import Job
     from engines.registry import engine_names
-    from reports import engine_jobs
     from reports.output import print_json, print_table
+    from reports.questions import About, about, asked
 
-    names = engine_names()
-    asked = run_jobs([Job(name, engine_jobs.about, (name,)) for name in names], limits=default_limits())
-    outcomes = {outcome.job.name: outcome for outcome in asked}
-    rows = [
-        outcomes[name].value
-        or {
-            "name": name,
-            "version": None,
-            "method": "unknown",
-            "estimate_of": None,
-            "available": False,
-            "reason": f"asked about itself, it {outcomes[name].failure}",
-        }
-        for name in names
-    ]
+    rows = []
+    for outcome in asked([Job(name, about, (name,)) for name in engine_names()], "engines"):
+        broken = About(name=outcome.job.name, method="unknown", available=False, reason=f"asked about itself, it {outcome.failure}")
+        rows.append(outcome.value or broken)
     if as_json:
         print_json(rows)
         return
-    state = ["available" if row["available"] else f"not available: {row['reason']}" for row in rows]
-    table = [(row["name"], row["version"] or "-", _estimate(row), row["method"], text) for row, text in zip(rows, state, strict=True)]
+    state = ["available" if row.available else f"not available: {row.reason}" for row in rows]
+    table = [(row.name, row.version or "-", _estimate(row), row.method, text) for row, text in zip(rows, state, strict=True)]
     print_table(table, ("NAME", "VERSION", "ESTIMATES", "METHOD", "STATE"))
 
 
-def _estimate(row: dict[str, Any]) -> str:
+def _estimate(row: "About") -> str:
     """What the engine's error estimate is of."""
     from reports.words import ESTIMATE
 
-    if row["estimate_of"] is None:
+    if row.estimate_of is None:
         return "-"
-    name, beside = ESTIMATE[row["estimate_of"]]
+    name, beside = ESTIMATE[row.estimate_of]
     return f"{name.removesuffix(' estimate')}{beside and '; '}{beside}"
 
 
 def _describe(name: str, as_json: bool) -> None:
-    from cases.workers import Job
-    from reports import engine_jobs
+    from cases.jobs.job import Job
     from reports.output import print_json, print_table
+    from reports.questions import answer_of, settings
 
-    found = engine_jobs.answer_of(Job(name, engine_jobs.settings, (name,)))
+    found = answer_of(Job(name, settings, (name,)))
     if as_json:
         print_json(found)
         return
-    click.echo(f"{name}: {found['method']}; {found['version'] or 'not available: ' + found['reason']}")
+    click.echo(f"{name}: {found.method}; {found.version or f'not available: {found.reason}'}")
     click.echo(f"estimates: {_estimate(found)}")
-    click.echo(f"finds settings for the accuracy asked, {found['default_accuracy']:g} unless --accuracy says otherwise; --set fixes them:")
-    print_table([tuple(row.values()) for row in found["settings"]], ("SETTING", "ACCEPTED", "MEANING"))
+    click.echo(f"finds settings for the accuracy asked, {found.default_accuracy:g} unless --accuracy says otherwise; --set fixes them:")
+    print_table([(row.name, row.accepted, row.meaning) for row in found.settings], ("SETTING", "ACCEPTED", "MEANING"))

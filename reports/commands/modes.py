@@ -31,26 +31,26 @@ def command(case: str, engine: str, crank_angle: float, count: int, assignments:
 
     Exit code 3: the engine failed, or what it returned are no natural frequencies; nothing is printed then.
     """
-    from cases.workers import Job
+    from cases.jobs.job import Job
     from engines.base import EngineFailure
-    from reports import engine_jobs
     from reports.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import print_json, print_table
+    from reports.questions import answer_of, modes
 
     overrides, settings = read_assignments(assignments)
     loaded = load(case, overrides)
-    job = Job(engine, engine_jobs.modes, (engine, loaded.mechanism, crank_angle, count, settings))
+    job = Job(engine, modes, (engine, loaded.mechanism, crank_angle, count, settings))
     try:
-        document = {"case": loaded.name, "crank_angle": crank_angle, **engine_jobs.answer_of(job)}
+        found = answer_of(job)
     except EngineFailure as failure:  # its own text tells of an instant, which there is none of here
         tell(f"{loaded.name}: engine {engine}: {failure.cause}; {failure.advice}")
         return ENGINE_TROUBLE
     if as_json:
-        print_json(document)
+        print_json({"case": loaded.name, "crank_angle": crank_angle, **vars(found)})
         return GOOD
-    click.echo(f"{loaded.name}, crank at {math.degrees(crank_angle):g} deg, {engine} ({document['version']})")
-    if not document["frequencies"]:
+    click.echo(f"{loaded.name}, crank at {math.degrees(crank_angle):g} deg, {engine} ({found.version})")
+    if not found.frequencies:
         click.echo("no natural frequency: nothing in this model can vibrate with the crank held")
         return GOOD
-    print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(document["frequencies"], 1)])
+    print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(found.frequencies, 1)])
     return GOOD

@@ -14,8 +14,8 @@ from cases.units import plain_number
 
 if TYPE_CHECKING:
     from cases.case import Case
-    from cases.store import Store
-    from cases.workers import Limits
+    from cases.jobs.job import Limits
+    from cases.jobs.workshop import Workshop
 
 LOWEST_ACCURACY: Final = 1e-4
 HIGHEST_ACCURACY: Final = 0.05
@@ -180,11 +180,27 @@ def refuse_equal_names(cases: "Sequence[Case]") -> None:
             raise click.UsageError(f'two cases are called "{name}"; give each a name of its own')
 
 
-def opened_store() -> "Store":
-    """The store of results; what it has to tell it tells on standard error at once. StoreError if its folder cannot be used."""
-    from cases.store import Store
+def opened_workshop(
+    jobs: int | None = None, time_limit: str | None = None, memory_limit: str | None = None, preload: Sequence[str] = ()
+) -> "Workshop":
+    """The store of results and the processes of this machine; what the store has to tell it tells on standard error at once.
 
-    return Store(tell=tell)
+    Args:
+        jobs: processes at a time; None: one per core.
+        time_limit: of an engine on a case, text of the option.
+        memory_limit: likewise.
+        preload: modules that workers need besides those of a simulation.
+
+    Raises:
+        StoreError: the store's folder cannot be used.
+        CaseError, click.UsageError: see `limits`.
+    """
+    allowed = limits(time_limit, memory_limit)
+    from cases.jobs.processes import PRELOAD, LocalProcesses
+    from cases.jobs.store import Store
+    from cases.jobs.workshop import Workshop
+
+    return Workshop(Store(tell=tell), LocalProcesses(jobs, allowed, (*PRELOAD, *preload)))
 
 
 def tell(sentence: str) -> None:
@@ -202,7 +218,7 @@ def limits(time_limit: str | None, memory_limit: str | None) -> "Limits":
         CaseError: a time of another dimension.
         click.UsageError: no positive number.
     """
-    from cases.workers import Limits, default_limits
+    from cases.jobs.job import Limits, default_limits
 
     usual = default_limits()
     seconds = usual.seconds if time_limit is None else _seconds("--time-limit", time_limit)

@@ -10,10 +10,9 @@ import click
 from cases.errors import as_written
 from reports.commands.options import (
     jobs_option,
-    limits,
     load,
     memory_limit_option,
-    opened_store,
+    opened_workshop,
     path_given,
     refuse_equal_names,
     single_option,
@@ -22,7 +21,7 @@ from reports.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from cases.comparison import CaseResult
+    from cases.runs.comparison import CaseResult
     from reports.report import Written
 
 
@@ -65,16 +64,15 @@ def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str
 
     loaded = [load(case, {}) for case in dict.fromkeys(cases or [entry.name for entry in catalogue("thesis")])]
     refuse_equal_names(loaded)
-    allowed = limits(time_limit, memory_limit)
-    store = opened_store()
-    written = write_report(loaded, Path(output), store, jobs, limits=allowed)
+    workshop = opened_workshop(jobs, time_limit, memory_limit, ("reports.pictures", "matplotlib.figure"))
+    written = write_report(loaded, Path(output), workshop)
     _print(written)
     for trouble in written.content.troubles:
         if trouble.is_failure:
             tell(f"{trouble.case}: engine {trouble.engine} {trouble.status}: {trouble.remark}")
     if written.failed:
         return ENGINE_TROUBLE
-    return BAD_INPUT if store.lost else GOOD
+    return BAD_INPUT if workshop.store.lost else GOOD
 
 
 def _print(written: "Written") -> None:

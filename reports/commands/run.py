@@ -10,10 +10,9 @@ from reports.commands.options import (
     accuracy_option,
     jobs_option,
     json_option,
-    limits,
     load,
     memory_limit_option,
-    opened_store,
+    opened_workshop,
     read_assignments,
     refuse_equal_names,
     set_option,
@@ -22,8 +21,8 @@ from reports.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from cases.comparison import CaseResult, Check
-    from cases.engine_run import EngineRun
+    from cases.runs.comparison import CaseResult, Check
+    from cases.runs.request import Run
 
 #: Departures shown of a pair of engines in the terminal.
 SHOWN: Final = 5
@@ -55,8 +54,8 @@ def command(
     installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
     interrupted run continues.
     """
-    from cases.cross_validation import cross_validate
-    from cases.steady_run import REFUSED
+    from cases.runs.comparison import cross_validate
+    from cases.runs.request import REFUSED
     from engines.registry import MAIN
     from reports.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
@@ -65,24 +64,23 @@ def command(
     loaded = [load(case, overrides) for case in dict.fromkeys(cases)]
     refuse_equal_names(loaded)
     _check_engines(loaded, engines, settings)
-    allowed = limits(time_limit, memory_limit)
-    store = opened_store()
-    results = cross_validate(loaded, store, list(dict.fromkeys(engines)) or MAIN, accuracy, settings, jobs, allowed)
+    workshop = opened_workshop(jobs, time_limit, memory_limit)
+    results = cross_validate(loaded, workshop, list(dict.fromkeys(engines)) or MAIN, accuracy, settings)
     if as_json:
-        print_json(as_document(results, store.notices))
+        print_json(as_document(results, workshop.store.notices))
     else:
         _print(results)
     for result in results:
         for run in result.failures:
-            tell(f"{result.case.name}: engine {run.engine} {run.status}: {run.document['remark']}")
+            tell(f"{result.case.name}: engine {run.engine} {run.status}: {run.remark}")
     refused = [(result.case.name, run) for result in results for run in result.runs.values() if engines and run.status == REFUSED]
     for case, run in refused:
-        tell(f"{case}: engine {run.engine}: {run.document['remark']}")
+        tell(f"{case}: engine {run.engine}: {run.remark}")
     if refused:
         return BAD_INPUT
     if any(result.failures for result in results):
         return ENGINE_TROUBLE
-    if store.lost:
+    if workshop.store.lost:
         return BAD_INPUT
     return CLAIMS_BROKEN if any(result.missed for result in results) else GOOD
 
@@ -113,13 +111,13 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
                 "passed": result.passed,
                 "reason": result.reason,
                 "notes": list(result.case.notes),
-                "engines": [{**run.document, "accuracy_class": result.accuracy_class(name)} for name, run in result.runs.items()],
+                "engines": [_as_document(run) | {"accuracy_class": result.accuracy_class(name)} for name, run in result.runs.items()],
                 "checks": [check.as_dict() for check in result.checks],
             }
             for result in results
         ],
         "failures": [
-            {"case": result.case.name, "engine": run.engine, "status": run.status, "remark": run.document["remark"]}
+            {"case": result.case.name, "engine": run.engine, "status": run.status, "remark": run.remark}
             for result in results
             for run in result.failures
         ],
@@ -127,8 +125,14 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
     }
 
 
+def _as_document(run: "Run") -> dict[str, Any]:
+    """All that is known of a run but its cycle."""
+    known = {name: value for name, value in vars(run).items() if name != "cycle"}
+    return known | {"settling": run.settling and {**vars(run.settling), "sentence": run.settling.sentence()}}
+
+
 def _print(results: Sequence["CaseResult"]) -> None:
-    from cases.steady_run import REFUSED
+    from cases.runs.request import REFUSED
     from reports.output import print_table
 
     for result in results:
@@ -139,15 +143,15 @@ def _print(results: Sequence["CaseResult"]) -> None:
         header = ("engine", "status", "start", "cycles", "solve s", "estimate", *numbers)
         print_table([_row(run, result.accuracy_class(name)) for name, run in result.runs.items()], header)
         for run in result.runs.values():
-            if run.document["remark"]:
-                click.echo(f"  {run.engine}: {run.document['remark']}")
+            if run.remark:
+                click.echo(f"  {run.engine}: {run.remark}")
         for line in _verdict(result):
             click.echo(f"  {line}")
 
 
 def _verdict(result: "CaseResult") -> list[str]:
     """What was judged and what came of it, and how far those engines lie from the reference that are not judged."""
-    from cases.comparison import REFERENCE, largest_differences, not_judged
+    from cases.runs.comparison import REFERENCE, largest_differences, not_judged
 
     lines = []
     for (engine, other), checks in result.departures.items():
@@ -177,9 +181,7 @@ def _departure(check: "Check") -> str:
     )
 
 
-def _row(run: "EngineRun", accuracy_class: str | None) -> tuple[str, ...]:
-    document = run.document
-
+def _row(run: "Run", accuracy_class: str | None) -> tuple[str, ...]:
     def number(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
 
@@ -188,9 +190,9 @@ def _row(run: "EngineRun", accuracy_class: str | None) -> tuple[str, ...]:
         run.engine,
         run.status,
         run.start or "-",
-        str(document["cycles"]),
-        number(document["solve_seconds"], ".2f"),
-        number(document.get("error_estimate"), ".1e"),
+        str(run.cycles),
+        number(run.solve_seconds, ".2f"),
+        number(run.error_estimate, ".1e"),
         accuracy_class or "-",
         number(run.consensus_frequency("pre"), ".3f"),
         number(run.consensus_frequency("post"), ".3f"),

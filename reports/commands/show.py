@@ -66,16 +66,15 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
 
 def _models(scene: Any) -> list[dict[str, Any]]:
     """Per engine what it builds, or in "refused" why it does not."""
-    from cases.workers import Job, default_limits, run_jobs
+    from cases.jobs.job import Job
     from engines.registry import engine_names
-    from reports import engine_jobs
+    from reports.questions import asked, model
 
-    names = engine_names()
-    found = {}
-    for outcome in run_jobs([Job(name, engine_jobs.model, (name, scene)) for name in names], limits=default_limits()):
-        refused = str(outcome.error or "") or outcome.failure
-        found[outcome.job.name] = {"engine": outcome.job.name, "refused": refused or None, **(outcome.value or {})}
-    return [found[name] for name in names]
+    found = []
+    for outcome in asked([Job(name, model, (name, scene)) for name in engine_names()], "models"):
+        built = vars(outcome.value) if outcome.value else {}
+        found.append({"engine": outcome.job.name, "refused": str(outcome.error or "") or outcome.failure or None, **built})
+    return found
 
 
 def _print(document: dict[str, Any]) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -20,6 +20,9 @@ from reports.commands.options import (
     single_option,
     time_limit_option,
 )
+
+if TYPE_CHECKING:
+    from reports.questions import Simulated
 
 
 @click.command(name="simulate")
@@ -51,7 +54,7 @@ def command(
     estimate is unknown or not verified; the rows that it delivered are in the file. One that crashed or was stopped at a limit delivers
     none. The accuracy of `thesis` is that of the integration of its own equations.
     """
-    from reports import engine_jobs
+    from reports import questions
     from reports.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import check_writable, print_json
 
@@ -59,48 +62,53 @@ def command(
     loaded = load(case, overrides, duration, output_step)
     allowed = limits(time_limit, memory_limit)
     check_writable(Path(output), keep="" if loaded.source == "library" else case, ending=".csv")
-    document = engine_jobs.simulate(engine, loaded, settings, accuracy, output, allowed)
+    found = questions.simulate(engine, loaded, settings, accuracy, output, allowed)
     if as_json:
-        print_json(document)
+        print_json(found)
     else:
-        _print(document)
-    if document["reached"]:
+        _print(found)
+    if found.reached:
         return GOOD
-    click.echo(f"quickreturn: {loaded.name}: engine {engine}: {document['remark']}{_kept(document)}", err=True)
+    click.echo(f"quickreturn: {loaded.name}: engine {engine}: {found.remark}{_kept(found)}", err=True)
     return ENGINE_TROUBLE
 
 
-def _kept(document: dict[str, Any]) -> str:
-    return f"; {document['rows']} rows are kept in {document['output']}" if document["rows"] else "; there is nothing to keep"
+def _kept(found: "Simulated") -> str:
+    return f"; {found.rows} rows are kept in {found.output}" if found.rows else "; there is nothing to keep"
 
 
-def _print(document: dict[str, Any]) -> None:
+def _print(found: "Simulated") -> None:
     from reports.output import print_table
 
-    rows = [("case", document["case"]), ("engine", f"{document['engine']} ({document.get('version', 'version unknown')})")]
-    if document["notes"]:
-        rows.append(("notes", f"{len(document['notes'])} on this case: see `quickreturn show {document['case']}`"))
-    if document["failure"] is None:
-        times = " + ".join(f"{document[f'{part}_seconds']:.3g} s {part}" for part in ("compile", "setup", "solve", "estimate"))
+    rows = [("case", found.case), ("engine", f"{found.engine} ({found.version or 'version unknown'})")]
+    if found.notes:
+        rows.append(("notes", f"{len(found.notes)} on this case: see `quickreturn show {found.case}`"))
+    if found.failure is None:
+        times = {
+            "compile": found.compile_seconds,
+            "setup": found.setup_seconds,
+            "solve": found.solve_seconds,
+            "estimate": found.estimate_seconds,
+        }
         rows += [
-            ("rows", f"{document['rows']} in {document['output']}"),
-            *_estimates(document),
-            ("times", times),
-            ("settings", ", ".join(f"{name} = {value}" for name, value in document["settings"].items())),
+            ("rows", f"{found.rows} in {found.output}"),
+            *_estimates(found),
+            ("times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())),
+            ("settings", ", ".join(f"{name} = {value}" for name, value in (found.settings or {}).items())),
         ]
-        if document["remark"] and (document["reached"] or document["error_estimate"] is None):  # else standard error tells it
-            rows.append(("remark", document["remark"]))
+        if found.remark and (found.reached or found.error_estimate is None):  # else standard error tells it
+            rows.append(("remark", found.remark))
     print_table(rows)
 
 
-def _estimates(document: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def _estimates(found: "Simulated") -> Iterator[tuple[str, str]]:
     """The error estimate of every column, a row for each; of a follower that does not bend, that of the tip's place."""
     from reports.words import ESTIMATE
 
-    name, beside = ESTIMATE[document["estimate_of"]]
-    each = dict(document["error_estimates"])
-    deflection, estimate = each.pop("tip_deflection"), document["error_estimate"]
-    asked = "" if document["accuracy"] is None else f" (asked: {document['accuracy']:g})"
+    name, beside = ESTIMATE[found.estimate_of or "total"]
+    each, estimate = dict(found.error_estimates), found.error_estimate
+    deflection = each.pop("tip_deflection")
+    asked = "" if found.accuracy is None else f" (asked: {found.accuracy:g})"
     place = "deflection" if deflection is not None or estimate is None else "tip's place"
     lines = {place: f"{_digits(estimate)}{asked}{beside and '; '}{beside}"}
     lines |= {column.removeprefix("tip_").removeprefix("slider_").replace("_", " "): _digits(value) for column, value in each.items()}

@@ -6,9 +6,9 @@ from typing import Final, Literal
 
 import numpy as np
 
-from cases.comparison import HALVES, REFERENCE, CaseResult, values
-from cases.cycle_estimates import EXTREMES
 from cases.measures import CHANNELS
+from cases.runs.comparison import HALVES, REFERENCE, CaseResult, values
+from cases.runs.estimates import EXTREMES
 
 Kind = Literal["frequency", "channel frequency", "amplitude", "extreme"]
 

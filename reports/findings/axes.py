@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cases.comparison import CaseResult
-from cases.engine_run import EngineRun
 from cases.experiment import axis_labels
+from cases.runs.comparison import CaseResult
+from cases.runs.request import Run
 from reports.findings.runs import thesis_runs
 
 #: Channel of an axis -> trajectory columns that it shows.
@@ -39,5 +39,5 @@ def axis_comparisons(results: Sequence[CaseResult]) -> list[AxisComparison]:
     return found
 
 
-def _peak(run: EngineRun, channel: str) -> float:
+def _peak(run: Run, channel: str) -> float:
     return max(run.peak(column) for column in COLUMNS[channel])

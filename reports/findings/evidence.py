@@ -1,13 +1,13 @@
 """Numbers behind verdicts that need more than the steady cycles: natural frequencies of the crank held still."""
 
-import dataclasses
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
-from cases.comparison import REFERENCE, CaseResult
-from cases.store import Store
-from cases.workers import Job, Limits, default_limits, run_jobs
-from reports.cache import content_of, kept
+from cases.jobs.job import Job
+from cases.jobs.workshop import Workshop
+from cases.runs.comparison import REFERENCE, CaseResult
+from cases.runs.marching import Columns
+from reference_model.mechanism import Mechanism
 from reports.findings.frozen_crank import (
     JointEffect,
     Range,
@@ -50,50 +50,30 @@ class NoEvidence(Exception):
     """The evidence could not be computed; the text is one sentence."""
 
 
-def evidence(result: CaseResult, store: Store, limits: Limits | None = None) -> Evidence:
+def evidence(result: CaseResult, workshop: Workshop) -> Evidence:
     """Evidence on a run of the thesis, from the store where it is there, else computed in a process of its own.
 
     Raises:
-        NoEvidence: that process failed or was stopped at the limits (None: `cases.workers.default_limits`).
+        NoEvidence: that process failed or was stopped at its limits.
     """
-    document = kept(store, "frozen crank", content_of(result), lambda: _computed(result, limits or default_limits()))
-    return Evidence(
-        converged=tuple(Range(**found) for found in document["converged"]),
-        cubic=tuple(Range(**found) for found in document["cubic"]),
-        alternating=tuple(document["alternating"]),
-        alike=tuple(document["alike"]),
-        elements=tuple(document["elements"]),
-        joints=tuple(
-            JointEffect(
-                stiffness=float(found["stiffness"]),
-                change_pre=found["change_pre"],
-                change_post=found["change_post"],
-                third_mode=Range(**found["third_mode"]),
-            )
-            for found in document["joints"]
-        ),
-    )
-
-
-def _computed(result: CaseResult, limits: Limits) -> dict[str, Any]:
-    (outcome,) = run_jobs([Job("frozen crank", _document, (result,))], limits=limits)
-    if not outcome.completed:
-        raise NoEvidence(f"{result.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}")
-    return dict(outcome.value)
-
-
-def _document(result: CaseResult) -> dict[str, Any]:
-    mechanism = result.case.mechanism
     reference = result.runs.get(REFERENCE)
-    joints: list[JointEffect] = []
-    if reference is not None and reference.usable:
-        joints = joint_effects(mechanism, reference.cycle["crank_angle"], reference.cycle["time"])
+    cycle = {name: reference.cycle[name] for name in ("crank_angle", "time")} if reference is not None and reference.usable else {}
+    arguments = (result.case.mechanism, cycle)
+    job = Job("frozen crank", frozen_crank, arguments, kind="frozen crank", code=("cases", "reports.findings"))
+    (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
+    if outcome.value is None:
+        raise NoEvidence(f"{result.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}")
+    return outcome.value
+
+
+def frozen_crank(mechanism: Mechanism, cycle: Columns) -> Evidence:
+    """The evidence; `cycle`: crank angle (rad) and time (s) over the reference's steady cycle, or empty."""
     converged = converged_ranges(mechanism)
-    return {
-        "converged": [dataclasses.asdict(found) for found in converged],
-        "cubic": [dataclasses.asdict(found) for found in cubic_ranges(mechanism, 2)],
-        "alternating": [share_with_signs(mechanism, mode, ALTERNATING) for mode in range(len(converged))],
-        "alike": [share_with_signs(mechanism, mode, ALIKE) for mode in range(len(converged))],
-        "elements": [excess_of_elements(mechanism, elements) for elements in ELEMENTS],
-        "joints": [dataclasses.asdict(found) | {"stiffness": repr(found.stiffness)} for found in joints],  # JSON has no infinity
-    }
+    return Evidence(
+        converged=tuple(converged),
+        cubic=tuple(cubic_ranges(mechanism, 2)),
+        alternating=tuple(share_with_signs(mechanism, mode, ALTERNATING) for mode in range(len(converged))),
+        alike=tuple(share_with_signs(mechanism, mode, ALIKE) for mode in range(len(converged))),
+        elements=tuple(excess_of_elements(mechanism, elements) for elements in ELEMENTS),
+        joints=tuple(joint_effects(mechanism, cycle["crank_angle"], cycle["time"])) if cycle else (),
+    )

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from cases.comparison import CaseResult
-from cases.steady_run import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED, UNAVAILABLE
+from cases.runs.comparison import CaseResult
+from cases.runs.request import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED, UNAVAILABLE
 
 #: Status -> what it means to a reader.
 MEANINGS: Final = {
@@ -36,7 +36,7 @@ class Trouble:
 def troubles(results: Sequence[CaseResult]) -> list[Trouble]:
     """All of them, in the order of the cases."""
     return [
-        Trouble(result.case.name, name, run.status, str(run.document["remark"]))
+        Trouble(result.case.name, name, run.status, run.remark)
         for result in results
         for name, run in result.runs.items()
         if run.status != SETTLED

@@ -2,35 +2,31 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from cases.comparison import HALVES, CaseResult
 from cases.experiment import MeasuredCurve
-from cases.measures import measure_cycle, time_scale
-from cases.measures.consensus import consensus
+from cases.measures import Measure, consensus_of, measure_cycle, time_scale
+from cases.runs.comparison import HALVES, CaseResult
 from reports.findings.runs import thesis_runs
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MeasuredHalf:
     """One half of a measured curve.
 
     Attributes:
         curve: the curve.
-        half: "pre" or "post".
-        measure: numbers of `cases.measures.Measure`; extremes after a zero-phase low-pass at 200 Hz.
-        engines: engine -> the same numbers of its cycle.
+        measure: of it; extremes after a zero-phase low-pass at 200 Hz.
+        engines: engine -> the same of its cycle.
     """
 
     curve: MeasuredCurve
-    half: str
-    measure: dict[str, Any]
-    engines: dict[str, dict[str, Any]]
+    measure: Measure
+    engines: Mapping[str, Measure]
 
 
-def measured_comparisons(results: Sequence[CaseResult], curves: Sequence[MeasuredCurve]) -> list[Comparison]:
+def measured_comparisons(results: Sequence[CaseResult], curves: Sequence[MeasuredCurve]) -> list[MeasuredHalf]:
     """All curves of the runs shown, both halves each."""
     shown = thesis_runs(results)
     found = []
@@ -47,11 +43,11 @@ def measured_comparisons(results: Sequence[CaseResult], curves: Sequence[Measure
                 its = run.measure(measure.half, curve.channel)
                 if run.usable and its is not None:
                     engines[name] = its
-            found.append(Comparison(curve, measure.half, vars(measure), engines))
+            found.append(MeasuredHalf(curve, measure, engines))
     return found
 
 
-def statement_values(comparisons: Sequence[Comparison], engine: str) -> dict[str, dict[int, float]]:
+def statement_values(comparisons: Sequence[MeasuredHalf], engine: str) -> dict[str, dict[int, float]]:
     """Ratios simulation / experiment for the thesis' relations: quantity of a statement -> run -> ratio.
 
     Made-up curves and channels that the thesis calls unusable do not count.
@@ -60,7 +56,7 @@ def statement_values(comparisons: Sequence[Comparison], engine: str) -> dict[str
     valid = [item for item in comparisons if item.curve.origin != "synthetic" and item.curve.usable and engine in item.engines]
     for run in sorted({item.curve.run for item in valid}):
         for half in HALVES:
-            here = [item for item in valid if item.curve.run == run and item.half == half]
+            here = [item for item in valid if item.curve.run == run and item.measure.half == half]
             frequency = _frequency_ratio(here, engine)
             amplitude = _amplitude_ratio(here, engine)
             if frequency is not None:
@@ -72,28 +68,16 @@ def statement_values(comparisons: Sequence[Comparison], engine: str) -> dict[str
     return values | ({"post_over_pre_frequency": both} if both else {})
 
 
-def _frequency_ratio(items: Sequence[Comparison], engine: str) -> float | None:
+def _frequency_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None:
     """Of the consensus over the measured channels, and over the same channels of the engine."""
-    sides: list[list[tuple[float, float]]] = [[], []]
-    for item in items:
-        for side, numbers in zip(sides, (item.engines[engine], item.measure), strict=True):
-            if item.measure["first_mode_frequency"] is not None and item.engines[engine]["first_mode_frequency"] is not None:
-                side.append((numbers["first_mode_frequency"], numbers["first_mode_frequency_uncertainty"]))
-    if not sides[0]:
-        return None
-    simulated, measured = (consensus("", [value for value, _ in side], [width for _, width in side]) for side in sides)
-    assert simulated.first_mode_frequency is not None
-    assert measured.first_mode_frequency is not None
-    return simulated.first_mode_frequency / measured.first_mode_frequency
+    pairs = [(item.engines[engine], item.measure) for item in items]
+    both = [pair for pair in pairs if all(measure.first_mode_frequency is not None for measure in pair)]
+    simulated, measured = (consensus_of("", [pair[side] for pair in both]).first_mode_frequency for side in (0, 1))
+    return None if simulated is None or measured is None else simulated / measured
 
 
-def _amplitude_ratio(items: Sequence[Comparison], engine: str) -> float | None:
+def _amplitude_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None:
     """Geometric mean over the channels."""
-    ratios = [_ratio(item.engines[engine], item.measure, "first_mode_amplitude") for item in items]
-    known = [ratio for ratio in ratios if ratio is not None]
+    pairs = [(item.engines[engine].first_mode_amplitude, item.measure.first_mode_amplitude) for item in items]
+    known = [mine / its for mine, its in pairs if mine is not None and its]
     return float(np.exp(np.mean(np.log(known)))) if known else None
-
-
-def _ratio(numbers: Mapping[str, Any], other: Mapping[str, Any], quantity: str) -> float | None:
-    pair = numbers[quantity], other[quantity]
-    return None if pair[0] is None or not pair[1] else float(pair[0]) / float(pair[1])

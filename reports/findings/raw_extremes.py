@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from cases.comparison import HALVES, REFERENCE, CaseResult
-from cases.engine_run import EngineRun
 from cases.measures import CHANNELS
+from cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from cases.runs.request import Run
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class Excess:
     count: int
 
 
-def counted_frequency(run: EngineRun, half: str, channel: str, visible: float) -> float | None:
+def counted_frequency(run: Run, half: str, channel: str, visible: float) -> float | None:
     """Frequency counted off the plot of a half, Hz: half the number of intervals between its extremes over their time.
 
     None where fewer than three extremes are seen.
@@ -72,7 +72,7 @@ def counted_excess(results: Sequence[CaseResult], engine: str = "thesis", other:
     return found
 
 
-def _resolved(result: CaseResult, engine: str, other: str, half: str) -> tuple[EngineRun, EngineRun] | None:
+def _resolved(result: CaseResult, engine: str, other: str, half: str) -> tuple[Run, Run] | None:
     """The two runs, if both resolve the first mode in this half."""
     runs = result.runs.get(engine), result.runs.get(other)
     if runs[0] is None or runs[1] is None or not all(run is not None and run.usable and run.consensus_frequency(half) for run in runs):

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from cases.comparison import CaseResult
 from cases.library.thesis import RUNS, run_name
+from cases.runs.comparison import CaseResult
 
 
 def run_number(case_name: str) -> int | None:

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from cases.comparison import HALVES, REFERENCE, CaseResult
 from cases.experiment import Statement, statements
+from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from reports.findings.agreement import differences
 from reports.findings.evidence import ELEMENTS, Evidence
 from reports.findings.runs import of_run, thesis_runs

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from cases.comparison import CLASSES, REFERENCE, WORSE, CaseResult
 from cases.measures import CHANNELS
-from cases.steady_run import SETTLED
+from cases.runs.comparison import CLASSES, REFERENCE, WORSE, CaseResult
+from cases.runs.request import SETTLED
 from engines.registry import engine
 from reports.findings.agreement import Kind, differences, engines_of, spread
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, MODEL, NOT, UNCHECKABLE

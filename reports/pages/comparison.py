@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from cases.cycle_estimates import EXTREMES
+from cases.runs.estimates import EXTREMES
 from reports.findings.agreement import engines_of, resolvable
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content

@@ -4,14 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cases.benchmark import Benchmark
-from cases.comparison import CaseResult
 from cases.experiment import MeasuredCurve
 from cases.judging.matrix import Matrix
+from cases.runs.comparison import CaseResult
 from cases.studies import Studies
 from reports.findings.axes import AxisComparison, axis_comparisons
 from reports.findings.evidence import Evidence
 from reports.findings.failures import Trouble, troubles
-from reports.findings.measured import Comparison, statement_values
+from reports.findings.measured import MeasuredHalf, statement_values
 from reports.findings.runs import thesis_runs
 from reports.findings.verdicts import MODEL, Basis, Verdict, verdicts
 from reports.pictures import Pictures
@@ -42,7 +42,7 @@ class Content:
     benchmarks: Sequence[Benchmark] = ()
     evidence: Evidence | None = None
     curves: Sequence[MeasuredCurve] = ()
-    comparisons: Sequence[Comparison] = ()
+    comparisons: Sequence[MeasuredHalf] = ()
     pictures: Pictures = field(default_factory=Pictures)
     hard_scenes: Matrix | None = None
     verification: Verification = field(default_factory=Verification)

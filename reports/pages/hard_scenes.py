@@ -1,21 +1,21 @@
 """The hard scenes: where engines break, and whether they say so."""
 
 from cases.case_file import load_case
+from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import CHANGE, ILL
 from cases.judging.matrix import MODEL, REQUESTED, Matrix, judge_scenes
 from cases.judging.verdicts import LATER, MEANINGS
 from cases.library import catalogue
 from cases.library.hard import IMPOSSIBLE, TAG
-from cases.store import Store
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables import hard_scenes as tables
 from reports.words import counted, percent
 
 
-def stored_matrix(store: Store) -> Matrix | None:
+def stored_matrix(workshop: Workshop) -> Matrix | None:
     """What `make verify` left of the matrix, without computing anything; None where there is nothing."""
-    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], store, compute=False)
+    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=False)
     return matrix if matrix.cells else None
 
 

@@ -6,7 +6,7 @@ from typing import Any, Final
 from cases.benchmark import SCENES, Benchmark, fastest_at, observed_order, pareto_front
 from cases.benchmark.findings import LEVELS
 from cases.benchmark.measurement import BUDGET, CONFIRMED, NOT_TRIED
-from cases.comparison import REFERENCE
+from cases.runs.comparison import REFERENCE
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables import benchmark as tables

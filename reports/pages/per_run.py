@@ -1,8 +1,8 @@
 """One section per case: pictures, notes, a small table."""
 
-from cases.comparison import CaseResult, Check
 from cases.library import inconsistencies
 from cases.library.thesis import RUNS
+from cases.runs.comparison import CaseResult, Check
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content
 from reports.tables.engines import case_table
@@ -30,7 +30,7 @@ def _section(chapter: Chapter, result: CaseResult, content: Content) -> None:
         if note not in general:
             chapter.text(f"{note[:1].upper()}{note[1:]}.", "note")
     for run in result.failures:
-        chapter.text(f"{run.engine}: {run.status}. {run.document['remark']}", "warning")
+        chapter.text(f"{run.engine}: {run.status}. {run.remark}", "warning")
     drawn = content.pictures.of_case.get(case.name, {})
     label = case_label(case.name)
     chapter.figures(

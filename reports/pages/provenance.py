@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from cases.steady_run import SETTLED
+from cases.runs.request import SETTLED
 from reference_model.mechanism import TorqueDrive
 from reports.findings.failures import MEANINGS
 from reports.findings.runs import thesis_runs

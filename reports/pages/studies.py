@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from cases.comparison import REFERENCE
+from cases.runs.comparison import REFERENCE
 from reports.findings.agreement import engines_of
 from reports.pages.blocks import Chapter
 from reports.pages.content import Content

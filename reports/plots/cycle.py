@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from cases.comparison import CaseResult
 from cases.experiment import AxisLabels, MeasuredCurve
 from cases.measures import CHANNELS
+from cases.runs.comparison import CaseResult
 from reports.plots.picture import Picture, picture
 from reports.plots.steady_cycle import Array, direction, drawn_runs, fraction, missing_runs, name_in_legend, stacked_panels
 from reports.plots.style import BAND, MEASURED, legend_above, look, new_figure, note, number, padded

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from cases.comparison import CaseResult
-from cases.engine_run import EngineRun
+from cases.runs.comparison import CaseResult
+from cases.runs.request import Run
 from reference_model.mechanism import Mechanism, TorqueDrive
 from reference_model.rigid import rigid_kinetostatics
 from reports.plots.deflection import Deflection
@@ -70,14 +70,14 @@ def load_torque(mechanism: Mechanism, columns: dict[str, Array]) -> Array:
     return mechanism.crank.length * columns["slider_force"] * np.cos(columns["crank_angle"] - tangent)
 
 
-def _torque(mechanism: Mechanism, run: EngineRun) -> Array:
+def _torque(mechanism: Mechanism, run: Run) -> Array:
     """What asks to be looked at: the load on a motor of constant torque, or the torque that a prescribed speed takes."""
     if not mechanism.crank_is_free and "crank_torque" in run.cycle:
         return run.cycle["crank_torque"]
     return load_torque(mechanism, run.cycle)
 
 
-def _rigid(mechanism: Mechanism, run: EngineRun) -> tuple[Array, Array]:
+def _rigid(mechanism: Mechanism, run: Run) -> tuple[Array, Array]:
     """Slider force (N) and torque of the slider force (N m) if the follower were rigid and the crank turned evenly at its mean speed."""
     angle, time = run.cycle["crank_angle"], run.cycle["time"]
     speed = (angle[-1] - angle[0]) / (time[-1] - time[0])

@@ -14,7 +14,7 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
-from cases.comparison import REFERENCE, CaseResult, largest_differences
+from cases.runs.comparison import REFERENCE, CaseResult, largest_differences
 from reports.plots.overview import row_title, run_labels
 from reports.plots.picture import Picture, picture
 from reports.plots.style import FONT_SIZE, SMALL, legend_above, new_figure

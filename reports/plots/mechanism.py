@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.comparison import CaseResult
+from cases.runs.comparison import CaseResult
 from engines.trajectory import REQUIRED
 from reference_model.mechanism import Mechanism
 from reference_model.rigid import rigid_motion

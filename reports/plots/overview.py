@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from cases.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, Check, largest_differences, values
-from cases.cycle_estimates import EXTREMES
+from cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, Check, largest_differences, values
+from cases.runs.estimates import EXTREMES
 from reports.plots.picture import Picture, picture
 from reports.plots.style import FONT_SIZE, GREY, LIGHT, SMALL, legend_above, look, new_figure, number, tidy
 from reports.tables.claims import score

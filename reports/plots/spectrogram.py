@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.comparison import CaseResult
 from cases.measures import TimeScale
+from cases.runs.comparison import CaseResult
 from reports.plots.picture import Picture, picture
 from reports.plots.steady_cycle import best_run, cycle_axis, direction, fraction
 from reports.plots.style import FONT_SIZE, SMALL, new_figure, tidy

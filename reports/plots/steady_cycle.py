@@ -7,9 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from cases.comparison import REFERENCE, CaseResult
-from cases.engine_run import EngineRun
-from cases.steady_run import NOT_SETTLED
+from cases.runs.comparison import REFERENCE, CaseResult
+from cases.runs.request import NOT_SETTLED, Run
 from reports.plots.style import FONT_SIZE, SMALL, number, tidy
 
 Array = NDArray[np.float64]
@@ -18,19 +17,19 @@ TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 _PREFERRED: Final = (REFERENCE, "exudyn", "mujoco", "thesis")
 
 
-def drawn_runs(result: CaseResult) -> dict[str, EngineRun]:
+def drawn_runs(result: CaseResult) -> dict[str, Run]:
     """The runs that have a whole cycle to show: settled ones, and the last cycle of one that did not settle."""
     return {name: run for name, run in result.runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
 
 
-def best_run(result: CaseResult) -> tuple[str, EngineRun] | None:
+def best_run(result: CaseResult) -> tuple[str, Run] | None:
     """The run to look at if only one is shown: the reference's, else the next in the order of how finely engines resolve the beam."""
     runs = drawn_runs(result)
     names = sorted(runs, key=lambda name: (not runs[name].usable, _PREFERRED.index(name) if name in _PREFERRED else len(_PREFERRED)))
     return (names[0], runs[names[0]]) if names else None
 
 
-def name_in_legend(name: str, run: EngineRun) -> str:
+def name_in_legend(name: str, run: Run) -> str:
     """The engine's name, with its status if it did not settle."""
     return name if run.usable else f"{name} ({run.status})"
 
@@ -46,7 +45,7 @@ def fraction(crank_angle: Array) -> Array:
     return np.abs(crank_angle - crank_angle[0]) / (2.0 * np.pi)
 
 
-def direction(run: EngineRun) -> int:
+def direction(run: Run) -> int:
     """+1 where the crank angle grows, -1 where it falls."""
     angle = run.cycle["crank_angle"]
     return 1 if angle[-1] > angle[0] else -1

@@ -5,8 +5,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.comparison import CLASSES, WORSE, CaseResult, Check, not_judged
-from cases.cycle_estimates import EXTREMES
+from cases.runs.comparison import CLASSES, WORSE, CaseResult, Check, not_judged
+from cases.runs.estimates import EXTREMES
 from reports.findings.agreement import engines_of
 from reports.tables.table import Cell, Column, Table, TableBuilder
 from reports.words import HALF, QUANTITY, case_label, channel_name, counted, percent
@@ -73,7 +73,7 @@ def cause(result: CaseResult, check: Check) -> str:
     found = []
     if check.quantity in EXTREMES and _slider_at_gauge(result, check):
         found.append("at this instant the slider passes the gauge, where the curvature has a kink that elements and links round off")
-    missed = [name for name in (check.engine, check.other) if not result.runs[name].document["reached"]]
+    missed = [name for name in (check.engine, check.other) if not result.runs[name].reached]
     found += [f"{name} does not reach the accuracy asked, by its own estimate" for name in missed]
     if abs(check.difference) < (1.0 + MARGINAL) * check.tolerance:
         found.append(f"marginal: beyond the tolerance by less than {MARGINAL:.0%} of it")

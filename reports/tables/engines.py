@@ -4,10 +4,9 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
-from cases.engine_run import EngineRun
 from cases.measures import CHANNELS
-from cases.steady_run import INACCURATE
+from cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
+from cases.runs.request import INACCURATE, Run
 from reports.tables.table import Cell, Column, Mark, Table, TableBuilder
 from reports.words import case_label, channel_name, listed
 
@@ -77,39 +76,39 @@ def _number_columns() -> list[Column]:
     return columns
 
 
-def _status(run: EngineRun) -> Cell:
+def _status(run: Run) -> Cell:
     mark: Mark = "" if run.usable else "failed"
-    return Cell(run.status, note=str(run.document["remark"]), mark="open" if run.status == INACCURATE else mark)
+    return Cell(run.status, note=run.remark, mark="open" if run.status == INACCURATE else mark)
 
 
-def _frequency_cells(run: EngineRun, reference: EngineRun | None, half: str, mark: Mark, is_reference: bool) -> dict[str, Cell]:
+def _frequency_cells(run: Run, reference: Run | None, half: str, mark: Mark, is_reference: bool) -> dict[str, Cell]:
     key = f"{half}_frequency"
     if not run.usable:
         return {key: Cell(None, note=run.status)}
-    value = run.consensus_frequency(half)
-    if value is None:
-        reasons = [f"{channel_name(channel)}: {(run.measure(half, channel) or {}).get('reason', '')}" for channel in CHANNELS]
+    found = run.consensus_of(half)
+    if found is None:
+        measures = [(channel, run.measure(half, channel)) for channel in CHANNELS]
+        reasons = [f"{channel_name(channel)}: {measure.reason if measure else ''}" for channel, measure in measures]
         return {key: Cell(None, _UNRESOLVABLE, "; ".join(reasons), "open")}
-    (width,) = (found["uncertainty"] for found in run.document["consensus"] if found["half"] == half)
     comparable = reference is not None and reference.usable and not is_reference
     pair = values(run, reference, CONSENSUS, half, None) if comparable and reference is not None else None
     difference = Cell(None) if pair is None else Cell(pair[0] / pair[1] - 1.0, mark=mark)
-    return {key: Cell(value), f"{key}_uncertainty": Cell(width), f"{key}_difference": difference}
+    return {key: Cell(found.first_mode_frequency), f"{key}_uncertainty": Cell(found.uncertainty), f"{key}_difference": difference}
 
 
-def _amplitude_cells(run: EngineRun, reference: EngineRun | None, half: str, channel: str, is_reference: bool) -> dict[str, Cell]:
+def _amplitude_cells(run: Run, reference: Run | None, half: str, channel: str, is_reference: bool) -> dict[str, Cell]:
     key = f"{half}_{channel}_amplitude"
     measure = run.measure(half, channel) if run.usable else None
     if measure is None:
         return {key: Cell(None, note=run.status)}
-    value = measure["first_mode_amplitude"]
+    value = measure.first_mode_amplitude
     if value is None:
-        return {key: Cell(None, _UNRESOLVABLE, measure["reason"], "open")}
+        return {key: Cell(None, _UNRESOLVABLE, measure.reason, "open")}
     its = reference.measure(half, channel) if reference is not None and reference.usable and not is_reference else None
-    other = its["first_mode_amplitude"] if its else None
+    other = its.first_mode_amplitude if its else None
     return {
         key: Cell(value),
-        f"{key}_uncertainty": Cell(measure["first_mode_amplitude_uncertainty"]),
+        f"{key}_uncertainty": Cell(measure.first_mode_amplitude_uncertainty),
         f"{key}_difference": Cell(value / other - 1.0 if other else None),
     }
 
@@ -133,8 +132,8 @@ def measures(results: Sequence[CaseResult]) -> Table:
     )
     for result in results:
         for name, run in result.runs.items():
-            for measure in run.document["measures"]:
-                builder.add(case=result.case.name, engine=name, status=run.status, **measure)
+            for measure in run.measures:
+                builder.add(case=result.case.name, engine=name, status=run.status, **vars(measure))
     return builder.table()
 
 
@@ -160,18 +159,16 @@ def settings(results: Sequence[CaseResult]) -> Table:
     )
     for result in results:
         for name, run in result.runs.items():
-            document = run.document
-            chosen = document.get("settings") or {}
             builder.add(
                 case=Cell(result.case.name, case_label(result.case.name)),
                 engine=name,
-                accuracy=document.get("accuracy"),
-                error_estimate=document.get("error_estimate"),
-                degrees_of_freedom=document.get("degrees_of_freedom"),
+                accuracy=run.accuracy,
+                error_estimate=run.error_estimate,
+                degrees_of_freedom=run.degrees_of_freedom,
                 start=run.start or Cell(None, note=run.status),
-                cycles=document["cycles"],
-                settling_error=document.get("settling_error"),
-                settings=", ".join(f"{key} = {value}" for key, value in chosen.items()) or "none: it did not come so far",
+                cycles=run.cycles,
+                settling_error=run.settling_error,
+                settings=", ".join(f"{key} = {value}" for key, value in (run.settings or {}).items()) or "none: it did not come so far",
             )
     return builder.table()
 
@@ -207,7 +204,6 @@ def case_table(result: CaseResult) -> Table:
             speed, time = run.cycle["crank_speed"], run.cycle["time"]
             mean = abs(float(run.cycle["crank_angle"][-1] - run.cycle["crank_angle"][0])) / float(time[-1] - time[0])
             numbers |= {"crank_speed": mean, "crank_speed_variation": float(speed.max() - speed.min()) / mean}
-        seconds = run.document["solve_seconds"]
-        cost = {"cycles": run.document["cycles"], "solve_seconds": math.nan if seconds is None else float(seconds)}
+        cost = {"cycles": run.cycles, "solve_seconds": math.nan if run.solve_seconds is None else run.solve_seconds}
         builder.add(engine=name, status=_status(run), **numbers, **cost)
     return builder.table()

@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from typing import Any
 
-from cases.comparison import REFERENCE, CaseResult
 from cases.experiment import MeasuredCurve, channel_is_usable, measured_crank_speed
 from cases.library import Inconsistency
 from cases.library.thesis import RUNS, run_name
+from cases.measures import Measure
+from cases.runs.comparison import REFERENCE, CaseResult
 from reports.findings.axes import AxisComparison
-from reports.findings.measured import Comparison
+from reports.findings.measured import MeasuredHalf
 from reports.findings.runs import thesis_runs
 from reports.findings.verdicts import MODEL
 from reports.tables.table import Cell, Column, Table, TableBuilder
@@ -88,7 +89,7 @@ def curves(found: Sequence[MeasuredCurve]) -> Table:
     return builder.table()
 
 
-def curve_comparison(found: Sequence[Comparison], engines: Sequence[str]) -> Table:
+def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> Table:
     """Engines over measured curves, per half."""
     builder = TableBuilder(
         "curve_comparison",
@@ -112,23 +113,29 @@ def curve_comparison(found: Sequence[Comparison], engines: Sequence[str]) -> Tab
     for item in found:
         name = run_name(item.curve.run)
         cells: dict[str, Any] = {}
-        for short, quantity in (("frequency", "first_mode_frequency"), ("amplitude", "first_mode_amplitude")):
-            value = item.measure[quantity]
-            cells[short] = Cell(None, "n. r.", item.measure["reason"], "open") if value is None else value
+        for short in ("frequency", "amplitude"):
+            value = _first_mode(item.measure, short)
+            cells[short] = Cell(None, "n. r.", item.measure.reason, "open") if value is None else value
             for engine in engines:
-                its = item.engines.get(engine, {}).get(quantity)
+                its = _first_mode(item.engines.get(engine), short)
                 cells[f"{short}_{engine}"] = its / value if its is not None and value else None
         builder.add(
             case=Cell(name, case_label(name)),
             channel=Cell(item.curve.channel, channel_name(item.curve.channel)),
             origin=Cell(item.curve.origin, mark="open" if item.curve.origin == "synthetic" else ""),
-            half=Cell(item.half, HALF[item.half]),
-            frequency_uncertainty=item.measure["first_mode_frequency_uncertainty"],
-            minimum=item.measure["minimum"],
-            maximum=item.measure["maximum"],
+            half=Cell(item.measure.half, HALF[item.measure.half]),
+            frequency_uncertainty=item.measure.first_mode_frequency_uncertainty,
+            minimum=item.measure.minimum,
+            maximum=item.measure.maximum,
             **cells,
         )
     return builder.table()
+
+
+def _first_mode(measure: Measure | None, quantity: str) -> float | None:
+    if measure is None:
+        return None
+    return measure.first_mode_frequency if quantity == "frequency" else measure.first_mode_amplitude
 
 
 def inconsistencies(found: Sequence[Inconsistency]) -> Table:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from cases.comparison import REFERENCE, CaseResult
+from cases.runs.comparison import REFERENCE, CaseResult
 from reports.tables.table import Cell, Column, Table, TableBuilder
 from reports.words import case_label
 
@@ -40,19 +40,19 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
     )
     for result in results:
         run = result.runs.get(REFERENCE)
-        orbit = None if run is None else run.document.get("periodic_orbit")
-        if run is None or not orbit or not orbit["multipliers"]:
+        orbit = None if run is None else run.periodic_orbit
+        if run is None or orbit is None or not orbit.multipliers:
             continue
-        modulus = math.hypot(*orbit["multipliers"][0])
+        modulus = math.hypot(*orbit.multipliers[0])
         shrinking = 0.0 < modulus < 1.0
-        cycles = {f"{name}_cycles": result.runs[name].document["cycles"] for name in marching if name in result.runs}
+        cycles = {f"{name}_cycles": result.runs[name].cycles for name in marching if name in result.runs}
         builder.add(
             case=Cell(result.case.name, case_label(result.case.name)),
-            period=orbit["period"],
-            iterations=orbit["iterations"],
-            cycles_of_work=run.document["cycles"] if orbit["stable"] else None,
+            period=orbit.period,
+            iterations=orbit.iterations,
+            cycles_of_work=run.cycles if orbit.stable else None,
             multiplier=modulus,
-            stable=orbit["stable"],
+            stable=orbit.stable,
             cycles_to_settled=math.log(SETTLED_AT) / math.log(modulus) if shrinking else None,
             cycles_to_gone=math.log(GONE_AT) / math.log(modulus) if shrinking else None,
             **cycles,

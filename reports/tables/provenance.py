@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from cases.comparison import CaseResult
-from cases.steady_run import SETTLED
+from cases.runs.comparison import CaseResult
+from cases.runs.request import SETTLED
 from engines.registry import engine
 from reports.findings.agreement import engines_of
 from reports.findings.failures import Trouble
@@ -30,7 +30,7 @@ def engines(results: Sequence[CaseResult]) -> Table:
         chosen = engine(name)
         reason = chosen.unavailable()
         runs = [result.runs[name] for result in results if name in result.runs]
-        asked = sorted({float(run.document.get("accuracy") or chosen.default_accuracy) for run in runs})
+        asked = sorted({run.accuracy or chosen.default_accuracy for run in runs})
         builder.add(
             engine=name,
             version=chosen.version() if reason is None else Cell(None, "not available", reason, "failed"),

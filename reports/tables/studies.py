@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import pandas as pd
 
-from cases.comparison import CaseResult
+from cases.runs.comparison import CaseResult
 from engines.accurate import ESTIMATED
 from reports.findings.agreement import engines_of
 from reports.tables.table import Cell, Column, Table, TableBuilder
@@ -138,7 +138,7 @@ def solve_times(results: Sequence[CaseResult]) -> Table:
     for result in results:
         cells: dict[str, Any] = {}
         for name, run in result.runs.items():
-            seconds, simulated = run.document["solve_seconds"], run.document.get("simulated_seconds")
+            seconds, simulated = run.solve_seconds, run.simulated_seconds
             if seconds is None or not run.usable:
                 cells[f"{name}_solve_seconds"] = Cell(seconds, "" if seconds is not None else "–", run.status, "open")
             else:

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cases.comparison import HALVES, CaseResult
 from cases.measures import CHANNELS
+from cases.runs.comparison import HALVES, CaseResult
 from reports.findings.agreement import Difference, Kind, differences
 from reports.findings.frozen_crank import LBF_PER_IN, JointEffect
 from reports.findings.raw_extremes import Excess

@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,10 @@ from cases.benchmark.findings import error_of
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from cases.case_file import load_case
-from cases.store import Store
-from cases.workers import Job, Limits, Outcome
+from cases.jobs.job import Job, Limits, Outcome
+from cases.jobs.processes import LocalProcesses
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
 from engines.base import EngineFailure
 from engines.registry import RIVALS, UnknownEngine
 from tests.engines.fake_engine import FakeEngine, FakeSettings
@@ -139,14 +142,14 @@ def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypa
 
 
 def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    store, case, affinity = Store(tmp_path), short(), os.sched_getaffinity(0)
+    workshop, case, affinity = Workshop(Store(tmp_path)), short(), os.sched_getaffinity(0)
     monkeypatch.setattr("cases.benchmark.scenes.pinned", _quick)
     monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
-    assert stored(case, store, ("thesis",)) is None
-    made = measure(case, store, ("thesis",), 1)
-    assert stored(case, store, ("thesis",)) == made
-    assert stored(dataclasses.replace(case, duration=0.1), store, ("thesis",)) is None
-    assert stored(case, store, ("thesis", "reference")) is None
+    assert stored(case, workshop, ("thesis",)) is None
+    made = measure(case, workshop, ("thesis",), 1)
+    assert stored(case, workshop, ("thesis",)) == made
+    assert stored(dataclasses.replace(case, duration=0.1), workshop, ("thesis",)) is None
+    assert stored(case, workshop, ("thesis", "reference")) is None
     assert os.sched_getaffinity(0) == affinity  # only the worker is pinned
 
 
@@ -154,7 +157,7 @@ def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("cases.benchmark.scenes.pinned", _broken)
     monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
     with pytest.raises(EngineFailure, match="the loop cannot close"):
-        measure(short(), Store(), ("thesis",), 1)
+        measure(short(), Workshop(Store()), ("thesis",), 1)
     with pytest.raises(UnknownEngine):
         measurement.benchmark(short(), ("nobody",), 1)
 
@@ -163,13 +166,13 @@ def test_an_engine_that_dies_at_finer_settings_is_left_out(tmp_path: Any, monkey
     monkeypatch.setattr("cases.benchmark.scenes.pinned", _deadly)
     monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {"mujoco": "killed by SIGSEGV"})
     case, names = short(), ("mujoco", "exudyn", "thesis", "reference")
-    made = measure(case, Store(tmp_path), names, 1)
+    made = measure(case, Workshop(Store(tmp_path)), names, 1)
     assert made.failures == {
         "mujoco": "killed by SIGSEGV",
         "exudyn": "killed by SIGABRT, at finer settings",
         "thesis": "raised ZeroDivisionError: a bug, at finer settings",
     }
-    assert stored(case, Store(tmp_path), names) is None
+    assert stored(case, Workshop(Store(tmp_path)), names) is None
 
 
 def test_who_is_at_work_is_announced(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -185,22 +188,24 @@ def overrun(monkeypatch: pytest.MonkeyPatch, since: float) -> list[tuple[str, ..
     """Makes the first process of a benchmark end at its time limit of 3 s, `exudyn` at work `since` then (s); who was measured, in turn."""
     measured: list[tuple[str, ...]] = []
 
-    def run_jobs(jobs: list[Job], limits: Limits) -> list[Outcome]:
+    def run(_: object, jobs: Sequence[Job[Any]], *__: object) -> Iterator[Outcome[Any]]:
         (job,) = jobs
         measured.append(job.arguments[1])
         if len(measured) > 1:
-            return [Outcome(job, value=_quick(*job.arguments), seconds=1.0)]
-        failure = f"stopped at the time limit of {limits.seconds:g} s"
-        return [Outcome(job, failure=failure, seconds=3.0, output=f"\nat work: 0.1 thesis\n\nat work: {since} exudyn\n")]
+            yield Outcome(job, value=_quick(*job.arguments), seconds=1.0)
+            return
+        assert job.limits is not None
+        failure = f"stopped at the time limit of {job.limits.seconds:g} s"
+        yield Outcome(job, failure=failure, seconds=3.0, output=f"\nat work: 0.1 thesis\n\nat work: {since} exudyn\n")
 
-    monkeypatch.setattr("cases.benchmark.scenes.run_jobs", run_jobs)
+    monkeypatch.setattr(LocalProcesses, "run", run)
     monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
     return measured
 
 
 def test_at_the_time_limit_who_took_longer_than_one_may_is_left_out(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     measured = overrun(monkeypatch, since=1.9)
-    made = measure(short(), Store(tmp_path), ("exudyn", "thesis"), 1, limits=Limits(seconds=1.0))
+    made = measure(short(), Workshop(Store(tmp_path), LocalProcesses(limits=Limits(seconds=1.0))), ("exudyn", "thesis"), 1)
     assert made.failures == {"exudyn": "stopped at the time limit of 3 s, at finer settings"}
     assert measured == [("exudyn", "thesis"), ("thesis",)]
 
@@ -208,7 +213,7 @@ def test_at_the_time_limit_who_took_longer_than_one_may_is_left_out(tmp_path: An
 def test_at_the_time_limit_of_all_nobody_is_blamed_who_took_less(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     measured = overrun(monkeypatch, since=2.1)
     with pytest.raises(EngineFailure, match="none at work for longer than one of them may be; try a longer --time-limit"):
-        measure(short(), Store(tmp_path), ("exudyn", "thesis"), 1, limits=Limits(seconds=1.0))
+        measure(short(), Workshop(Store(tmp_path), LocalProcesses(limits=Limits(seconds=1.0))), ("exudyn", "thesis"), 1)
     assert len(measured) == 1
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.marching import output_step, whole_cycles
 from cases.measures import CHANNELS, Cycle, CycleMeasures, TimeScale, measure_cycle, time_scale
-from cases.steady_run import ROWS_AFTER
+from cases.runs.marching import output_step, whole_cycles
+from cases.runs.steady_state import ROWS_AFTER
 from engines.base import NoSteadyState
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.own.simulation import OwnSimulation

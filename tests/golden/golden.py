@@ -19,12 +19,13 @@ import numpy as np
 import pandas as pd
 
 from cases.case_file import load_case
-from cases.engine_run import EngineRun
+from cases.jobs.job import Job, Limits
+from cases.jobs.processes import LocalProcesses
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
 from cases.library import case_names
-from cases.runner import Named, run_tasks
-from cases.steady_run import Task
-from cases.store import Store
-from cases.workers import Job, Limits, run_jobs
+from cases.runs.campaign import carry_out
+from cases.runs.request import Run, RunRequest
 from engines.accurate import ESTIMATED
 from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN, RIVALS, engine
@@ -86,32 +87,31 @@ def modes_row(case: str, name: str) -> Row:
 def steady_rows(pairs: Sequence[tuple[str, str]], jobs: int | None) -> dict[tuple[str, str], Row]:
     """Measures of the settled cycle at the default accuracy, by case and engine; taken from the store of results where they are there."""
     loaded = {case: load_case(case) for case, _ in pairs}
-    tasks = [
-        Named((case, name), Task(mechanism=loaded[case].mechanism, duration=loaded[case].duration, engine=name))
+    requests = {
+        (case, name): RunRequest(mechanism=loaded[case].mechanism, duration=loaded[case].duration, engine=name)
         for case, name in pairs
         if isinstance(loaded[case].scene, Mechanism)
-    ]
-    runs = run_tasks(tasks, Store(), jobs, "steady states", Limits(seconds=LONGEST))
+    }
+    workshop = Workshop(Store(), LocalProcesses(jobs, Limits(seconds=LONGEST)))
+    runs = dict(zip(requests, carry_out(list(requests.values()), workshop, "steady states"), strict=True))
     return {pair: steady_row(runs[pair]) if pair in runs else {"status": "refused"} for pair in pairs}
 
 
-def steady_row(run: EngineRun) -> Row:
+def steady_row(run: Run) -> Row:
     """Frequencies with uncertainty, extremes with what the estimate says of them."""
-    document = run.document
-    row: Row = {"status": document["status"]}
-    if not document["settled"]:
+    row: Row = {"status": run.status}
+    if not run.settled:
         return row
-    for consensus in document["consensus"]:
-        row[f"{consensus['half']} frequency"] = consensus["first_mode_frequency"]
-        row[f"{consensus['half']} frequency claim"] = consensus["uncertainty"]
-    estimates = document["error_estimates"]
-    for channel in dict.fromkeys(measure["channel"] for measure in document["measures"]):
-        of_channel = [measure for measure in document["measures"] if measure["channel"] == channel]
-        row[f"{channel} minimum"] = min(measure["minimum"] for measure in of_channel)
-        row[f"{channel} maximum"] = max(measure["maximum"] for measure in of_channel)
+    for consensus in run.consensus:
+        row[f"{consensus.half} frequency"] = consensus.first_mode_frequency
+        row[f"{consensus.half} frequency claim"] = consensus.uncertainty
+    for channel in dict.fromkeys(measure.channel for measure in run.measures):
+        of_channel = [measure for measure in run.measures if measure.channel == channel]
+        row[f"{channel} minimum"] = min(measure.minimum for measure in of_channel)
+        row[f"{channel} maximum"] = max(measure.maximum for measure in of_channel)
         peak = max(abs(row[f"{channel} minimum"]), abs(row[f"{channel} maximum"]))
-        estimate = estimates.get(channel)
-        row[f"{channel} claim"] = None if estimate is None else (estimate + document["settling_error"]) * peak
+        estimate = run.error_estimates.get(channel)
+        row[f"{channel} claim"] = None if estimate is None else (estimate + (run.settling_error or 0.0)) * peak
     return row
 
 
@@ -127,7 +127,7 @@ def rows_of(kind: str, pairs: Iterable[tuple[str, str]], jobs: int | None = None
     wanted = {f"{case} {name}": (case, name) for case, name in pairs}
     found: dict[str, Row] = {}
     work = [Job(label, _MAKERS[kind], pair) for label, pair in wanted.items()]
-    for outcome in run_jobs(work, jobs, Limits(seconds=LONGEST)):
+    for outcome in LocalProcesses(jobs, Limits(seconds=LONGEST)).run(work):
         found[outcome.job.name] = outcome.value if outcome.completed else {"status": outcome.failure}
         print(kind, outcome.job.name, f"{outcome.seconds:.1f} s", found[outcome.job.name]["status"], file=sys.stderr, flush=True)
     return pd.DataFrame([{"case": case, "engine": name, **found[label]} for label, (case, name) in wanted.items()])

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import pytest
 
-from cases.workers import Job, run_jobs
+from cases.jobs.job import Job
+from cases.jobs.processes import LocalProcesses
 from reports.command_line import main
 from tests.engines.fake_package import FAKE_ENGINE, install
 
@@ -25,7 +26,7 @@ Call = Callable[..., Answer]
 @pytest.fixture(scope="session", autouse=True)
 def _warm_workers() -> None:
     """The first job of a process decides what its fork server has imported: here what all later jobs need."""
-    list(run_jobs([Job("warm", len, ((),))]))
+    list(LocalProcesses().run([Job("warm", len, ((),))]))
 
 
 @pytest.fixture

@@ -8,10 +8,10 @@ import numpy as np
 
 from cases.case import Case
 from cases.case_file import load_case
-from cases.comparison import CaseResult, compare
-from cases.engine_run import EngineRun
 from cases.measures import CHANNELS
-from cases.steady_run import INACCURATE, SETTLED
+from cases.runs.comparison import CaseResult, compare
+from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
+from cases.runs.request import INACCURATE, SETTLED, Run
 from engines.trajectory import OPTIONAL, REQUIRED
 from reference_model.rigid import rigid_kinetostatics, rigid_motion
 
@@ -19,22 +19,20 @@ ENGINES = ("thesis", "reference", "exudyn", "mujoco")
 STIFFER = {"thesis": 1.13, "reference": 1.0, "exudyn": 1.002, "mujoco": 0.997}  # first mode over the reference's
 
 
-def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, samples: int = 400, turning: int = 1) -> EngineRun:
+def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, samples: int = 400, turning: int = 1) -> Run:
     """A run of any status; a failed one has no cycle, a rigid case no vibration."""
-    document: dict[str, Any] = {
-        "engine": engine,
-        "estimate_of": "integration" if engine == "thesis" else "total",
-        "status": status,
-        "start": None if status in ("failed", "refused") else "standard",
-        "measures": [],
-        "consensus": [],
-        "unestimated": "" if status in (SETTLED, INACCURATE) else status,
-        "settling_error": 5e-4,
-        "solve_seconds": 1.0,
-        "reached": status == SETTLED,
-    }
+    run = Run(
+        engine=engine,
+        estimate_of="integration" if engine == "thesis" else "total",
+        status=status,
+        start=None if status in ("failed", "refused") else "standard",
+        unestimated="" if status in (SETTLED, INACCURATE) else status,
+        settling_error=5e-4,
+        solve_seconds=1.0,
+        reached=status == SETTLED,
+    )
     if status in ("failed", "refused"):
-        return EngineRun(document, {})
+        return run
     mechanism, factor = case.mechanism, STIFFER.get(engine, 1.01)
     random = np.random.default_rng(seed)
     speed = turning * abs(mechanism.crank.drive.initial_speed)
@@ -60,36 +58,39 @@ def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, s
     }
     for gauge, name in enumerate(CHANNELS[1:], start=1):
         columns[name] = bends * 1e-4 * (gauge * np.sin(angle) + vibration)
-    document["settling_errors"] = {name: 5e-4 * float(np.max(np.abs(columns[name]))) for name in CHANNELS}
-    if bends and status == SETTLED:
-        for half in ("pre", "post"):
-            frequency = 17.0 * factor * (1.0 + 0.004 * random.standard_normal())
-            document["consensus"].append(
-                {"half": half, "first_mode_frequency": frequency, "uncertainty": 0.1, "first_mode_frequency_estimate": 0.02}
-            )
-            document["measures"] += [_measure(half, name, frequency, columns[name], random) for name in CHANNELS]
-    return EngineRun(document, columns)
+    errors = {name: 5e-4 * float(np.max(np.abs(columns[name]))) for name in CHANNELS}
+    run = dataclasses.replace(run, settling_errors=errors, cycle=columns)
+    if not (bends and status == SETTLED):
+        return run
+    consensus, measures = [], []
+    for half in ("pre", "post"):
+        frequency = 17.0 * factor * (1.0 + 0.004 * random.standard_normal())
+        consensus.append(EstimatedConsensus(half, frequency, 0.1, 0.02))
+        measures += [_measure(half, name, frequency, columns[name], random) for name in CHANNELS]
+    return dataclasses.replace(run, consensus=tuple(consensus), measures=tuple(measures))
 
 
-def _measure(half: str, channel: str, frequency: float, values: np.ndarray, random: np.random.Generator) -> dict[str, Any]:
+def _measure(half: str, channel: str, frequency: float, values: np.ndarray, random: np.random.Generator) -> EstimatedMeasure:
     peak = float(np.max(np.abs(values)))
     resolvable = random.random() > 0.2
-    return {
-        "half": half,
-        "channel": channel,
-        "first_mode_frequency": frequency if resolvable else None,
-        "first_mode_frequency_uncertainty": 0.2 if resolvable else None,
-        "first_mode_frequency_estimate": 0.02 if resolvable else None,
-        "first_mode_amplitude": peak * (0.5 + 0.02 * random.standard_normal()) if resolvable else None,
-        "first_mode_amplitude_uncertainty": 0.02 * peak if resolvable else None,
-        "first_mode_amplitude_estimate": 0.01 * peak if resolvable else None,
-        "second_mode_frequency": None,
-        "minimum": -peak * (1.0 + 0.01 * random.standard_normal()),
-        "maximum": peak * (1.0 + 0.01 * random.standard_normal()),
-        "minimum_estimate": 0.01 * peak,
-        "maximum_estimate": 0.01 * peak,
-        "reason": "" if resolvable else "made up",
-    }
+    found = EstimatedMeasure(
+        half=half,
+        channel=channel,
+        first_mode_frequency=frequency,
+        first_mode_frequency_uncertainty=0.2,
+        first_mode_frequency_estimate=0.02,
+        first_mode_amplitude=peak * (0.5 + 0.02 * random.standard_normal()) if resolvable else None,
+        first_mode_amplitude_uncertainty=0.02 * peak,
+        first_mode_amplitude_estimate=0.01 * peak,
+        second_mode_frequency=None,
+        minimum=-peak * (1.0 + 0.01 * random.standard_normal()),
+        maximum=peak * (1.0 + 0.01 * random.standard_normal()),
+        minimum_estimate=0.01 * peak,
+        maximum_estimate=0.01 * peak,
+        reason="" if resolvable else "made up",
+    )
+    vibration = [name for name in vars(found) if name.startswith("first_mode")]
+    return found if resolvable else dataclasses.replace(found, **dict.fromkeys(vibration))
 
 
 def made_up_result(name: str, statuses: dict[str, str] | None = None, seed: int = 0, turning: int = 1) -> CaseResult:
@@ -106,3 +107,8 @@ def with_mechanism(result: CaseResult, **changes: Any) -> CaseResult:
     """The same results under a changed mechanism."""
     mechanism = dataclasses.replace(result.case.mechanism, **changes)
     return dataclasses.replace(result, case=dataclasses.replace(result.case, scene=mechanism))
+
+
+def with_run(result: CaseResult, engine: str, **changes: Any) -> CaseResult:
+    """The same results with another run of one engine."""
+    return dataclasses.replace(result, runs={**result.runs, engine: dataclasses.replace(result.runs[engine], **changes)})

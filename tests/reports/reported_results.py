@@ -2,17 +2,20 @@
 
 from html.parser import HTMLParser
 
-from cases.comparison import CaseResult
-from tests.reports.plotted_results import made_up_result
+from cases.runs.comparison import CaseResult
+from cases.runs.request import PeriodicOrbit
+from tests.reports.plotted_results import made_up_result, with_run
 
 DEGREES_OF_FREEDOM = {"thesis": 3, "reference": 17, "exudyn": 70, "mujoco": 20}
 
 
 def reported_result(name: str, statuses: dict[str, str] | None = None, seed: int = 0) -> CaseResult:
-    """All four engines on a case of the library, with complete documents."""
+    """All four engines on a case of the library, with all that is known of a run."""
     result = made_up_result(name, statuses, seed)
     for engine, run in result.runs.items():
-        run.document.update(
+        result = with_run(
+            result,
+            engine,
             method="made up",
             accuracy=1e-3,
             remark="" if run.usable else "failed at t = 0.25 s: the beam <snapped>; try another beam",
@@ -24,15 +27,10 @@ def reported_result(name: str, statuses: dict[str, str] | None = None, seed: int
             error_estimates={"tip_deflection": 8e-4, "strain_3": 9e-4},
             settings={"elements": 16, "step": 1e-4},
             degrees_of_freedom=DEGREES_OF_FREEDOM[engine],
-            periodic_orbit=None,
         )
-    result.runs["reference"].document["periodic_orbit"] = {
-        "period": 0.378,
-        "multipliers": [[0.6, 0.48], [0.5, 0.0]],  # largest modulus 0.768
-        "stable": True,
-        "iterations": 5,
-    }
-    return result
+    # largest modulus 0.768
+    orbit = PeriodicOrbit(period=0.378, multipliers=((0.6, 0.48), (0.5, 0.0)), stable=True, iterations=5)
+    return with_run(result, "reference", periodic_orbit=orbit)
 
 
 class PageReader(HTMLParser):

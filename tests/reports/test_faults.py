@@ -37,7 +37,8 @@ import pytest
 
 from cases.benchmark.scenes import tried
 from cases.case_file import load_case
-from cases.workers import Limits
+from cases.jobs.job import Limits
+from cases.jobs.processes import LocalProcesses
 from reports.pictures import Pictures
 from reports.report import write_report
 from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
@@ -201,7 +202,7 @@ def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, 
 
 def test_a_benchmark_leaves_out_what_would_take_the_others_with_it(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("sound", "raises", "segfaults", "not-installed")  # what raises says so itself, and stays in the table
-    found = tried(load_case(str(place / "small.toml")), names, Limits(seconds=300.0))
+    found = tried(load_case(str(place / "small.toml")), LocalProcesses(limits=Limits(seconds=300.0)), names)
     assert found == {
         "segfaults": "killed by SIGSEGV",
         "not-installed": "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')",

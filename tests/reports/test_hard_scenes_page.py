@@ -5,11 +5,12 @@ from pathlib import Path
 import pytest
 
 from cases.case_file import load_case
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning
 from cases.judging.matrix import Cell, Matrix
 from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
 from cases.library.hard import IMPOSSIBLE
-from cases.store import Store
 from reports.page import page
 from reports.pages.content import Content
 from reports.pages.hard_scenes import hard_scenes, stored_matrix
@@ -106,4 +107,4 @@ def test_a_claim_that_does_not_hold_is_shouted() -> None:
 def test_without_results_the_page_says_how_to_get_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "make verify" in read(None).text
     monkeypatch.setattr("reports.pages.hard_scenes.catalogue", lambda tag: ())
-    assert stored_matrix(Store(tmp_path)) is None
+    assert stored_matrix(Workshop(Store(tmp_path))) is None

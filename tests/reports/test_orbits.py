@@ -9,6 +9,7 @@ import pytest
 from reports.pages.content import Content
 from reports.pages.studies import accuracy_and_cost
 from reports.tables.orbits import orbits
+from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import reported_result
 from tests.reports.test_report import BOTH_WAYS, studies
 
@@ -30,8 +31,7 @@ def test_the_chapter_says_how_much_is_saved_or_that_nothing_is() -> None:
     texts = [block.text for block in accuracy_and_cost(content).blocks if hasattr(block, "text")]
     # ln 1e-3 / ln 0.768 = 26.2 cycles against 12
     assert any("2.2 times less than marching to 0.001, 4.4 times less" in text for text in texts)
-    marched = reported_result("thesis-24")
-    marched.runs["reference"].document["periodic_orbit"] = None
+    marched = with_run(reported_result("thesis-24"), "reference", periodic_orbit=None)
     texts = [block.text for block in accuracy_and_cost(Content(results=[marched])).blocks if hasattr(block, "text")]
     assert any("every engine marched" in text for text in texts)
 

@@ -12,9 +12,9 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from cases.comparison import CaseResult
 from cases.experiment import MeasuredCurve, axis_labels
 from cases.measures import time_scale
+from cases.runs.comparison import CaseResult
 from reference_model.mechanism import PrescribedSpeed
 from reports.plots import convergence, cycle, forces, heat_map, mechanism, overview, sensitivity, spectrogram, work_precision
 from reports.plots.picture import Picture, picture

@@ -1,7 +1,9 @@
 """The finished page: complete, self-contained, and of one mind with its CSV files."""
 
 import csv
+import dataclasses
 import json
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +11,12 @@ import pandas as pd
 import pytest
 
 from cases.case_file import load_case
-from cases.comparison import compare
 from cases.experiment import load_curves
-from cases.fingerprint import code_fingerprint
-from cases.store import Store
+from cases.jobs.key import code_fingerprint
+from cases.jobs.processes import LocalProcesses
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
+from cases.runs.comparison import compare
 from cases.studies import Studies
 from reports import report as report_module
 from reports.findings.measured import measured_comparisons
@@ -28,6 +32,7 @@ from reports.verification import FILE, PARTS, verification
 from tests.cases.scene_texts import SCENE
 from tests.reports.conftest import Call
 from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import PageReader, reported_result
 
 BOTH_WAYS = {"engine": "exudyn", "difference": 6e-4, "orbit_start": "periodic orbit of reference", "straight_start": "standard",
@@ -65,7 +70,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("report")
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
     benchmarks = [made_up_benchmark(), made_up_benchmark("thesis-17", confirmed=False)]
-    pictures = draw_pictures(results, studies(), benchmarks, [], Store(place / "store"), jobs=2)
+    pictures = draw_pictures(results, studies(), benchmarks, [], Workshop(Store(place / "store")))
     assert pictures.failures == ()
     told = {"facts": machine_facts(), "code": "abc", "notices": ("a <notice>",)}
     content = Content(results=results, studies=studies(), benchmarks=benchmarks, pictures=pictures, **told)  # type: ignore[arg-type]
@@ -181,17 +186,13 @@ def test_a_later_report_removes_the_tables_of_an_earlier_one_and_nothing_else(tm
 )
 def test_words_on_agreement_follow_their_thresholds(missed: int, words: str) -> None:
     result = reported_result("thesis-24")
-    measures = result.runs["mujoco"].document["measures"]
-    for measure in measures:
-        other = result.runs["reference"].measure(measure["half"], measure["channel"])
-        assert other is not None
-        measure.update(other)
-    for consensus, other in zip(result.runs["mujoco"].document["consensus"], result.runs["reference"].document["consensus"], strict=True):
-        consensus.update(other)
-    for measure in measures * 2:
-        if missed > 0:
-            measure["minimum" if measure["maximum"] == 1e9 else "maximum"] = 1e9
-            missed -= 1
+    reference = result.runs["reference"]
+    measures = list(reference.measures)
+    for number in range(missed):
+        quantity = "maximum" if number < len(measures) else "minimum"
+        place = number % len(measures)
+        measures[place] = dataclasses.replace(measures[place], **{quantity: 1e9})  # type: ignore[arg-type]
+    result = with_run(result, "mujoco", measures=tuple(measures), consensus=reference.consensus)
     first = answer(Content(results=[compare(result.case, result.runs)])).blocks[0]
     lines = getattr(first, "items", ())
     assert any(line.startswith(f"mujoco {words}") for line in lines), lines
@@ -252,7 +253,7 @@ def test_unknown_cases_and_doubles_are_refused(call: Call) -> None:
 def test_exit_codes_tell_whether_every_engine_completed(call: Call, monkeypatch: pytest.MonkeyPatch, status: str, expected: int) -> None:
     monkeypatch.setenv("QUICKRETURN_STORE", "store")
     monkeypatch.setattr(report_module, "cross_validate", lambda *_, **__: [reported_result("thesis-17", {"mujoco": status})])
-    monkeypatch.setattr(report_module, "draw_pictures", lambda *_: draw_pictures([], None, [], [], Store()))
+    monkeypatch.setattr(report_module, "draw_pictures", lambda *_: draw_pictures([], None, [], [], Workshop(Store())))
     code, output, errors = call("report", "thesis-17")
     assert code == expected
     told = f"quickreturn: thesis-17: engine mujoco {status}: failed at t = 0.25 s: the beam <snapped>; try another beam\n"
@@ -265,17 +266,17 @@ def test_exit_codes_tell_whether_every_engine_completed(call: Call, monkeypatch:
 
 def test_a_second_report_computes_and_draws_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two engines on the run that settles soonest; then the same again with nothing allowed to run."""
-    case, store = load_case("thesis-17"), Store(tmp_path / "store")
-    first = write_report([case], tmp_path / "first", store, jobs=2, engines=("thesis", "reference"))
+    case, workshop = load_case("thesis-17"), Workshop(Store(tmp_path / "store"))
+    first = write_report([case], tmp_path / "first", workshop, engines=("thesis", "reference"))
     assert {run.status for run in first.content.results[0].runs.values()} <= {"settled", "not settled"}
     assert first.content.results[0].runs["reference"].status == "settled"
 
-    def refuse(*jobs: object, **_: object) -> None:
-        assert not jobs[0], "a job was started"
-        return (outcome for outcome in ())  # type: ignore[return-value]
+    def refuse(_: object, jobs: Sequence[object], *__: object) -> Iterator[object]:
+        assert not jobs, "a job was started"
+        yield from ()
 
-    monkeypatch.setattr("cases.stored_jobs.run_jobs", refuse)
-    second = write_report([case], tmp_path / "second", store, jobs=2, engines=("thesis", "reference"))
+    monkeypatch.setattr(LocalProcesses, "run", refuse)
+    second = write_report([case], tmp_path / "second", workshop, engines=("thesis", "reference"))
     for table in first.tables:
         if table.name not in ("machine", "tables"):  # these two name the time
             assert (tmp_path / "first" / table.file).read_bytes() == (tmp_path / "second" / table.file).read_bytes()

@@ -6,10 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from cases.comparison import HALVES, CaseResult, Check, compare
-from cases.engine_run import EngineRun
 from cases.experiment import MeasuredCurve, statements
-from cases.measures import CHANNELS
+from cases.measures import CHANNELS, Measure
+from cases.runs.comparison import HALVES, CaseResult, Check, compare
+from cases.runs.estimates import EstimatedConsensus
+from cases.runs.request import Run
 from reports.findings.agreement import differences, spread
 from reports.findings.evidence import Evidence
 from reports.findings.failures import troubles
@@ -23,10 +24,11 @@ from reports.findings.frozen_crank import (
     joint_effects,
     share_with_signs,
 )
-from reports.findings.measured import Comparison, statement_values
+from reports.findings.measured import MeasuredHalf, statement_values
 from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, verdicts
 from reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
+from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import reported_result
 
 
@@ -39,12 +41,11 @@ def with_frequencies(name: str, factors: dict[str, tuple[float, float]], base: f
     """A case on which each engine's consensus is `base` times its factors before and after the return."""
     result = reported_result(name)
     for engine, run in result.runs.items():
-        for half, factor in zip(HALVES, factors[engine], strict=True):
-            known = {"first_mode_frequency": base * factor, "first_mode_frequency_uncertainty": 0.1}
-            for measure in (found for found in run.document["measures"] if found["half"] == half):
-                measure.update(known)
-            for consensus in (found for found in run.document["consensus"] if found["half"] == half):
-                consensus["first_mode_frequency"] = base * factor
+        frequency = {half: base * factor for half, factor in zip(HALVES, factors[engine], strict=True)}
+        known = {half: {"first_mode_frequency": frequency[half], "first_mode_frequency_uncertainty": 0.1} for half in HALVES}
+        measures = tuple(dataclasses.replace(measure, **known[measure.half]) for measure in run.measures)
+        consensus = tuple(dataclasses.replace(each, first_mode_frequency=frequency[each.half]) for each in run.consensus)
+        result = with_run(result, engine, measures=measures, consensus=consensus)
     return result
 
 
@@ -126,10 +127,10 @@ def test_without_a_waveform_relations_cannot_be_checked_and_with_one_they_are() 
     assert verdict_of("pre-frequency", Basis([], None, {"pre_frequency": {24: 1.20}}))[0] == NOT
 
 
-def comparison(run_24: CaseResult, origin: str) -> Comparison:
+def comparison(run_24: CaseResult, origin: str) -> MeasuredHalf:
     curve = MeasuredCurve(24, "strain_2", np.zeros(2), np.zeros(2), np.zeros(2), 16.6, origin, "test", {}, None)  # type: ignore[arg-type]
-    numbers = {"first_mode_frequency": 16.0, "first_mode_frequency_uncertainty": 0.1, "first_mode_amplitude": 2e-4}
-    return Comparison(curve, "pre", numbers, {"thesis": numbers | {"first_mode_frequency": 18.0, "first_mode_amplitude": 1e-4}})
+    measure = Measure("pre", "strain_2", 16.0, 0.1, 2e-4, 1e-5, None, -1e-3, 1e-3, "")
+    return MeasuredHalf(curve, measure, {"thesis": dataclasses.replace(measure, first_mode_frequency=18.0, first_mode_amplitude=1e-4)})
 
 
 def test_a_synthetic_curve_has_no_weight_in_a_verdict(run_24: CaseResult) -> None:
@@ -151,7 +152,7 @@ def test_differences_are_relative_to_the_other_engine_and_extremes_to_its_peak()
     mine, other = exudyn.measure("pre", "strain_1"), reference.measure("pre", "strain_1")
     assert mine is not None
     assert other is not None
-    assert extreme.relative == pytest.approx((mine["minimum"] - other["minimum"]) / reference.peak("strain_1"))
+    assert extreme.relative == pytest.approx((mine.minimum - other.minimum) / reference.peak("strain_1"))
 
 
 def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
@@ -160,15 +161,15 @@ def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
 
 
-def counted_run(frequency: float, slow: float) -> EngineRun:
+def counted_run(frequency: float, slow: float) -> Run:
     """Two seconds of a sine on a slow part that is a single hump; the return is at 1 s."""
     time = np.linspace(0.0, 2.0, 4001)
     signal = np.sin(2.0 * np.pi * frequency * time) + slow * np.sin(0.5 * np.pi * time)
     cycle = {"time": time, "crank_angle": np.pi * (1.0 + time)} | dict.fromkeys(
         ("tip_acceleration", "strain_1", "strain_2", "strain_3"), signal
     )
-    resolved = [{"half": half, "first_mode_frequency": frequency, "uncertainty": 0.1} for half in HALVES]
-    return EngineRun({"engine": "x", "status": "settled", "measures": [], "consensus": resolved}, cycle)
+    resolved = tuple(EstimatedConsensus(half, frequency, 0.1) for half in HALVES)
+    return Run(engine="x", estimate_of="total", status="settled", consensus=resolved, cycle=cycle)
 
 
 def test_counting_extremes_of_a_pure_oscillation_gives_its_frequency() -> None:
@@ -226,10 +227,9 @@ def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Chec
         (check,) = (c for c in of.checks if (c.engine, c.quantity, c.half, c.channel) == wanted)
         return check
 
-    off = reference["maximum"] + excess * found(result).tolerance
-    for measure in result.runs["exudyn"].document["measures"]:
-        if (measure["half"], measure["channel"]) == ("pre", "strain_3"):
-            measure["maximum"] = off
+    off = reference.maximum + excess * found(result).tolerance
+    measures = [dataclasses.replace(each, maximum=off) if each is exudyn else each for each in result.runs["exudyn"].measures]
+    result = with_run(result, "exudyn", measures=tuple(measures))
     other = compare(result.case, result.runs)
     return other, found(other)
 
@@ -257,7 +257,7 @@ def test_a_departure_that_is_marginal_is_called_so() -> None:
 def test_a_departure_of_an_engine_that_misses_its_accuracy_says_so() -> None:
     result, check = departing(reported_result("thesis-24"))
     assert "accuracy asked" not in cause(result, check)
-    result.runs["exudyn"].document["reached"] = False
+    result = with_run(result, "exudyn", reached=False)
     assert "exudyn does not reach the accuracy asked" in cause(result, check)
 
 

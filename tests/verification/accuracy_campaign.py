@@ -25,9 +25,11 @@ import numpy as np
 import pandas as pd
 
 from cases.case_file import load_case
+from cases.jobs.job import Job
+from cases.jobs.processes import LocalProcesses
+from cases.jobs.store import Store, StoreError
+from cases.jobs.workshop import Workshop
 from cases.library import case_names
-from cases.store import Store, StoreError
-from cases.stored_jobs import Campaign, Result, Work, results
 from cases.units import plain_number
 from engines.accurate import ESTIMATED, run_once, simulate
 from engines.accurate import Result as Accurate
@@ -58,7 +60,7 @@ CABLE: Final = ExudynSettings(elements=32, step=1.25e-4)
 AFFORDABLE: Final = 4e6  # some ten seconds
 LONGEST: Final = 2.0  # s
 
-_CAMPAIGN: Final = Campaign("accuracy scene", ("tests.verification.accuracy_campaign", "tests.verification.random_scenes"))
+_CODE: Final = ("tests.verification.accuracy_campaign", "tests.verification.random_scenes")
 
 #: Engine, and accuracy asked for.
 Request = tuple[str, float | None]
@@ -190,37 +192,29 @@ def _difference(found: Trajectory, truth: Trajectory, column: str) -> float | No
     return float(np.sqrt(np.mean((found[column] - truth[column]) ** 2))) / size if size > 0.0 else None
 
 
-def campaign(
-    scenes: Iterable[tuple[Scene, Sequence[Request]]], store: Store, confirm: bool = True, jobs: int | None = None
-) -> tuple[pd.DataFrame, list[str]]:
+def campaign(scenes: Iterable[tuple[Scene, Sequence[Request]]], workshop: Workshop, confirm: bool = True) -> tuple[pd.DataFrame, list[str]]:
     """All rows (`Row`), and a clause for each scene that has none: its process broke down, or there is no truth.
 
     Each scene has a process of its own and is taken from the store where it is there.
 
     Args:
         scenes: with the requests (engine, accuracy) to make of each.
-        store: what is computed is kept here, scene by scene.
+        workshop: where what is missing is computed and kept, scene by scene.
         confirm: whether to run a confirming engine; nothing is judged without.
-        jobs: processes at a time; None: one per core.
 
     Raises:
-        StoreError: see `cases.store`.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    work = []
+    jobs = []
     for scene, requests in scenes:
         names = tuple(sorted({"reference", *(name for name, _ in requests), *(("mujoco", "exudyn") if confirm else ())}))
-        work.append(Work(("scene", scene.name), names, _stored_rows, (scene, tuple(requests), confirm)))
-    found = {name[1]: document for name, (document, _) in results(work, _CAMPAIGN, store, jobs).items()}
-    broken = [f"{name}: {document['failure']}" for name, document in found.items() if "failure" in document]
-    rows = [row for document in found.values() for row in document.get("rows", ())]
+        jobs.append(Job(scene.name, scene_rows, (scene, tuple(requests), confirm), "accuracy scene", names, _CODE))
+    outcomes = workshop.outcomes(jobs, "accuracy scenes")
+    broken = [f"{outcome.job.name}: {outcome.explanation}" for outcome in outcomes if not outcome.completed]
+    rows = [asdict(row) for outcome in outcomes for row in outcome.value or ()]
     table = pd.DataFrame(rows, columns=[field.name for field in fields(Row)])
-    broken += [f"{name}: no truth" for name, document in found.items() if document.get("rows") == []]
+    broken += [f"{outcome.job.name}: no truth" for outcome in outcomes if outcome.value == []]
     return table.sort_values(["engine", "asked", "scene"], kind="stable", ignore_index=True), broken
-
-
-def _stored_rows(scene: Scene, requests: Sequence[Request], confirm: bool) -> Result:
-    return {"rows": [asdict(row) for row in scene_rows(scene, requests, confirm)]}, {}
 
 
 def _accuracy(text: str) -> float | None:
@@ -267,7 +261,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     requests = tuple(itertools.product(given.engine or ENGINES, given.accuracy or ACCURACIES))
     drawn = (itertools.islice(sensible_machines(given.seed), given.machines), itertools.islice(random_scenes(given.seed), given.random))
     scenes = itertools.chain(library_scenes() if given.library else (), *drawn)
-    table, broken = campaign([(scene, requests) for scene in scenes], store, not given.no_confirmation, given.jobs)
+    workshop = Workshop(store, LocalProcesses(given.jobs))
+    table, broken = campaign([(scene, requests) for scene in scenes], workshop, not given.no_confirmation)
     if given.output:
         table.to_csv(given.output, index=False)
     with pd.option_context("display.width", 250, "display.max_columns", None, "display.max_rows", None):

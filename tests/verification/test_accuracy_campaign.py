@@ -10,8 +10,11 @@ import pandas as pd
 import pytest
 
 import tests.verification.accuracy_campaign
+from cases.jobs.job import Job, Outcome
+from cases.jobs.processes import LocalProcesses
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
 from cases.library import case_names
-from cases.store import Store
 from engines.accurate import ESTIMATED
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.start import standard_start
@@ -75,7 +78,7 @@ def test_claims_hold_on_two_random_scenes(monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.verify
 def test_claims_hold(record_property: Callable[[str, object], None]) -> None:
-    table, broken = campaign(_full(), Store())
+    table, broken = campaign(_full(), Workshop(Store()))
     found, delivered, unknown = summary(table), deliveries(table), left_out(table)
     text = (
         "Errors over what the engines claim, column by column; truth, scenes and what is judged: cases/accuracy_campaign.py and"
@@ -161,12 +164,9 @@ def test_claim_that_is_missing_must_say_why_and_must_not_be_reached() -> None:
 
 
 def test_process_that_broke_down_is_named_and_the_others_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    documents: dict[tuple[str, str], tuple[dict[str, object], dict[str, object]]] = {
-        ("scene", "a"): ({"rows": [dataclasses.asdict(row())]}, {}),
-        ("scene", "b"): ({"failure": "killed by SIGSEGV"}, {}),
-    }
-    monkeypatch.setattr(tests.verification.accuracy_campaign, "results", lambda *_: documents)
-    table, broken = campaign([], Store(tmp_path))
+    outcomes = [Outcome(Job("a", scene_rows), [row()]), Outcome(Job("b", scene_rows), failure="killed by SIGSEGV")]
+    monkeypatch.setattr(Workshop, "outcomes", lambda *_: outcomes)
+    table, broken = campaign([], Workshop(Store(tmp_path)))
     assert broken == ["b: killed by SIGSEGV"]
     assert Row(**table.to_dict("records")[0]) == row()  # type: ignore[arg-type]
 
@@ -197,14 +197,14 @@ def test_command_line_writes_what_it_computed_and_continues(
     assert list(written["column"]) == list(ESTIMATED)
     assert (written["error"] < 1e-2)[0]
     assert "reference" in capsys.readouterr().out
-    monkeypatch.setattr("cases.stored_jobs.run_jobs", lambda jobs, *_: (pytest.fail("computed again") for _ in jobs))
+    monkeypatch.setattr(LocalProcesses, "run", lambda _, jobs, *__: (pytest.fail("computed again") for _ in jobs))
     assert main(arguments) == 0
     assert (tmp_path / "a.csv").read_bytes() == first
 
 
 def test_campaign_without_any_row_has_an_empty_table(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(tests.verification.accuracy_campaign, "results", lambda *_: {("scene", "a"): ({"rows": []}, {})})
-    table, broken = campaign([], Store(tmp_path))
+    monkeypatch.setattr(Workshop, "outcomes", lambda *_: [Outcome(Job("a", scene_rows), [])])
+    table, broken = campaign([], Workshop(Store(tmp_path)))
     assert broken == ["a: no truth"]
     assert table.empty
     assert summary(table).empty

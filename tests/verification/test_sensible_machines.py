@@ -10,10 +10,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from cases.case import Case
-from cases.comparison import CaseResult
-from cases.cross_validation import cross_validate
-from cases.engine_run import EngineRun
-from cases.store import Store
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
+from cases.runs.comparison import CaseResult, cross_validate
+from cases.runs.request import Run
 from reference_model.natural_modes import stiffness_ratio
 from reference_model.rigid import crank_pace
 from tests.verification.random_scenes import LEAST_STIFFNESS_RATIO, OUTPUT_STEP, Scene, sensible_machines
@@ -39,11 +39,11 @@ def case_of(scene: Scene) -> Case:
 
 def multiplier(result: CaseResult) -> float | None:
     """Largest modulus of the Floquet multipliers, where the reference found a periodic state."""
-    orbit = result.runs["reference"].document.get("periodic_orbit")
-    return max((abs(complex(*each)) for each in orbit["multipliers"]), default=None) if orbit else None
+    orbit = result.runs["reference"].periodic_orbit
+    return max((abs(complex(*each)) for each in orbit.multipliers), default=None) if orbit else None
 
 
-def deflections_differ(run: EngineRun, other: EngineRun) -> float:
+def deflections_differ(run: Run, other: Run) -> float:
     """RMS difference of the tip deflections over the settled cycle at equal crank angles, over the sum of what both claim."""
     grid = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
     curves = []
@@ -51,7 +51,7 @@ def deflections_differ(run: EngineRun, other: EngineRun) -> float:
         turned = np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0])
         curves.append(CubicSpline(turned, each.cycle["tip_deflection"])(grid))
     difference = float(np.sqrt(np.mean((curves[0] - curves[1]) ** 2) / np.mean(curves[1] ** 2)))
-    return difference / sum(each.document["error_estimates"]["tip_deflection"] + each.document["settling_error"] for each in (run, other))
+    return difference / sum((each.error_estimates["tip_deflection"] or 0.0) + (each.settling_error or 0.0) for each in (run, other))
 
 
 def verdict(result: CaseResult) -> str:
@@ -60,9 +60,9 @@ def verdict(result: CaseResult) -> str:
     for name, run in result.runs.items():
         if run.status == "settled":
             continue
-        told = run.status == "not settled" and "not marched" in run.document["remark"] and "multiplier" in run.document["remark"]
+        told = run.status == "not settled" and "not marched" in run.remark and "multiplier" in run.remark
         if not (told and slow is not None and slow >= SURELY_SETTLING):
-            return f"{name} {run.status}: {run.document['remark']}"
+            return f"{name} {run.status}: {run.remark}"
     if any(run.status != "settled" for run in result.runs.values()):
         return ""
     if result.passed is not True:
@@ -87,9 +87,9 @@ def test_machines_are_sensible_and_the_same_each_time() -> None:
 
 def test_twelve_quick_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
     """Quick to compute, too: machines of 5 to 60 rpm are among the two hundred."""
-    check(cross_validate(machines(12, longest_turn=1.0), Store(tmp_path), ENGINES), record_property)
+    check(cross_validate(machines(12, longest_turn=1.0), Workshop(Store(tmp_path)), ENGINES), record_property)
 
 
 @pytest.mark.verify
 def test_two_hundred_machines_settle_and_engines_agree(record_property: Any) -> None:
-    check(cross_validate(machines(200), Store(), ENGINES), record_property)
+    check(cross_validate(machines(200), Workshop(Store()), ENGINES), record_property)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.case_file import load_case
-from cases.judging.evidence import Run, Scene, crank_jump, energy_residual, gather, relative_difference
+from cases.judging.evidence import Trial, TrialScene, crank_jump, energy_residual, gather, relative_difference
 from cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
 from engines.base import Comparison, EngineFailure, Refusal
 from engines.settings import Settings
@@ -15,7 +15,7 @@ from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism, Slider
 from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation, error_of
 
-SCENE = Scene(mechanism=load_case("thesis-24").mechanism, duration=10.0, output_step=0.1, horizon=10.0)
+SCENE = TrialScene(mechanism=load_case("thesis-24").mechanism, duration=10.0, output_step=0.1, horizon=10.0)
 LENGTH = SCENE.mechanism.follower.length
 
 
@@ -34,7 +34,7 @@ class Behaving(FakeEngine):
         return tuple(replace(pair, factor=1.0 + 3.0 / self.optimism) for pair in super().comparisons(settings, mechanism, output_step))
 
 
-def run(engine: FakeEngine, requested: float = 0.01, scene: Scene = SCENE) -> Run:
+def run(engine: FakeEngine, requested: float = 0.01, scene: TrialScene = SCENE) -> Trial:
     return gather("fake", scene, requested, lambda _: engine)
 
 

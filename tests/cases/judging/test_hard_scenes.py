@@ -6,14 +6,15 @@ from pathlib import Path
 
 import pytest
 
-import cases.stored_jobs
 from cases.case_file import load_case, with_times
+from cases.jobs.job import Limits
+from cases.jobs.processes import LocalProcesses
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
 from cases.judging.matrix import Matrix, judge_scenes
 from cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
 from cases.library import catalogue
 from cases.library.hard import TAG
-from cases.store import Store
-from cases.workers import Limits
 from engines.registry import MAIN
 
 SHORT = ("hard-speed-x3", "hard-slider-inertia")
@@ -21,13 +22,13 @@ ENGINES = ("reference", "mujoco")
 
 
 @pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
-    return Store(tmp_path_factory.mktemp("matrix"))
+def workshop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
+    return Workshop(Store(tmp_path_factory.mktemp("matrix")), LocalProcesses(2))
 
 
 @pytest.fixture(scope="module")
-def short(store: Store) -> Matrix:
-    return judge_scenes([with_times(load_case(name), duration=0.3) for name in SHORT], store, ENGINES, jobs=2)
+def short(workshop: Workshop) -> Matrix:
+    return judge_scenes([with_times(load_case(name), duration=0.3) for name in SHORT], workshop, ENGINES)
 
 
 def test_engines_agree_when_the_slider_leaves_the_follower(short: Matrix) -> None:
@@ -49,22 +50,22 @@ def test_a_feature_that_an_engine_lacks_is_refused_and_the_other_is_judged(short
     assert short.silently_wrong == ()
 
 
-def test_what_is_stored_is_not_computed_again(short: Matrix, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    def computed(jobs: list[object], *_: object, **__: object) -> Generator[object, None, None]:
+def test_what_is_stored_is_not_computed_again(short: Matrix, workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
+    def computed(_: object, jobs: list[object], *__: object) -> Generator[object, None, None]:
         assert jobs == []
-        return (job for job in jobs)
+        yield from jobs
 
-    monkeypatch.setattr(cases.stored_jobs, "run_jobs", computed)
-    again = judge_scenes(short.cases, store, ENGINES)
+    monkeypatch.setattr(LocalProcesses, "run", computed)
+    again = judge_scenes(short.cases, workshop, ENGINES)
     assert again == replace(short, cases=again.cases)
-    elsewhere = judge_scenes([replace(case, duration=0.2) for case in short.cases], store, ENGINES, compute=False)
+    elsewhere = judge_scenes([replace(case, duration=0.2) for case in short.cases], workshop, ENGINES, compute=False)
     assert elsewhere.cells == {}
     assert elsewhere.silently_wrong == ()
 
 
-def test_a_process_that_dies_is_a_verdict_and_not_a_gap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cases.stored_jobs, "default_limits", lambda: Limits(seconds=0.01))
-    matrix = judge_scenes([with_times(load_case("hard-no-tip"), duration=0.1)], Store(tmp_path), ("mujoco",), jobs=2)
+def test_a_process_that_dies_is_a_verdict_and_not_a_gap(tmp_path: Path) -> None:
+    workshop = Workshop(Store(tmp_path), LocalProcesses(2, Limits(seconds=0.01)))
+    matrix = judge_scenes([with_times(load_case("hard-no-tip"), duration=0.1)], workshop, ("mujoco",))
     verdict = matrix.cells["hard-no-tip", "mujoco"].verdict
     assert verdict.kind == DIVERGED
     assert "stopped at the time limit of 0.01 s" in verdict.reason
@@ -76,7 +77,7 @@ def test_a_process_that_dies_is_a_verdict_and_not_a_gap(tmp_path: Path, monkeypa
 def test_no_cell_of_the_whole_matrix_is_silently_wrong(record_property: Callable[[str, object], None]) -> None:
     """Stored where the report finds it; what was computed before is taken from there."""
     scenes = [load_case(entry.name) for entry in catalogue(TAG)]
-    matrix = judge_scenes(scenes, Store())
+    matrix = judge_scenes(scenes, Workshop(Store()))
     assert set(matrix.cells) == {(case.name, name) for case in scenes for name in MAIN}
     checked = [cell for cell in matrix.cells.values() if cell.holds is not None]
     record_property("claims checked", len(checked))

@@ -19,7 +19,7 @@ from cases.judging.verdicts import (
     Breakdown,
     Evidence,
     Verdict,
-    compared,
+    contradicted,
     judge,
 )
 
@@ -100,21 +100,21 @@ def claim(error: float) -> Verdict:
 
 def test_claims_that_cannot_both_hold_are_settled_by_the_majority() -> None:
     verdicts = {"a": claim(1e-3), "b": claim(3e-3), "odd": claim(1e-3)}
-    found = compared(verdicts, {("a", "b"): 3e-3, ("a", "odd"): 0.08, ("b", "odd"): 0.081})
-    assert {name: verdict.kind for name, verdict in found.verdicts.items()} == {"a": ACCURATE, "b": ACCURATE, "odd": CONTRADICTED}
-    assert "differs from" in found.verdicts["odd"].reason
-    assert len(found.contradictions) == 2
+    found = contradicted(verdicts, {("a", "b"): 3e-3, ("a", "odd"): 0.08, ("b", "odd"): 0.081})
+    assert {name: verdict.kind for name, verdict in found.items()} == {"a": ACCURATE, "b": ACCURATE, "odd": CONTRADICTED}
+    assert "differs from" in found["odd"].reason
 
 
 def test_two_claims_that_cannot_both_hold_are_both_doubted() -> None:
-    found = compared({"a": claim(1e-3), "b": claim(1e-3)}, {("b", "a"): 0.0021})
-    assert {verdict.kind for verdict in found.verdicts.values()} == {CONTRADICTED}
-    assert compared({"a": claim(1e-3), "b": claim(1e-3)}, {("a", "b"): 0.0019}).contradictions == ()
+    found = contradicted({"a": claim(1e-3), "b": claim(1e-3)}, {("b", "a"): 0.0021})
+    assert {verdict.kind for verdict in found.values()} == {CONTRADICTED}
+    near = contradicted({"a": claim(1e-3), "b": claim(1e-3)}, {("a", "b"): 0.0019})
+    assert {verdict.kind for verdict in near.values()} == {ACCURATE}
 
 
 def test_who_claims_nothing_is_not_compared() -> None:
     verdicts = {"a": claim(1e-3), "b": judge(replace(GOOD, error_estimate=0.5)), "c": judge(replace(GOOD, refused="no"))}
-    assert compared(verdicts, {("a", "b"): 0.5, ("a", "c"): 0.5}).verdicts == verdicts
+    assert contradicted(verdicts, {("a", "b"): 0.5, ("a", "c"): 0.5}) == verdicts
 
 
 def test_every_kind_is_explained() -> None:

@@ -12,30 +12,30 @@ import pytest
 import engines
 import reference_model
 from cases.case_file import load_case
-from cases.judging.evidence import Columns, Run, Scene, gather, relative_difference
+from cases.judging.evidence import Columns, Trial, TrialScene, gather, relative_difference
 from cases.judging.matrix import REQUESTED
-from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, compared, judge
+from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, contradicted, judge
 from engines.base import Engine
 from engines.registry import engine
 from tests.engines.wrong_engines import Disguised, Restarting, Stiffer, TooLargeStep
 
 MECHANISM = load_case("thesis-24").mechanism
-SHORT = Scene(mechanism=MECHANISM, duration=0.4, output_step=1e-3, horizon=0.4)
+SHORT = TrialScene(mechanism=MECHANISM, duration=0.4, output_step=1e-3, horizon=0.4)
 #: Exudyn divides a row evenly, so that its steps are at most a row.
-COARSE_ROWS = Scene(mechanism=MECHANISM, duration=0.4, output_step=0.02, horizon=0.4)
+COARSE_ROWS = TrialScene(mechanism=MECHANISM, duration=0.4, output_step=0.02, horizon=0.4)
 
 
-def run_of(chosen: Engine, scene: Scene = SHORT) -> Run:
+def run_of(chosen: Engine, scene: TrialScene = SHORT) -> Trial:
     return gather(chosen.name, scene, REQUESTED, lambda _: chosen, asked=(1.0,))
 
 
 @pytest.fixture(scope="module")
-def sound() -> dict[str, Run]:
+def sound() -> dict[str, Trial]:
     """Two engines that are right, each by a method of its own."""
     return {name: run_of(engine(name)) for name in ("reference", "exudyn")}
 
 
-def verdicts_with(odd: Columns, evidence: Run, sound: dict[str, Run]) -> dict[str, str]:
+def verdicts_with(odd: Columns, evidence: Trial, sound: dict[str, Trial]) -> dict[str, str]:
     """Kinds of the verdicts after the comparison."""
     columns = {name: run.columns for name, run in sound.items()} | {"odd": odd}
     own = {name: judge(run.evidence) for name, run in sound.items()} | {"odd": judge(evidence.evidence)}
@@ -45,10 +45,10 @@ def verdicts_with(odd: Columns, evidence: Run, sound: dict[str, Run]) -> dict[st
         for second in columns
         if first != second
     }
-    return {name: verdict.kind for name, verdict in compared(own, differences).verdicts.items()}
+    return {name: verdict.kind for name, verdict in contradicted(own, differences).items()}
 
 
-def test_sound_engines_are_accurate_disguised_or_not(sound: dict[str, Run]) -> None:
+def test_sound_engines_are_accurate_disguised_or_not(sound: dict[str, Trial]) -> None:
     disguised = run_of(Disguised(engine("reference")))
     assert verdicts_with(disguised.columns, disguised, sound) == {"reference": ACCURATE, "exudyn": ACCURATE, "odd": ACCURATE}
 
@@ -63,7 +63,7 @@ def test_a_reset_to_the_start_is_found_by_the_run_itself() -> None:
     assert verdict.kind == NOT_CONVERGED
 
 
-def test_a_stiffness_3_percent_off_is_found_by_comparison(sound: dict[str, Run]) -> None:
+def test_a_stiffness_3_percent_off_is_found_by_comparison(sound: dict[str, Trial]) -> None:
     odd = run_of(Stiffer(engine("reference")))
     assert judge(odd.evidence).kind == ACCURATE  # it converges, to another scene
     assert verdicts_with(odd.columns, odd, sound) == {"reference": ACCURATE, "exudyn": ACCURATE, "odd": CONTRADICTED}
@@ -80,9 +80,9 @@ PROGRAM = """
 import pickle, sys
 import reference_model
 from cases.case_file import load_case
-from cases.judging.evidence import Scene, gather
+from cases.judging.evidence import TrialScene, gather
 assert reference_model.__file__.startswith(sys.argv[1]), reference_model.__file__
-scene = Scene(mechanism=load_case("thesis-24").mechanism, duration=0.4, output_step=1e-3, horizon=0.4)
+scene = TrialScene(mechanism=load_case("thesis-24").mechanism, duration=0.4, output_step=1e-3, horizon=0.4)
 run = gather("fixed-shapes", scene, float(sys.argv[2]), asked=(1.0,))
 with open(sys.argv[3], "wb") as file:
     pickle.dump(run, file)
@@ -91,7 +91,7 @@ with open(sys.argv[3], "wb") as file:
 
 @pytest.mark.verify
 @pytest.mark.parametrize("dropped", [False, True])
-def test_a_dropped_coriolis_term_is_found(dropped: bool, sound: dict[str, Run], tmp_path: Path) -> None:
+def test_a_dropped_coriolis_term_is_found(dropped: bool, sound: dict[str, Trial], tmp_path: Path) -> None:
     """A copy of the code with the term cut out of the source, and a whole copy to see that copying does no harm."""
     for package in (reference_model, engines):
         source = Path(package.__file__ or "").parent
@@ -112,6 +112,6 @@ def test_a_dropped_coriolis_term_is_found(dropped: bool, sound: dict[str, Run], 
         timeout=1500,
     )
     assert done.returncode == 0, done.stderr
-    odd: Run = pickle.loads(result.read_bytes())
+    odd: Trial = pickle.loads(result.read_bytes())
     kind = verdicts_with(odd.columns, odd, sound)["odd"]
     assert (kind == ACCURATE) == (not dropped), judge(odd.evidence)

@@ -1,0 +1,119 @@
+"""What is to be computed, what it may take, who computes it, and how it ended. A cluster would be another `Executor`."""
+
+import os
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    from engines.progress import Progress
+
+T = TypeVar("T")
+V = TypeVar("V")
+
+_LONGEST_WORDS: Final = 200  # characters of what a job printed last that are worth repeating in a sentence
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one job may take; None: as much as there is."""
+
+    seconds: float | None = None  # wall time
+    memory: int | None = None  # bytes of address space, on top of what a worker has at its start
+
+
+def default_limits() -> Limits:
+    """What one engine on one scene may take: an hour, and 8 GiB or what the machine has, if that is less.
+
+    Far above what any run needs (minutes, and less than 1 GiB); it ends what would never end.
+    """
+    return Limits(seconds=3600.0, memory=min(8 * 2**30, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
+
+
+@dataclass(frozen=True)
+class Job(Generic[T]):
+    """A result to be had: `function(*arguments)`, both picklable, the function importable by its name.
+
+    Attributes:
+        name: for people.
+        function: makes the result; the type that it is annotated with is what comes back from the store.
+        arguments: of the function.
+        kind: of result; counts in the key under which it is stored.
+        engines: names of those whose versions, and code where they are from elsewhere, it depends on.
+        code: packages and modules that it depends on besides those of a simulation (`cases.jobs.key.SIMULATION`).
+        inputs: what determines the result besides engines and code; None: the arguments.
+        limits: None: those of the executor.
+    """
+
+    name: str
+    function: Callable[..., T]
+    arguments: tuple[Any, ...] = ()
+    kind: str = ""
+    engines: tuple[str, ...] = ()
+    code: tuple[str, ...] = ()
+    inputs: Any = None
+    limits: Limits | None = None
+
+
+@dataclass(frozen=True)
+class Outcome(Generic[T]):
+    """How a job ended.
+
+    Attributes:
+        job: the job.
+        value: what its function returned; None if it failed.
+        failure: "" if it completed, else one clause, e.g. "killed by SIGSEGV".
+        error: the exception that it raised, where there is one and it can travel between processes.
+        seconds: wall time of the job.
+        output: the last of what it printed, with the traceback of an exception.
+    """
+
+    job: Job[T]
+    value: T | None = None
+    failure: str = ""
+    error: BaseException | None = None
+    seconds: float = 0.0
+    output: str = ""
+
+    @property
+    def completed(self) -> bool:
+        """Whether there is a value."""
+        return not self.failure
+
+    @property
+    def explanation(self) -> str:
+        """The failure in the engine's words where it has some; of a process that died with its last line of output.
+
+        Native libraries tell the cause there if anywhere.
+        """
+        if self.error is not None:
+            from engines.base import EngineFailure, Refusal
+
+            return str(self.error) if isinstance(self.error, (EngineFailure, Refusal)) else self.failure
+        lines = self.output.splitlines()
+        if self.completed or not lines:
+            return self.failure
+        return f'{self.failure} (its last words: "{lines[-1].strip()[:_LONGEST_WORDS]}")'
+
+
+#: Called with a job and how far it is.
+Watch = Callable[[Job[Any], "Progress"], None]
+
+
+class Executor(Protocol):
+    """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other."""
+
+    @property
+    def limits(self) -> Limits:
+        """Of a job that has none of its own."""
+
+    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
+        """Outcomes as jobs end, in whatever order that is; closing the generator ends those that are at work.
+
+        Args:
+            jobs: what to do, started in this order.
+            watch: is told how far they are; None: nobody wants to know.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C; nothing is left running.
+        """

@@ -1,0 +1,144 @@
+"""The key under which a result is stored: a hash of everything that determines it.
+
+That is the function and what it is given, the engines' versions, the code, and the libraries that the code computes with. So a result
+of other code, or of another library, is never taken for today's.
+"""
+
+import dataclasses
+import hashlib
+import inspect
+import json
+import math
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import metadata
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from cases.jobs.job import Job
+from engines.base import Engine
+from engines.registry import MAIN, RIVALS, engine
+
+#: What trajectories and natural frequencies depend on, besides a third-party engine's own code.
+SIMULATION: Final = ("reference_model", "engines")
+
+#: By what results become records, and are read back from them.
+_RECORDS: Final = "cases.jobs.records"
+
+#: Libraries that compute; an engine's own library is named by `Engine.version`.
+LIBRARIES: Final = ("numpy", "scipy", "numba")
+
+
+def key_of(job: Job[Any]) -> str:
+    """Key of a job's result, SHA-256 in hexadecimal.
+
+    Arguments, or what determines the result instead, may be made of mappings, lists, tuples, dataclasses (with their class name), texts,
+    whole numbers, floats (told apart to the last bit, infinities and NaN included), booleans, None, paths and numpy
+    arrays.
+
+    Raises:
+        TypeError: a value of another type.
+        UnknownEngine: a name that is no engine's.
+    """
+    return hash_of(
+        {
+            "kind": job.kind,
+            "function": f"{job.function.__module__}.{job.function.__qualname__}",
+            "inputs": job.arguments if job.inputs is None else job.inputs,
+            "engines": [_version_of(name) for name in job.engines],
+            "code": code_fingerprint((*SIMULATION, _RECORDS, *job.code)),
+        }
+    )
+
+
+def hash_of(content: Any) -> str:
+    """SHA-256 (hexadecimal) of the canonical JSON of content such as described for `key_of`. TypeError: see there."""
+    text = json.dumps(_canonical(content), sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+    return hashlib.sha256(text.encode("ascii")).hexdigest()
+
+
+def _version_of(name: str) -> list[str]:
+    """Of an engine: name, library, and the code where that is from elsewhere."""
+    chosen = engine(name)
+    if chosen.unavailable():
+        return [name]
+    return [name, chosen.version(), "" if name in (*MAIN, *RIVALS) else code_fingerprint((), chosen)]
+
+
+def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: Engine | None = None) -> str:
+    """SHA-256 (hex) of the source text of `parts` and of the engine's own package, with the versions of the libraries used.
+
+    Args:
+        parts: names of packages (with everything below them) or modules, e.g. ("reference_model", "engines", "cases.measures").
+        engine: an engine from elsewhere; its code counts as well.
+
+    Raises:
+        ModuleNotFoundError: a part does not exist.
+    """
+    digest = hashlib.sha256()
+    for part in sorted(set(parts)):
+        digest.update(_source_hash(part).encode())
+    if engine is not None:
+        digest.update(_file_hash(inspect.getsourcefile(type(engine)) or "").encode())
+    for library in LIBRARIES:
+        digest.update(f"{library} {_version(library)}\n".encode())
+    return digest.hexdigest()
+
+
+@cache
+def _source_hash(part: str) -> str:
+    spec = find_spec(part)
+    if spec is None or spec.origin is None:
+        raise ModuleNotFoundError(f"no module named {part!r}", name=part)
+    origin = Path(spec.origin)
+    return _hash_of(origin.parent.rglob("*.py") if spec.submodule_search_locations else iter([origin]), origin.parent)
+
+
+@cache
+def _file_hash(source: str) -> str:
+    """Of an engine's file and of those beside it: a small engine is one file, a larger one a package."""
+    file = Path(source)
+    if not file.is_file():
+        return source
+    in_package = (file.parent / "__init__.py").is_file()
+    return _hash_of(file.parent.rglob("*.py") if in_package else iter([file]), file.parent)
+
+
+def _hash_of(files: Iterator[Path], root: Path) -> str:
+    digest = hashlib.sha256()
+    for file in sorted(files):
+        text = file.read_bytes()
+        # Name and length before each text: moving a line from one file to the next must not go unnoticed.
+        digest.update(f"{file.relative_to(root).as_posix()} {len(text)}\n".encode())
+        digest.update(text)
+    return digest.hexdigest()
+
+
+@cache
+def _version(library: str) -> str:
+    try:
+        return metadata.version(library)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _canonical(value: Any) -> Any:
+    if value is None or isinstance(value, (bool, str, int)):
+        return value
+    if isinstance(value, (float, np.floating)):
+        return {"float": float(value).hex() if math.isfinite(value) else repr(float(value))}
+    if isinstance(value, Mapping):
+        return {str(name): _canonical(item) for name, item in value.items()}
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, (list, tuple)):
+        return [_canonical(item) for item in value]
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return {"array": hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest(), "shape": value.shape, "type": value.dtype.str}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {field.name: _canonical(getattr(value, field.name)) for field in dataclasses.fields(value)}
+        return {"class": type(value).__qualname__, "fields": fields}
+    raise TypeError(f"{type(value).__name__} has no canonical form for a key")

@@ -1,0 +1,86 @@
+"""Typed results as records of the store, and back: dataclasses become JSON objects of their fields, arrays and bytes stand beside them.
+
+Understood are dataclasses, tuples, lists, mappings from texts, None, texts, numbers with infinities, numpy arrays, bytes, and unions of
+one of these with None. A number that is none (NaN) is no result: the store refuses it.
+"""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from functools import cache
+from types import NoneType
+from typing import Any, Final, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.jobs.store import Record
+
+_ARRAY: Final = "$array"
+_BYTES: Final = "$bytes"
+_FLOAT: Final = "$float"
+
+
+def encoded(value: Any) -> Record:
+    """The record of a result."""
+    arrays: dict[str, NDArray[Any]] = {}
+
+    def plain(item: Any, place: str) -> Any:
+        if isinstance(item, (np.ndarray, bytes)):
+            arrays[place] = np.frombuffer(item, dtype=np.uint8) if isinstance(item, bytes) else item
+            return {_BYTES if isinstance(item, bytes) else _ARRAY: place}
+        if isinstance(item, np.generic):
+            item = item.item()
+        if isinstance(item, float) and math.isinf(item):
+            return {_FLOAT: str(item)}
+        if dataclasses.is_dataclass(item):
+            item = {field.name: getattr(item, field.name) for field in dataclasses.fields(item)}
+        if isinstance(item, Mapping):
+            return {str(name): plain(each, f"{place}.{name}") for name, each in item.items()}
+        if isinstance(item, (list, tuple)):
+            return [plain(each, f"{place}.{number}") for number, each in enumerate(item)]
+        return item
+
+    return Record(plain(value, "value"), arrays)
+
+
+def decoded(kind: Any, record: Record) -> Any:
+    """The result of type `kind` that a record was made of.
+
+    Raises:
+        KeyError, TypeError, ValueError: it was made of something else.
+    """
+    return _typed(kind, record.document, record.arrays)
+
+
+def _typed(kind: Any, item: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
+    if isinstance(item, dict) and len(item) == 1:
+        ((name, place),) = item.items()
+        if name == _FLOAT:
+            return float(place)
+        if name in (_ARRAY, _BYTES):
+            return arrays[place] if name == _ARRAY else arrays[place].tobytes()
+    arguments = [each for each in get_args(kind) if each is not NoneType]
+    if NoneType in get_args(kind):
+        return None if item is None else _typed(arguments[0], item, arrays)
+    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+        return kind(**{name: _typed(each, item[name], arrays) for name, each in _fields(kind).items()})
+    origin = get_origin(kind)
+    if origin is tuple and arguments[-1] is not Ellipsis:
+        return tuple(_typed(each, part, arrays) for each, part in zip(arguments, item, strict=True))
+    if origin in (tuple, list):
+        return origin(_typed(arguments[0], part, arrays) for part in item)
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return {name: _typed(arguments[1], part, arrays) for name, part in item.items()}
+    if kind is Any and isinstance(item, dict):
+        return {name: _typed(Any, part, arrays) for name, part in item.items()}
+    if kind is Any and isinstance(item, list):
+        return [_typed(Any, part, arrays) for part in item]
+    return item
+
+
+@cache
+def _fields(kind: type) -> dict[str, Any]:
+    """Types of a dataclass' fields by name."""
+    hints = get_type_hints(kind)
+    return {field.name: hints[field.name] for field in dataclasses.fields(kind)}

@@ -1,0 +1,103 @@
+"""The child's side of a job: everything that happens in the worker process. See `cases.jobs.processes` for the runner's side."""
+
+import contextlib
+import fcntl
+import os
+import pickle
+import resource
+import select
+import signal
+import sys
+import traceback
+from multiprocessing.connection import Connection
+from typing import Any, Final
+
+from engines.progress import listen
+
+#: Exit code of a worker whose runner is gone.
+ORPHANED: Final = 70
+
+
+def serve(work: bytes, memory: int | None, watched: bool, lifeline: Connection, output: Connection, answer: Connection) -> None:
+    """Do one job and leave; never returns.
+
+    Args:
+        work: pickled (function, arguments). It is opened here and not before, so that an import that fails is a failure of the job.
+        memory: bytes of address space that the job may take on top of what the process has now, or None.
+        watched: whether somebody wants to know how far it is.
+        lifeline: nothing is ever sent; its other end closes when the runner ends, in whatever way.
+        output: takes standard output and standard error, of Python and of C libraries.
+        answer: gets pickled ("progress", how far it is), if watched, and last ("value", value) or ("error", exception or None, one-line
+            description).
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the runner's; it ends its workers
+    _die_with_the_runner(lifeline.fileno())
+    _be_first_to_go()
+    os.dup2(output.fileno(), 1)
+    os.dup2(output.fileno(), 2)
+    if memory is not None:
+        _limit_memory(memory)
+
+    def send(message: bytes) -> None:
+        with contextlib.suppress(OSError):  # the runner is gone: nobody to tell
+            answer.send_bytes(message)
+
+    if watched:
+        listen(lambda progress: send(pickle.dumps(("progress", progress))))
+    send(_done(work))
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(Exception):
+            stream.flush()
+    os._exit(0)  # no exit handlers: a library that crashes or hangs on its way out must not spoil a finished result
+
+
+def _done(work: bytes) -> bytes:
+    try:
+        function, arguments = pickle.loads(work)
+        return pickle.dumps(("value", function(*arguments)))
+    except BaseException as error:
+        _lift_memory_limit()  # telling of it takes memory, too
+        traceback.print_exc()
+        lines = str(error).splitlines()
+        description = f"{type(error).__name__}: {lines[0]}" if lines else type(error).__name__
+        return pickle.dumps(("error", _portable(error), description))
+
+
+def _portable(error: BaseException) -> BaseException | None:
+    """The exception, or None where pickling does not bring it back as what it was."""
+    try:
+        copy: Any = pickle.loads(pickle.dumps(error))
+    except Exception:
+        return None
+    return error if type(copy) is type(error) and str(copy) == str(error) else None
+
+
+def _die_with_the_runner(lifeline: int) -> None:
+    """Have the system end this process (SIGIO) when the lifeline's other end closes: works even while an engine holds the GIL."""
+    signal.signal(signal.SIGIO, signal.SIG_DFL)
+    fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
+    if select.select([lifeline], [], [], 0)[0]:  # it closed before the signal was asked for
+        os._exit(ORPHANED)
+
+
+def _be_first_to_go() -> None:
+    """Where the system must kill something for lack of memory it shall be a worker, not its runner or what else runs there."""
+    with contextlib.suppress(OSError), open("/proc/self/oom_score_adj", "w", encoding="ascii") as file:
+        file.write("500")
+
+
+def _limit_memory(memory: int) -> None:
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            present = int(file.read().split()[0]) * resource.getpagesize()
+    except OSError:  # no such file on this system: the limit then counts what the process has already
+        present = 0
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    limit = present + memory
+    resource.setrlimit(resource.RLIMIT_AS, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard))
+
+
+def _lift_memory_limit() -> None:
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (hard, hard))

@@ -1,0 +1,84 @@
+"""Where jobs are done: taken from the store where they are there, else computed by the executor and stored as they come.
+
+Stored is what would come out again: a result, or an exception of the job's own. What the machine did to a job is not: a process that was
+killed, a limit of time or memory, a full disk, a library that is missing. It is tried again the next time.
+"""
+
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, get_type_hints
+
+from cases.jobs.job import Executor, Job, Outcome, T
+from cases.jobs.key import key_of
+from cases.jobs.processes import LocalProcesses
+from cases.jobs.progress import watched
+from cases.jobs.records import decoded, encoded
+from cases.jobs.store import Record, Store
+
+#: Exceptions that are the machine's doing.
+_OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
+
+
+@dataclass(frozen=True)
+class Workshop:
+    """A store and an executor."""
+
+    store: Store
+    executor: Executor = field(default_factory=LocalProcesses)
+
+    def outcomes(self, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
+        """How each of the jobs ended, in their order; of equal keys the first is computed.
+
+        Args:
+            jobs: computed in this order.
+            title: of them all, for the person who waits.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C; what was computed is stored.
+            UnknownEngine: a job depends on a name that is no engine's.
+        """
+        keys = [key_of(job) for job in jobs]
+        wanted = dict(zip(reversed(keys), reversed(jobs), strict=True))
+        found = {key: outcome for key in dict.fromkeys(keys) if (outcome := self._stored(wanted[key], key)) is not None}
+        missing = {id(wanted[key]): key for key in dict.fromkeys(keys) if key not in found}
+        with closing(watched(self.executor, [wanted[key] for key in missing.values()], title)) as computed:
+            for outcome in computed:
+                key = missing[id(outcome.job)]
+                found[key] = self.kept(outcome, key)
+        return [replace(found[key], job=job) for key, job in zip(keys, jobs, strict=True)]
+
+    def stored(self, job: Job[T]) -> Outcome[T] | None:
+        """How a job ended, if that is stored."""
+        return self._stored(job, key_of(job))
+
+    def kept(self, outcome: Outcome[T], key: str | None = None) -> Outcome[T]:
+        """Store how a job ended, where it would end so again; the outcome as it will be read back."""
+        key = key or key_of(outcome.job)
+        if outcome.completed:
+            record = encoded(outcome.value)
+            try:
+                self.store.put(key, replace(record, document={"value": record.document}))
+                return replace(outcome, value=decoded(_type_of(outcome.job), record))
+            except (TypeError, ValueError, KeyError) as error:  # a third-party engine may hand anything on
+                return replace(outcome, value=None, failure=f"its result cannot be stored: {error}", output="")
+        if isinstance(outcome.error, Exception) and not isinstance(outcome.error, _OF_THE_MACHINE):
+            self.store.put(key, Record({"failure": outcome.explanation}))
+        return outcome
+
+    def _stored(self, job: Job[T], key: str) -> Outcome[T] | None:
+        record = self.store.get(key)
+        if record is None:
+            return None
+        try:
+            if "failure" in record.document:
+                return Outcome(job, failure=str(record.document["failure"]))
+            return Outcome(job, decoded(_type_of(job), replace(record, document=record.document["value"])))
+        except (TypeError, ValueError, KeyError) as error:
+            self.store.note_damage(key, f"cannot be read ({error})")
+            return None
+
+
+def _type_of(job: Job[Any]) -> Any:
+    """What the job's function says that it returns."""
+    return get_type_hints(job.function).get("return", Any)

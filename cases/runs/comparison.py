@@ -1,0 +1,318 @@
+"""Engines held against each other, case by case, with tolerances made of what they claim.
+
+The tolerance of a measure is what both engines say of it: their own error estimates in the settled cycle (`cases.runs.estimates`) and
+the uncertainty of the measurement. So a coarse engine that says how coarse it is agrees, and one that claims too much departs. How good
+an engine is says its accuracy class. An engine whose estimate is not one of its whole error is not judged: its difference is a result.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from cases.case import Case
+from cases.jobs.workshop import Workshop
+from cases.measures import CHANNELS, Consensus, consensus_of
+from cases.runs.campaign import carry_out
+from cases.runs.estimates import EXTREMES, mean_estimate
+from cases.runs.request import REFUSED, SETTLED, Run, RunRequest
+from engines.registry import MAIN
+
+REFERENCE: Final = "reference"
+HALVES: Final = ("pre", "post")
+#: What is judged of each channel; the consensus of the channels' frequencies is judged besides.
+QUANTITIES: Final = ("first_mode_frequency", "first_mode_amplitude", *EXTREMES)
+CONSENSUS: Final = "consensus_frequency"
+
+#: Accuracy classes: the least that covers an engine's estimates and its deviation.
+CLASSES: Final = (0.001, 0.003, 0.01, 0.03, 0.1)
+WORSE: Final = "worse"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A number, and how far off it may be: all in its own unit.
+
+    Attributes:
+        value: the number.
+        estimate: the engine's estimate of its error.
+        uncertainty: of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the channel may be off by
+            because it has not settled.
+    """
+
+    value: float
+    estimate: float
+    uncertainty: float
+
+    @property
+    def width(self) -> float:
+        """How far off it may be in all."""
+        return self.estimate + self.uncertainty
+
+
+@dataclass(frozen=True)
+class Check:
+    """One number of two engines.
+
+    Attributes:
+        engine: the one.
+        other: the one it is held against.
+        quantity: one of `QUANTITIES`, or `CONSENSUS`.
+        half: "pre" or "post".
+        channel: trajectory column; None for the consensus.
+        mine: what the engine claims.
+        its: what the other claims.
+        scale: what differences are shown relative to: the other's value, of an extreme the channel's largest magnitude in its cycle.
+    """
+
+    engine: str
+    other: str
+    quantity: str
+    half: str
+    channel: str | None
+    mine: Claim
+    its: Claim
+    scale: float
+
+    @property
+    def difference(self) -> float:
+        """Engine less other."""
+        return self.mine.value - self.its.value
+
+    @property
+    def tolerance(self) -> float:
+        """How much they may differ by what both claim."""
+        return self.mine.width + self.its.width
+
+    @property
+    def passed(self) -> bool:
+        """Whether they differ by no more; not if a number is none."""
+        return abs(self.difference) <= self.tolerance
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON and CSV."""
+        return {
+            "engine": self.engine,
+            "other": self.other,
+            "quantity": self.quantity,
+            "half": self.half,
+            "channel": self.channel,
+            "value": self.mine.value,
+            "other_value": self.its.value,
+            "difference": self.difference,
+            "tolerance": self.tolerance,
+            "estimate": self.mine.estimate,
+            "other_estimate": self.its.estimate,
+            "uncertainty": self.mine.uncertainty,
+            "other_uncertainty": self.its.uncertainty,
+            "scale": self.scale,
+            "passed": self.passed,
+        }
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """All engines on one case, and what became of their claims."""
+
+    case: Case
+    runs: Mapping[str, Run]
+    checks: tuple[Check, ...] = field(default=())
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether every engine delivered and none departs from another by more than both claim; None if nothing could be judged."""
+        return not self.failures and not self.missed if self.checks else None
+
+    @property
+    def reason(self) -> str:
+        """Why `passed` is not true (a clause), "" if it is."""
+        if not self.checks:
+            if len(self.runs) == 1:
+                return "nothing to compare with: one engine alone"
+            left_out = [f"{name}: {why}" for name, run in self.runs.items() if (why := not_judged(run))]
+            judged = [name for name, run in self.runs.items() if not not_judged(run)]
+            return "; ".join(["nothing to compare with", *left_out, *(f"{name}: alone with its claims" for name in judged)])
+        departing = [f"{pair[0]} and {pair[1]} disagree by more than they claim" for pair in self.departures]
+        return "; ".join([*departing, *(f"{run.engine} did not deliver: {run.status}" for run in self.failures)])
+
+    @property
+    def failures(self) -> tuple[Run, ...]:
+        """Runs that failed, did not settle or did not reach the accuracy asked. A refusal is none: the engine says what it is."""
+        return tuple(run for run in self.runs.values() if run.status not in (SETTLED, REFUSED))
+
+    @property
+    def missed(self) -> tuple[Check, ...]:
+        """Where engines differ by more than they claim."""
+        return tuple(check for check in self.checks if not check.passed)
+
+    @property
+    def departures(self) -> dict[tuple[str, str], list[Check]]:
+        """The same by pair of engines."""
+        found: dict[tuple[str, str], list[Check]] = {}
+        for check in self.missed:
+            found.setdefault((check.engine, check.other), []).append(check)
+        return found
+
+    def accuracy_class(self, name: str) -> str | None:
+        """Least class that covers an engine's own estimates and its deviation from the reference ("0.3 %"), or "worse".
+
+        Over consensus frequencies and extremes, these relative to the channel's largest magnitude. None where that is not known: there
+        is no estimate, or the engine estimates its integration alone and there is no reference to tell the rest.
+        """
+        run, reference = self.runs[name], self.runs.get(REFERENCE)
+        known = reference is not None and reference.usable and name != REFERENCE
+        if not run.usable or (not known if run.estimate_of == "integration" else run.unestimated):
+            return None
+        sizes = [_own_size(run, half) for half in HALVES]
+        if known and reference is not None:
+            pairs = (values(run, reference, CONSENSUS, half, None) for half in HALVES)
+            sizes += [largest_differences(run, reference)["extremes"], *(abs(pair[0] / pair[1] - 1.0) for pair in pairs if pair)]
+        found = max((size for size in sizes if size is not None), default=None)
+        if found is None:
+            return None
+        return next((f"{100.0 * width:g} %" for width in CLASSES if found <= width), WORSE)
+
+
+def cross_validate(
+    cases: Sequence[Case],
+    workshop: Workshop,
+    engines: Sequence[str] = MAIN,
+    accuracy: float | None = None,
+    settings: Mapping[str, str] | None = None,
+) -> list[CaseResult]:
+    """Bring every engine to its steady state on every case and compare.
+
+    Args:
+        cases: what to run.
+        workshop: where.
+        engines: names.
+        accuracy: error of the tip deflection asked of every engine; None: each engine's default.
+        settings: engine settings as text, the same for all engines.
+
+    Raises:
+        CaseError: a case without crank and slider: there is no cycle to measure.
+        UnknownEngine: see there.
+    """
+    pairs = [(case, engine) for case in cases for engine in engines]
+    requests = [
+        RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=dict(settings or {}))
+        for case, engine in pairs
+    ]
+    runs = iter(carry_out(requests, workshop, "engines on cases", [case.name for case, _ in pairs]))
+    return [compare(case, {engine: next(runs) for engine in engines}) for case in cases]
+
+
+def compare(case: Case, runs: Mapping[str, Run]) -> CaseResult:
+    """Hold every engine against the reference, or where that cannot be judged against the first one that can."""
+    judged = {name: run for name, run in runs.items() if not not_judged(run)}
+    against = judged.get(REFERENCE) or next(iter(judged.values()), None)
+    checks = [check for run in judged.values() if against is not None and run is not against for check in _checks(run, against)]
+    return CaseResult(case, runs, tuple(checks))
+
+
+def not_judged(run: Run) -> str:
+    """Why a run cannot be held against others (a clause), "" if it can."""
+    if not run.usable:
+        return run.status
+    if run.estimate_of == "integration":
+        return "its estimate is of the integration alone, not of its model"
+    if run.estimate_of == "unverified":
+        return "its estimates are not verified"
+    return f"no estimates: {run.unestimated}" if run.unestimated else ""
+
+
+def _checks(run: Run, other: Run) -> list[Check]:
+    found = []
+    for half in HALVES:
+        places = [(CONSENSUS, None), *((quantity, channel) for quantity in QUANTITIES for channel in CHANNELS)]
+        for quantity, channel in places:
+            mine, its = (claim(*pair, quantity, half, channel) for pair in ((run, other), (other, run)))
+            if mine is None or its is None:
+                continue
+            scale = other.peak(channel) if channel and quantity in EXTREMES else abs(its.value)
+            if scale > 0.0:
+                found.append(Check(run.engine, other.engine, quantity, half, channel, mine, its, scale))
+    return found
+
+
+def claim(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> Claim | None:
+    """What a run says of a number that is to be held against another run's; None where it has no number or no estimate of its error.
+
+    The consensus is that of the channels that both runs resolve and have estimates of.
+    """
+    if channel is None:
+        shared = [name for name in CHANNELS if all(one.has_frequency(half, name) for one in (run, other))]
+        found, estimate = _consensus(run, half, shared), mean_estimate(run.measures, half, shared)
+        if found.first_mode_frequency is None or found.uncertainty is None or estimate is None:
+            return None
+        return Claim(found.first_mode_frequency, estimate, found.uncertainty)
+    measure = run.measure(half, channel)
+    if measure is None:
+        return None
+    value, estimate = measure.number(quantity), measure.estimate(quantity)
+    uncertainty = (run.settling_errors or {}).get(channel) if quantity in EXTREMES else measure.number(f"{quantity}_uncertainty")
+    if value is None or estimate is None or uncertainty is None:
+        return None
+    return Claim(value, estimate, uncertainty)
+
+
+def _own_size(run: Run, half: str) -> float | None:
+    """Largest of a run's own estimates in a half: of the consensus relative to it, of extremes to the peak; None without any."""
+    sizes = []
+    for measure in (found for found in run.measures if found.half == half):
+        peak, estimates = run.peak(measure.channel), [measure.estimate(name) for name in EXTREMES]
+        sizes += [estimate / peak for estimate in estimates if estimate is not None and peak > 0.0]
+    frequency = run.consensus_frequency(half)
+    estimate = mean_estimate(run.measures, half)
+    return max([*sizes, *([estimate / frequency] if frequency and estimate is not None else [])], default=None)
+
+
+def values(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> tuple[float, float] | None:
+    """The same quantity of two runs, or None where one of them cannot resolve it.
+
+    Args:
+        run: one run.
+        other: the other.
+        quantity: "consensus_frequency" or a number of `cases.measures.Measure`.
+        half: "pre" or "post".
+        channel: a trajectory column; None for the consensus.
+    """
+    if quantity == CONSENSUS or channel is None:
+        shared = _shared(run, other, half)
+        pair = _consensus(run, half, shared).first_mode_frequency, _consensus(other, half, shared).first_mode_frequency
+    else:
+        mine, its = run.measure(half, channel), other.measure(half, channel)
+        if mine is None or its is None:
+            return None
+        pair = mine.number(quantity), its.number(quantity)
+    return None if pair[0] is None or pair[1] is None else (float(pair[0]), float(pair[1]))
+
+
+def _consensus(run: Run, half: str, channels: Sequence[str]) -> Consensus:
+    """Consensus over the given channels: two runs can be compared over those only that both resolve."""
+    return consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
+
+
+def _shared(run: Run, other: Run, half: str) -> list[str]:
+    return [name for name in CHANNELS if values(run, other, "first_mode_frequency", half, name)]
+
+
+def largest_differences(run: Run, other: Run) -> dict[str, float | None]:
+    """Largest relative difference over halves and channels, per kind of quantity; None where nothing can be compared.
+
+    "frequency" and "amplitude" are relative to the other's value, "extremes" to the channel's largest magnitude in the other's cycle.
+    """
+    groups = {"frequency": ("first_mode_frequency",), "amplitude": ("first_mode_amplitude",), "extremes": EXTREMES}
+    found: dict[str, float | None] = {}
+    for group, quantities in groups.items():
+        differences = []
+        for half in HALVES:
+            for channel in CHANNELS:
+                for quantity in quantities:
+                    pair = values(run, other, quantity, half, channel)
+                    if pair is None:
+                        continue
+                    scale = other.peak(channel) if group == "extremes" else abs(pair[1])
+                    if scale > 0.0:
+                        differences.append(abs(pair[0] - pair[1]) / scale)
+        found[group] = max(differences) if differences else None
+    return found

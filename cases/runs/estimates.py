@@ -1,0 +1,133 @@
+"""How far the engine's own settings leave each measure of the settled cycle uncertain: its error estimate, measure by measure.
+
+The same measures are taken of the same cycle in the runs that the engine compares (`engines.base.Comparison`); what their differences
+show of the error is added up as for a trajectory (`engines.accurate`). Two extremes can be alike by accident, where the one run is
+higher before the peak and the other behind it; they differ by at most the signals' largest difference in the half cycle, and that
+bound is what an extreme is taken to be off by. In run 16 it covered all sixteen extremes of a chain of 12 links, their own differences
+twelve.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.measures import CHANNELS, Consensus, CycleMeasures, Measure, on_common_grid
+from cases.runs.marching import Columns, channels_of
+from engines.accurate import LEAST_FACTOR, Compared
+
+Array = NDArray[np.float64]
+
+VIBRATION: Final = ("first_mode_frequency", "first_mode_amplitude")
+EXTREMES: Final = ("minimum", "maximum")
+
+
+@dataclass(frozen=True)
+class EstimatedMeasure(Measure):
+    """A measure with the estimates of its errors, each in the number's unit; None where there is none."""
+
+    first_mode_frequency_estimate: float | None = None
+    first_mode_amplitude_estimate: float | None = None
+    minimum_estimate: float | None = None
+    maximum_estimate: float | None = None
+
+    def number(self, quantity: str) -> float | None:
+        """The number called `quantity`: one of `VIBRATION` and `EXTREMES`, or the uncertainty of one of the former."""
+        found: float | None = getattr(self, quantity)
+        return found
+
+    def estimate(self, quantity: str) -> float | None:
+        """Estimate of its error."""
+        return self.number(f"{quantity}_estimate")
+
+
+@dataclass(frozen=True)
+class EstimatedConsensus(Consensus):
+    """A consensus with the estimate of its error, Hz; None where there is none."""
+
+    first_mode_frequency_estimate: float | None = None
+
+
+@dataclass(frozen=True)
+class MeasuredCycle:
+    """A cycle's measures, and its signals by half and channel at even crank angles, each of shape (360,)."""
+
+    measures: CycleMeasures
+    signals: Mapping[tuple[str, str], Array]
+
+    @classmethod
+    def of(cls, cycle: Columns, measures: CycleMeasures) -> "MeasuredCycle":
+        """A cycle from farthest to farthest, and what was measured of it."""
+        whole = on_common_grid(channels_of(cycle))
+        half = len(whole[CHANNELS[0]]) // 2
+        halves = {"pre": slice(0, half), "post": slice(half, None)}
+        return cls(measures, {(half, channel): whole[channel][part] for half, part in halves.items() for channel in CHANNELS})
+
+
+def with_estimates(
+    found: CycleMeasures, compared: Sequence[Compared[MeasuredCycle]]
+) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
+    """Measures and consensus with their estimates.
+
+    An estimate is None where one run resolves the first mode and another does not. Of a consensus it is the mean of those of its channels
+    that have one, with the weights that their frequencies have in it.
+
+    Args:
+        found: of the delivered run.
+        compared: empty where nothing can be estimated; every estimate is then None.
+    """
+    measures = []
+    for place, measure in enumerate(found.measures):
+        of_extremes = sum(runs.part(_largest_difference(measure.half, measure.channel)) for runs in compared) if compared else None
+        frequency, amplitude = (_of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION)
+        measures.append(
+            EstimatedMeasure(
+                **vars(measure),
+                first_mode_frequency_estimate=frequency,
+                first_mode_amplitude_estimate=amplitude,
+                minimum_estimate=of_extremes,
+                maximum_estimate=of_extremes,
+            )
+        )
+    means = [mean_estimate(measures, each.half) for each in found.consensus]
+    consensus = [
+        EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean) for each, mean in zip(found.consensus, means, strict=True)
+    ]
+    return tuple(measures), tuple(consensus)
+
+
+def mean_estimate(measures: Sequence[EstimatedMeasure], half: str, channels: Sequence[str] = CHANNELS) -> float | None:
+    """Estimate of the weighted mean of some channels' frequencies: at most the mean of theirs; None where no channel has one."""
+    known = [
+        (measure.first_mode_frequency_uncertainty**-2.0, measure.first_mode_frequency_estimate)
+        for measure in measures
+        if measure.half == half and measure.channel in channels
+        if measure.first_mode_frequency_uncertainty is not None and measure.first_mode_frequency_estimate is not None
+    ]
+    if not known:
+        return None
+    weights, estimates = np.array(known).T
+    return float(weights @ estimates / weights.sum())
+
+
+def _largest_difference(half: str, channel: str) -> Callable[[MeasuredCycle, MeasuredCycle], float]:
+    return lambda one, other: float(np.max(np.abs(one.signals[half, channel] - other.signals[half, channel])))
+
+
+def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name: str, value: float | None) -> float | None:
+    """Estimate of a number that not every run resolves; `place` is that of the measure among those of a cycle."""
+
+    def of(run: MeasuredCycle) -> float | None:
+        found: float | None = getattr(run.measures.measures[place], name)
+        return found
+
+    if not compared or value is None or any(of(run) is None for runs in compared for run in (runs.run, runs.other)):
+        return None
+    total = 0.0
+    for runs in compared:
+        if runs.before and of(runs.before[0]) is None:  # nothing shows the factor
+            runs = replace(runs, factor=min(runs.factor, LEAST_FACTOR), before=None)
+        total += runs.part(lambda one, other: abs(of(one) - of(other)))  # type: ignore[operator]
+    return total

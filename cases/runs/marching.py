@@ -1,0 +1,173 @@
+"""Cycle after cycle of a running simulation, until the motion has settled."""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.measures import CHANNELS, Cycle, Settling, cut_cycles
+from cases.measures.steady_state import Outlook
+from engines import progress
+from engines.accurate import check_trajectory
+from engines.base import EngineFailure, Simulation
+from engines.trajectory import Trajectory, join
+from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import frozen_crank_modes
+from reference_model.rigid import crank_pace
+
+Columns = dict[str, NDArray[np.float64]]
+
+#: Cycles are recorded with so many samples in a period of the third mode, so that extremes are met to 1 % ...
+SAMPLES: Final = 12
+#: ... but so many in a turn, at least and at most: the modes of a stiff follower cannot be seen.
+ROWS: Final = (500, 2500)
+#: Without a mode and a pace, s.
+ANY_STEP: Final = 5e-4
+
+#: Rows of a cycle: with fewer nothing can be measured; a crank that takes more for a turn has come to rest for all that can be measured.
+FEWEST_ROWS: Final = 20
+MOST_ROWS: Final = 200_000
+#: A cycle is advanced in pieces of at most so many rows: nobody knows how long a crank that begins at rest will take.
+LONGEST_PIECE: Final = 20_000
+
+
+def output_step(mechanism: Mechanism) -> float:
+    """Step (s) at which a scene's cycles are recorded: 1, 2 or 5 times a power of ten.
+
+    A step too large for the vibrations gives cycles that never repeat, for each meets them at other instants: a chain of 12 links at
+    7 Hz with a follower of 230 Hz changes by 6e-5 from cycle to cycle for ever with 5e-4 s, by 3e-7 with 1e-4 s.
+    """
+    pace = crank_pace(mechanism)
+    turn = 2.0 * math.pi / pace if pace > 0.0 else math.inf
+    third = max((frequencies[2] for frequencies in _frequencies(mechanism)), default=0.0)
+    step = min(max(1.0 / (SAMPLES * third) if third > 0.0 else ANY_STEP, turn / ROWS[1] if pace > 0.0 else 0.0), turn / ROWS[0])
+    power = 10.0 ** math.floor(math.log10(step))
+    return max(round(digit * power, 12) for digit in (1, 2, 5) if digit * power <= step * (1.0 + 1e-9))
+
+
+def _frequencies(mechanism: Mechanism) -> Iterator[NDArray[np.float64]]:
+    """The first three natural frequencies, Hz, with the crank held at a few angles; nothing where there are none."""
+    if not mechanism.follower.is_rigid and mechanism.slider.joint_stiffness > 0.0:
+        yield from (frozen_crank_modes(mechanism, angle, 3).frequencies for angle in np.linspace(0.0, math.pi, 5))
+
+
+@dataclass(frozen=True)
+class LastCycle:
+    """The last of some cycles.
+
+    Attributes:
+        columns: of the trajectory over the cycle, from farthest to farthest; empty if there is no cycle.
+        settled: whether it is the steady one.
+        cycles: how many there were.
+        error: estimated distance from the steady state, relative to the signals' RMS; None where unknown.
+        errors: the same of each channel, in its own unit.
+        outlook: what the cycles promise; None where settled.
+    """
+
+    columns: Columns
+    settled: bool
+    cycles: int
+    error: float | None
+    errors: dict[str, float] | None
+    outlook: Outlook | None
+
+
+def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> LastCycle:
+    """Take cycle after cycle until settled or given up, or until there are no more.
+
+    Args:
+        cycles: one after the other, with all columns of the trajectory.
+        multiplier: largest Floquet multiplier of the steady state, where it is known.
+    """
+    settling, last = Settling(multiplier=multiplier), Columns()
+    for cycle in cycles:
+        last = columns_of(cycle)
+        progress.tell(cycle=settling.cycles + 1)
+        if settling.feed(channels_of(last)) or settling.given_up:
+            break
+    error = settling.error_estimate
+    known = math.isfinite(error)
+    return LastCycle(
+        columns=last,
+        settled=settling.settled,
+        cycles=settling.cycles,
+        error=error if known else None,
+        errors=settling.errors if known else None,
+        outlook=None if settling.settled else settling.outlook,
+    )
+
+
+class March:
+    """The whole cycles of a simulation, with all its columns, without end.
+
+    Attributes:
+        solve_seconds: wall time so far.
+        simulated_seconds: likewise simulated.
+    """
+
+    def __init__(self, simulation: Simulation, crank_speed: float, step: float) -> None:
+        """`crank_speed` (rad/s) at the beginning; `step` (s) between rows."""
+        self._simulation, self._crank_speed, self._step = simulation, crank_speed, step
+        self.solve_seconds, self.simulated_seconds = 0.0, 0.0
+
+    def __iter__(self) -> Iterator[Cycle]:
+        """Simulate on.
+
+        Raises:
+            EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured.
+        """
+        simulation, speed, step = self._simulation, self._crank_speed, self._step
+        last_passage = simulation.time
+        rows: Trajectory | None = None
+        while True:
+            turn = 2.0 * math.pi / abs(speed) if speed else math.inf
+            stretch = step * math.ceil(min(turn / step, LONGEST_PIECE))
+            piece = simulation.advance(stretch, step)
+            check_trajectory(piece, stretch, step)
+            self.solve_seconds, self.simulated_seconds = self.solve_seconds + piece.solve_seconds, simulation.time
+            rows = join([rows, piece]) if rows else piece
+            speed = float(np.mean(piece["crank_speed"]))
+            cycles = whole_cycles(rows)
+            if cycles:
+                last_passage = simulation.time
+            elif simulation.time - last_passage > MOST_ROWS * step:
+                raise EngineFailure(simulation.time, f"the crank takes more than {MOST_ROWS * step:g} s for a turn", "let it turn faster")
+            yield from cycles
+            if cycles:
+                # the next cycle begins where this one ended; a few rows before that keep the interpolation whole
+                first = max(0, int(np.searchsorted(rows["time"], cycles[-1].time[-1])) - 4)
+                rows = Trajectory({name: values[first:] for name, values in rows.columns.items()}, 0.0)
+
+
+def whole_cycles(rows: Trajectory) -> list[Cycle]:
+    """The whole cycles in a trajectory, with all its columns.
+
+    Raises:
+        EngineFailure: the crank turns back, or too fast for the rows recorded.
+    """
+    columns = dict(rows.columns)
+    try:
+        cycles = cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)
+    except ValueError as halted:
+        raise EngineFailure(
+            float(rows["time"][-1]), "the crank stands still or turns back", "let it turn one way, by torque or speed"
+        ) from halted
+    for cycle in cycles:
+        if len(cycle.time) < FEWEST_ROWS:
+            turn = float(cycle.time[-1] - cycle.time[0])
+            cause = f"the crank takes {turn:.3g} s for a turn, much less than its drive says"
+            raise EngineFailure(float(cycle.time[0]), cause, "let it begin at about the speed at which it goes on")
+    return cycles
+
+
+def columns_of(cycle: Cycle) -> Columns:
+    """A cycle as the columns of a trajectory."""
+    return {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
+
+
+def channels_of(cycle: Columns) -> Cycle:
+    """What is measured of a cycle, without its other columns."""
+    return Cycle(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS})

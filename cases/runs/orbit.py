@@ -1,0 +1,154 @@
+"""Where marching begins: the periodic steady state that `reference` finds directly, once for each scene.
+
+The other engines' steady states lie about their own errors beside it, so that they need 4 to 9 cycles from there in the thesis' runs
+where the standard start needs 20 to 29. It also says beforehand whether marching can settle at all: what is left of a disturbance
+after a cycle is the largest Floquet multiplier.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PPoly
+
+from cases.jobs.job import Job
+from cases.jobs.workshop import Workshop
+from cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
+from engines import progress
+from engines.base import Engine, EngineFailure, NoSteadyState, Refusal
+from engines.own.reference import ReferenceEngine
+from engines.own.simulation import OwnSimulation
+from engines.start import Start, standard_start
+from reference_model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+#: What an engine errs by in a few cycles where it has no estimate.
+UNKNOWN_ERROR: Final = 1e-2
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A piecewise polynomial of arc length; unlike scipy's it is told apart from others by its content.
+
+    Attributes:
+        x: ends of the pieces, m, shape (n + 1,).
+        c: coefficients of each piece, highest power first, shape (4, n).
+    """
+
+    x: Array
+    c: Array
+
+    def __call__(self, x: Array, nu: int = 0, /) -> Array:
+        """Values of the `nu`-th derivative at `x` (m)."""
+        return np.asarray(PPoly(self.c, self.x)(x, nu))
+
+
+@dataclass(frozen=True)
+class PeriodicStart:
+    """A `Start` that can be stored and told apart from another by its content; fields as there."""
+
+    crank_angle: float
+    crank_speed: float
+    deflection: Curve
+    deflection_rate: Curve
+
+    @classmethod
+    def of(cls, start: Start) -> "PeriodicStart":
+        """The same start; its fields are piecewise polynomials."""
+        curves = []
+        for field in (start.deflection, start.deflection_rate):
+            assert isinstance(field, (PPoly, Curve))
+            curves.append(Curve(field.x, field.c))
+        return cls(start.crank_angle, start.crank_speed, *curves)
+
+    def start(self) -> Start:
+        """What engines begin in."""
+        return Start(self.crank_angle, self.crank_speed, self.deflection, self.deflection_rate)
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """What the search found.
+
+    Attributes:
+        begin: the periodic steady state at the slider's farthest place; None where there is none to begin in.
+        multiplier: largest modulus of its Floquet multipliers; None where no periodic state was found.
+        reason: why there is none to begin in (a clause), "" if there is.
+        period: s; 0 where there is none to begin in.
+    """
+
+    begin: PeriodicStart | None
+    multiplier: float | None
+    reason: str = ""
+    period: float = 0.0
+
+    def hopeless(self, error: float) -> str:
+        """Why marching from here cannot settle (a sentence); "" if it can.
+
+        Args:
+            error: what the engine errs by in a few cycles, relative to the signals, by its estimate. With that
+                of the reference it is what a cycle adds to the distance of the two steady states, and what earlier cycles added is
+                carried on: error / (1 - multiplier) in all. In run 24 with less and less damping (multipliers 0.82, 0.86, 0.89) this
+                tells 19, 29 and 38 cycles of mujoco, which took 15, 22 and 33.
+        """
+        error += ReferenceEngine.default_accuracy
+        if self.multiplier is None:
+            return ""
+        if self.multiplier >= 1.0:
+            return (
+                f"not marched: no number of cycles will do, for a disturbance grows {self.multiplier:.3f}-fold in a cycle (largest Floquet"
+                " multiplier of the periodic state that `reference` found); try more damping, or another speed"
+            )
+        if cycles_needed(self.multiplier, error) <= GREATEST_NUMBER:
+            return ""
+        return (
+            f"not marched: {GREATEST_NUMBER} cycles will not do, for a disturbance keeps {self.multiplier:.3f} of itself in a cycle"
+            " (largest Floquet multiplier of the periodic state that `reference` found); try more damping, or the engine `reference`, which"
+            " need not march"
+        )
+
+
+def cycles_needed(multiplier: float, error: float) -> float:
+    """Cycles after which an engine that errs by `error` in a few cycles has settled, beginning in another's periodic state."""
+    distance = error / (1.0 - multiplier)
+    if distance <= TOLERANCE:
+        return 0.0
+    return math.log(distance / TOLERANCE) / -math.log(multiplier) if multiplier > 0.0 else 1.0
+
+
+def begins_in_orbit(engine: Engine) -> bool:
+    """Whether an engine shall begin in the orbit of `reference`; not if it solves other equations, whose orbit is another one."""
+    return engine.estimates != "integration"
+
+
+def find_orbit(mechanism: Mechanism) -> Orbit:
+    """Search from the standard start with the settings of `reference` for its default accuracy."""
+    reference, start = ReferenceEngine(), standard_start(mechanism)
+    progress.tell(engine=reference.name, phase="searching the periodic state")
+    try:
+        reference.check(mechanism)
+        found = reference.steady_state(mechanism, start, reference.settings_for(reference.default_accuracy, mechanism))
+    except (Refusal, NoSteadyState, EngineFailure) as reason:
+        return Orbit(None, None, str(reason))
+    if found is None:
+        return Orbit(None, None, "none is looked for with a rigid follower or a soft joint")
+    multiplier = abs(found.multipliers[0])
+    if not found.stable:
+        return Orbit(None, multiplier, "the periodic state is not stable")
+    assert isinstance(found.simulation, OwnSimulation)
+    return Orbit(PeriodicStart.of(found.simulation.present_start()), multiplier, period=found.period)
+
+
+def orbits(mechanisms: Iterable[Mechanism], workshop: Workshop) -> list[Orbit]:
+    """The orbits of several scenes, taken from the store or searched in a process of its own each.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+    """
+    jobs = [Job("periodic state", find_orbit, (scene,), kind="periodic state", code=("cases.runs.orbit",)) for scene in mechanisms]
+    outcomes = workshop.outcomes(jobs, "periodic states") if jobs else []
+    return [outcome.value or Orbit(None, None, f"the search {outcome.explanation}") for outcome in outcomes]

@@ -1,0 +1,176 @@
+"""What a run is asked to do, and what comes of it."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+
+from cases.jobs.job import Job
+from cases.measures.steady_state import FEWEST_CYCLES, Outlook
+from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
+from cases.runs.marching import Columns
+from cases.runs.orbit import Orbit
+from engines.start import Start, standard_start
+from reference_model.mechanism import Mechanism
+
+#: What a run depends on besides what the simulation does.
+CODE: Final = ("cases.measures", "cases.runs")
+
+#: By how much an engine's cycles may be longer than those of `reference`.
+LONGER: Final = 1.01
+
+SETTLED: Final = "settled"  # and the accuracy reached by the engine's own estimate
+INACCURATE: Final = "inaccurate"  # settled, but the estimate misses the accuracy asked
+NOT_SETTLED: Final = "not settled"
+FAILED: Final = "failed"
+REFUSED: Final = "refused"  # the engine cannot model this scene, and says so
+UNAVAILABLE: Final = "unavailable"  # the engine cannot be used on this machine
+
+STANDARD: Final = "standard"  # where a run began
+FROM_ORBIT: Final = "periodic orbit of reference"
+DIRECT: Final = "found directly"  # no march: the engine's own search
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunRequest:
+    """One engine on one scene, to be brought to its steady state and measured; everything in it determines the result."""
+
+    mechanism: Mechanism
+    duration: float  # s, the stretch on which the error is estimated from the standard start
+    engine: str
+    accuracy: float | None = None  # error of the tip deflection; None: the engine's default
+    settings: dict[str, str] = field(default_factory=dict)
+    estimated: bool = True  # whether the measures of the cycle shall have estimates, which takes some runs more
+    straight: bool = False  # march from the standard start even if there is an orbit to begin in
+    orbit: Orbit | None = None  # where to begin, as found by `cases.runs.campaign`; None: the standard start
+
+    @property
+    def start(self) -> Start:
+        """Where the run begins."""
+        found = self._begun_from
+        return standard_start(self.mechanism) if found is None or found.begin is None else found.begin.start()
+
+    def estimated_on(self, step: float) -> float:
+        """The stretch on which the error is estimated, s: from the periodic state a little more than the fewest cycles that settle."""
+        found = self._begun_from
+        stretch = self.duration if found is None else FEWEST_CYCLES * LONGER * found.period
+        return step * math.ceil(stretch / step - 1e-9)
+
+    @property
+    def _begun_from(self) -> Orbit | None:
+        """The orbit that the run begins in; None: the standard start."""
+        return None if self.straight or self.orbit is None or self.orbit.begin is None else self.orbit
+
+    def job(self, name: str) -> "Job[Run]":
+        """The job that carries it out."""
+        from cases.runs.steady_state import steady_state
+
+        return Job(name, steady_state, (self,), kind="steady state", engines=(self.engine,), code=CODE)
+
+
+@dataclass(frozen=True)
+class PeriodicOrbit:
+    """A steady state that an engine found directly.
+
+    Attributes:
+        period: s.
+        multipliers: real and imaginary part of the Floquet multipliers, largest modulus first.
+        stable: whether a disturbance dies away.
+        iterations: steps of the search.
+    """
+
+    period: float
+    multipliers: tuple[tuple[float, float], ...]
+    stable: bool
+    iterations: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """What came of a request; None where it did not come so far.
+
+    Attributes:
+        engine, method, version: of the engine.
+        estimate_of: what its estimates are of, see `engines.base.Engine.estimates`.
+        accuracy: error of the tip deflection that was aimed at.
+        status: one of the statuses of this module.
+        remark: what there is to say (a sentence), "" if all is well.
+        start: one of the starts of this module.
+        settled: whether the cycle is the steady one.
+        cycles: how many were made, or the work of the direct search in cycles.
+        settling_error: estimated distance of the last cycle from the steady state, relative to the signals' RMS.
+        settling_errors: the same of each channel, in its own unit.
+        settling: what the cycles promised where they did not settle.
+        periodic_orbit: where it was found directly.
+        settings: of the run.
+        reached: whether the error estimate is within the accuracy.
+        error_estimate, error_estimates: of the tip deflection and of each column, relative.
+        degrees_of_freedom: of the model.
+        setup_seconds, compile_seconds, estimate_seconds, solve_seconds, wall_seconds: see `engines.accurate.Result`; the last is in all.
+        simulated_seconds: s, what the solve time is for.
+        failure_time, cause, advice: of a run that broke down; time in s.
+        measures, consensus: of the cycle.
+        unestimated: why there are no estimates of the measures (a clause), "" if there are.
+        cycle: the last one with every column of the trajectory, from farthest to farthest; of a failed run what there is; else empty.
+    """
+
+    engine: str
+    method: str = ""
+    version: str | None = None
+    estimate_of: str
+    accuracy: float | None = None
+    status: str = REFUSED
+    remark: str = ""
+    start: str | None = None
+    settled: bool = False
+    cycles: int = 0
+    settling_error: float | None = None
+    settling_errors: dict[str, float] | None = None
+    settling: Outlook | None = None
+    periodic_orbit: PeriodicOrbit | None = None
+    settings: dict[str, Any] | None = None
+    reached: bool = False
+    error_estimate: float | None = None
+    error_estimates: dict[str, float | None] = field(default_factory=dict)
+    degrees_of_freedom: int | None = None
+    setup_seconds: float | None = None
+    compile_seconds: float | None = None
+    estimate_seconds: float | None = None
+    solve_seconds: float | None = None
+    wall_seconds: float | None = None
+    simulated_seconds: float | None = None
+    failure_time: float | None = None
+    cause: str | None = None
+    advice: str | None = None
+    measures: tuple[EstimatedMeasure, ...] = ()
+    consensus: tuple[EstimatedConsensus, ...] = ()
+    unestimated: str = "there is no settled cycle"
+    cycle: Columns = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a settled cycle with measures."""
+        return self.status in (SETTLED, INACCURATE)
+
+    def has_frequency(self, half: str, channel: str) -> bool:
+        """Whether it resolves a channel's first mode in a half, and has an estimate of the frequency's error."""
+        measure = self.measure(half, channel)
+        return measure is not None and measure.first_mode_frequency_estimate is not None
+
+    def measure(self, half: str, channel: str) -> EstimatedMeasure | None:
+        """The measure of a half and channel, or None if there is none."""
+        return next((found for found in self.measures if (found.half, found.channel) == (half, channel)), None)
+
+    def consensus_of(self, half: str) -> EstimatedConsensus | None:
+        """The consensus of a half on the first-mode frequency; None if there is none, or where it is not resolvable."""
+        return next((found for found in self.consensus if found.half == half and found.first_mode_frequency is not None), None)
+
+    def consensus_frequency(self, half: str) -> float | None:
+        """Consensus of the first-mode frequency in a half, Hz, or None where not resolvable."""
+        found = self.consensus_of(half)
+        return None if found is None else found.first_mode_frequency
+
+    def peak(self, channel: str) -> float:
+        """Largest modulus of a channel over the cycle."""
+        return float(np.max(np.abs(self.cycle[channel])))

@@ -1,0 +1,307 @@
+"""One engine on one scene, brought to its steady state, with an error estimate of its own.
+
+A run begins in the periodic state that `reference` found (`cases.runs.orbit`), or in the standard start. From the one as many cycles as
+settling takes at least, from the other the case's duration is simulated to the accuracy asked (`engines.accurate`): that fixes the
+settings and their error estimate. Where there is an orbit the standard start would be no measure of it: a stiff follower rings for
+thousands of cycles if its load, or its weight, is there of a sudden. With these settings the simulation then runs cycle after cycle
+until it has settled (`cases.measures.steady_state`). An engine that finds its periodic steady
+state directly need not run there; where it finds none it marches like the others. If it is known
+beforehand that marching cannot settle, it is not begun. What is kept is the last cycle, with every column of the trajectory.
+
+At the same instant of the way the runs are taken by which the engine estimates its error (`Comparison`): from the same start, after as
+many cycles. They show what the settings do to whatever is measured in the cycle (`cases.runs.estimates`).
+"""
+
+import contextlib
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import islice
+from typing import Any, Final
+
+import numpy as np
+
+from cases.measures import CHANNELS, measure_cycle, time_scale
+from cases.runs.estimates import MeasuredCycle, with_estimates
+from cases.runs.marching import Columns, LastCycle, March, columns_of, output_step, settle, whole_cycles
+from cases.runs.orbit import UNKNOWN_ERROR, Orbit
+from cases.runs.request import (
+    DIRECT,
+    FAILED,
+    FROM_ORBIT,
+    INACCURATE,
+    NOT_SETTLED,
+    SETTLED,
+    STANDARD,
+    PeriodicOrbit,
+    Run,
+    RunRequest,
+)
+from engines import progress
+from engines.accurate import Compared, check_trajectory, compared, same_motion, simulate
+from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
+from engines.registry import engine as engine_of_name
+from engines.settings import SettingError, Settings
+from engines.trajectory import Trajectory
+
+#: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
+ROWS_AFTER: Final = 4
+
+
+Runs = Mapping[Settings, Trajectory]
+
+
+class Hopeless(Exception):
+    """Marching cannot settle; the text is a sentence that says why."""
+
+
+def steady_state(request: RunRequest) -> Run:
+    """Carry out a request. What an engine does wrong becomes part of the run; nothing is raised for it.
+
+    Raises:
+        MemoryError, OSError: for lack of memory, disk or the like. That is the machine's doing, not the engine's, and may be otherwise
+            the next time.
+    """
+    began = time.perf_counter()
+    way = _Way(engine_of_name(request.engine), request)
+    try:
+        way.go()
+    except (Refusal, SettingError) as refusal:
+        way.know(remark=str(refusal))
+    except Hopeless as reason:
+        way.know(status=NOT_SETTLED)
+        way.say(str(reason))
+    except EngineFailure as failure:
+        partial = dict(failure.partial.columns) if failure.partial is not None else {}
+        told = {"failure_time": failure.time, "cause": failure.cause, "advice": failure.advice}
+        way.know(status=FAILED, remark=str(failure), cycle=partial, **told)
+    except (MemoryError, OSError):
+        raise
+    except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
+        way.know(status=FAILED, remark=_words_of(error), cause=_words_of(error), cycle={})
+    way.measure()
+    return replace(way.run, wall_seconds=time.perf_counter() - began)
+
+
+def _words_of(error: Exception) -> str:
+    return f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
+
+
+class _Way:
+    """How the steady cycle of a run is come by, so that runs with other settings can go the same way.
+
+    Attributes:
+        run: what is known so far.
+    """
+
+    def __init__(self, engine: Engine, request: RunRequest) -> None:
+        self._engine, self._request, self._mechanism = engine, request, request.mechanism
+        self._step = 0.0
+        self._done: Runs = {}
+        self._compared: tuple[Compared[Columns], ...] = ()
+        self.run = Run(
+            engine=engine.name, method=engine.method, estimate_of=engine.estimates, accuracy=request.accuracy or engine.default_accuracy
+        )
+
+    def know(self, **found: Any) -> None:
+        """Add to what is known; names as in `Run`."""
+        self.run = replace(self.run, **found)
+
+    def say(self, remark: str) -> None:
+        """Add to the remark."""
+        self.know(remark=f"{self.run.remark}; {remark}" if self.run.remark else remark)
+
+    def go(self) -> None:
+        """All that is simulated.
+
+        Raises:
+            Refusal, SettingError: the engine does not take the scene.
+            Hopeless: that it will not settle is known beforehand.
+            EngineFailure: a run broke down.
+        """
+        self.know(version=self._engine.version())
+        self._choose_settings()
+        self.know(cycle=self._cycle())
+        if not self.run.settled:
+            self.know(status=NOT_SETTLED)
+            return
+        self.know(status=SETTLED if self.run.reached else INACCURATE)
+        if self._engine.estimates == "integration":
+            self.know(unestimated="its own estimates are of the integration alone")
+        elif not self._request.estimated:
+            self.know(unestimated="none were asked for")
+        else:
+            self._compared, why = self._compare(self.run.cycle)
+            self.know(unestimated=why)
+
+    def measure(self) -> None:
+        """Measure the settled cycle, with what the runs beside it show of the errors."""
+        if not self.run.usable:
+            return
+        scale, known = time_scale(self._mechanism), dict[int, MeasuredCycle]()
+
+        def measured(cycle: Columns) -> MeasuredCycle:
+            if id(cycle) not in known:  # a run may be compared with several
+                channels = {name: cycle[name] for name in CHANNELS}
+                known[id(cycle)] = MeasuredCycle.of(cycle, measure_cycle(scale, cycle["time"], cycle["crank_angle"], channels))
+            return known[id(cycle)]
+
+        others = [runs.made_of(measured) for runs in self._compared]
+        measures, consensus = with_estimates(measured(self.run.cycle).measures, others)
+        self.know(measures=measures, consensus=consensus)
+
+    def _choose_settings(self) -> None:
+        """The settings that reach the accuracy from where the run begins, their estimate, and all runs made for it."""
+        request, self._step = self._request, output_step(self._mechanism)
+        self._start = request.start
+        stretch = request.estimated_on(self._step)
+        result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, request.settings, request.accuracy)
+        self._settings, self._done = result.settings, result.runs
+        self.know(
+            accuracy=result.accuracy,
+            settings=result.settings.as_dict(),
+            remark=result.remark,
+            reached=result.reached,
+            error_estimate=result.error_estimate,
+            error_estimates=result.error_estimates,
+            setup_seconds=result.setup_seconds,
+            compile_seconds=result.compile_seconds,
+            estimate_seconds=result.estimate_seconds + result.solve_seconds,
+            degrees_of_freedom=result.description.degrees_of_freedom,
+        )
+
+    def _cycle(self) -> Columns:
+        """The settled cycle, or the last one where it did not settle."""
+        orbit, multiplier = None if self._request.straight else self._request.orbit, None
+        if cycle := self._found_directly():
+            return cycle
+        self.know(start=STANDARD)
+        if orbit is not None and orbit.begin is None and not orbit.multiplier:
+            self.say(f"begun in the standard start, for `reference` found no periodic state: {orbit.reason}")
+        elif orbit is not None:
+            if hopeless := orbit.hopeless(_error(self.run)):
+                raise Hopeless(hopeless)
+            self.know(start=FROM_ORBIT)
+            multiplier = orbit.multiplier
+        made = self._done[self._settings]  # the run for the estimate began in the same start; it may be all that is needed
+        last = settle(whole_cycles(made), multiplier)
+        if last.settled:
+            self._know_of(last)
+            self.know(solve_seconds=made.solve_seconds, simulated_seconds=float(made["time"][-1]))
+            return last.columns
+        progress.tell(phase="marching")
+        march = self._march(self._settings)
+        try:
+            last = settle(march, multiplier)
+        finally:
+            self._know_of(last)
+            self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        if last.outlook is not None:
+            self.say(f"not settled after {last.cycles} cycles: {last.outlook.sentence()}")
+        return last.columns
+
+    def _know_of(self, last: LastCycle) -> None:
+        told = {"settled": last.settled, "cycles": last.cycles, "settling": last.outlook}
+        self.know(settling_error=last.error, settling_errors=last.errors, **told)
+
+    def _compare(self, cycle: Columns) -> tuple[tuple[Compared[Columns], ...], str]:
+        """The same cycle in the runs by which the engine estimates its error, and why there are none.
+
+        Args:
+            cycle: of the delivered run.
+        """
+        known: dict[Settings, Columns | EngineFailure] = {self._settings: cycle}
+        progress.tell(phase="estimating the cycle's error")
+
+        def run(settings: Settings) -> Columns:
+            if settings not in known:
+                known[settings] = self._same_cycle(settings)
+            found = known[settings]
+            if isinstance(found, EngineFailure):
+                raise found
+            return found
+
+        pairs = self._engine.comparisons(self._settings, self._mechanism, self._step)
+        if any(pair.run == pair.other for pair in pairs):
+            return (), "these settings leave no others to compare with"
+        try:
+            found = tuple(compared(pair, run) for pair in pairs)
+        except EngineFailure as failure:
+            return (), f"the run for their estimate {failure}"
+        except (MemoryError, OSError):
+            raise
+        except Exception as error:  # what is delivered stays good
+            return (), f"the run for their estimate: {_words_of(error)}"
+        if not self._mechanism.follower.is_rigid and any(same_motion(runs.run, runs.other) for runs in found):
+            return (), "the run to compare with is the same to the last digit"
+        return found, ""
+
+    def _same_cycle(self, settings: Settings) -> Columns | EngineFailure:
+        """The steady cycle with other settings: found directly like the delivered one, or after as many cycles; settled at least."""
+        try:
+            if self.run.start == DIRECT:
+                with contextlib.suppress(NoSteadyState):
+                    found = self._searched(settings)
+                    if found is not None and found.stable:
+                        return self._one_cycle(found)[0]
+                last = settle(self._march(settings))
+                unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
+                return last.columns if last.settled else unsettled
+            if settings in self._done:
+                made = whole_cycles(self._done[settings])
+                if len(made) >= self.run.cycles:
+                    return columns_of(made[self.run.cycles - 1])
+            return columns_of(next(islice(self._march(settings), self.run.cycles - 1, None)))
+        except EngineFailure as failure:
+            return failure
+
+    def _march(self, settings: Settings) -> March:
+        return March(self._prepared(settings), self._start.crank_speed, self._step)
+
+    def _prepared(self, settings: Settings) -> Simulation:
+        return self._engine.prepare(self._mechanism, self._start, settings)
+
+    def _searched(self, settings: Settings) -> SteadyState | None:
+        return self._engine.steady_state(self._mechanism, self._start, settings)
+
+    def _found_directly(self) -> Columns:
+        """One cycle of the periodic steady state; empty where the engine must march, with the reason in the remark."""
+        progress.tell(phase="searching the periodic state")
+        try:
+            found = self._searched(self._settings)
+        except NoSteadyState as reason:
+            self.say(f"marched, because no periodic state was found directly: {reason}")
+            return {}
+        if found is None:
+            return {}
+        multipliers = tuple((multiplier.real, multiplier.imag) for multiplier in found.multipliers)
+        orbit = PeriodicOrbit(found.period, multipliers, found.stable, found.iterations)
+        self.know(periodic_orbit=orbit)
+        if not found.stable:
+            raise Hopeless(Orbit(None, abs(found.multipliers[0])).hopeless(0.0))
+        cycle, piece = self._one_cycle(found)
+        self.know(
+            start=DIRECT,
+            settled=True,
+            cycles=math.ceil(found.cycles_of_work),
+            settling_error=found.residual,
+            settling_errors={name: found.residual * float(np.max(np.abs(cycle[name]))) for name in CHANNELS},
+            solve_seconds=found.solve_seconds + piece.solve_seconds,
+            simulated_seconds=found.cycles_of_work * found.period + float(piece["time"][-1]),
+            periodic_orbit=replace(orbit, period=float(cycle["time"][-1] - cycle["time"][0])),
+        )
+        return cycle
+
+    def _one_cycle(self, found: SteadyState) -> tuple[Columns, Trajectory]:
+        duration = self._step * (math.ceil(found.period / self._step) + ROWS_AFTER)
+        piece = found.simulation.advance(duration, self._step)
+        check_trajectory(piece, duration, self._step)
+        cycle = whole_cycles(piece)[0]
+        return columns_of(cycle), piece
+
+
+def _error(run: Run) -> float:
+    """What the engine errs by in a few cycles, by its largest estimate over the case's duration."""
+    estimates = [estimate for name in CHANNELS if (estimate := run.error_estimates.get(name)) is not None]
+    return max(estimates, default=UNKNOWN_ERROR)

@@ -1,0 +1,59 @@
+"""A steady state needs a crank that turns, neither too slowly nor too fast to be measured; anything else ends with a sentence."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cases.runs.marching import March, settle
+from engines.base import EngineFailure
+from engines.start import Start
+from engines.trajectory import Trajectory
+from tests.engines.fake_engine import FakeSettings, FakeSimulation
+
+STEP = 5e-4  # s
+
+
+class Turning(FakeSimulation):
+    """The fake motion with a crank that begins at one speed and approaches another at a rate of 1/s."""
+
+    def __init__(self, first: float, final: float) -> None:
+        super().__init__(Start(math.pi, first), FakeSettings())
+        self._speeds = (first, final)
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        trajectory = super().advance(duration, output_step)
+        first, final = self._speeds
+        time = trajectory["time"]
+        trajectory.columns["crank_speed"] = final + (first - final) * np.exp(-time)
+        trajectory.columns["crank_angle"] = math.pi + final * time - (first - final) * np.expm1(-time)
+        for name in ("tip_acceleration", "strain_1", "strain_2", "strain_3"):  # settled at once
+            trajectory.columns[name] = np.cos(trajectory["crank_angle"])
+        return trajectory
+
+
+@pytest.mark.parametrize(
+    ("first", "final", "told"),
+    [
+        (0.0, 0.0, "failed at t = 10 s: the crank stands still or turns back; let it turn one way, by torque or speed"),
+        (10.0, -10.0, "the crank stands still or turns back"),
+        (10.0, 1e-9, "the crank takes more than 100 s for a turn; let it turn faster"),
+        (1e-9, 1e-9, "the crank takes more than 100 s for a turn; let it turn faster"),
+        (1e6, 1e6, "the crank takes 6.28e-06 s for a turn, much less than its drive says"),
+        (10.0, 1e4, "for a turn, much less than its drive says"),
+    ],
+)
+def test_a_crank_that_does_not_turn_ends_the_search_with_a_sentence(first: float, final: float, told: str) -> None:
+    with pytest.raises(EngineFailure) as failure:
+        settle(March(Turning(first, final), first, STEP))
+    assert told in str(failure.value)
+    assert failure.value.time < 300.0
+
+
+@pytest.mark.parametrize(("first", "final"), [(0.0, 10.0), (0.5, 10.0), (10.0, 2.0), (-10.0, -9.0)])
+def test_a_crank_that_finds_its_speed_settles(first: float, final: float) -> None:
+    last = settle(March(Turning(first, final), first, STEP))
+    assert last.settled
+    cycle = last.columns
+    # one turn at the final speed; by the fourth cycle, the earliest that can settle, exp(-t) has died away to below 5 %
+    assert cycle["time"][-1] - cycle["time"][0] == pytest.approx(2.0 * math.pi / abs(final), rel=0.05)
