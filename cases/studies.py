@@ -87,9 +87,9 @@ def run_studies(workshop: Workshop) -> Studies:
         (what, name): outcome.value for (what, name, _), outcome in zip(wanted, trajectories, strict=True) if outcome.value is not None
     }
     accuracy, confirmation = _accuracy_tables(found)
-    from_orbit = _runs(_from_orbit(case), workshop, "from the periodic orbit")
+    from_orbit = carry_out(_from_orbit(case), workshop, "from the periodic orbit")
     requests = {**_straight(case, from_orbit), **_open_requests()}  # together: one that marches straight takes as long as all the others
-    results = _runs(requests, workshop, "what the thesis leaves open, and another start")
+    results = carry_out(requests, workshop, "what the thesis leaves open, and another start")
     sensitivity = _sensitivity(results, failures)
     both_ways = _both_ways({**from_orbit, **results}, failures)
     return Studies(accuracy, confirmation, pd.DataFrame(convergence.value or []), sensitivity, both_ways, tuple(failures))
@@ -99,11 +99,6 @@ _CODE: Final = ("cases.studies",)
 
 Name = tuple[str, str]
 Runs = Mapping[Name, Run]
-
-
-def _runs(requests: Mapping[Name, RunRequest], workshop: Workshop, title: str) -> dict[Name, Run]:
-    names = [" ".join(name) for name in requests]
-    return dict(zip(requests, carry_out(list(requests.values()), workshop, title, names), strict=True))
 
 
 @dataclass(frozen=True)

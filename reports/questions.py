@@ -216,23 +216,9 @@ def _simulated(asked: Simulated, case: "Case", texts: Mapping[str, str]) -> tupl
 
 
 def _completed(asked: Simulated, result: "Result") -> Simulated:
-    return dataclasses.replace(
-        asked,
-        rows=len(result.trajectory),
-        accuracy=result.accuracy,
-        reached=result.reached,
-        error_estimate=result.error_estimate,
-        error_estimates=result.error_estimates,
-        estimate_of=result.estimate_of,
-        remark=result.remark,
-        settings=result.settings.as_dict(),
-        setup_seconds=result.setup_seconds,
-        compile_seconds=result.compile_seconds,
-        solve_seconds=result.solve_seconds,
-        estimate_seconds=result.estimate_seconds,
-        statistics=dict(result.trajectory.statistics),
-        **vars(result.description),
-    )
+    same = {each.name: getattr(result, each.name) for each in dataclasses.fields(Simulated) if hasattr(result, each.name)}
+    same |= {"settings": result.settings.as_dict(), "statistics": dict(result.trajectory.statistics), **vars(result.description)}
+    return dataclasses.replace(asked, rows=len(result.trajectory), **same)
 
 
 def _broken(asked: Simulated, failure: "EngineFailure") -> Simulated:

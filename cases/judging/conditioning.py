@@ -2,7 +2,7 @@
 
 Parameters are never known to 0.1 %. Where so little moves the answer by several percent, a solution that is good to a percent over the
 whole duration says more than the scene does; two good solutions then run apart beyond a horizon, and what can still be compared there
-is energy, extremes and spectrum (`cases.judging.spectrum`).
+is energy, extremes and spectrum (`later_differences`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,6 +22,8 @@ from reference_model.mechanism import Mechanism, TorqueDrive
 
 Array = NDArray[np.float64]
 
+#: Bands of the spectrum: third octaves. Two motions that run apart keep their band levels, not their lines.
+BANDS_PER_OCTAVE: Final = 3
 #: Part by which a parameter is changed.
 CHANGE: Final = 1e-3
 #: A scene whose answer moves by more than this is ill-conditioned: fifty times the change.
@@ -120,3 +122,48 @@ def _horizon(ratios: Sequence[Array], duration: float, output_step: float) -> fl
     rows = min(map(len, ratios))
     well = np.flatnonzero(np.max([ratio[:rows] for ratio in ratios], axis=0) <= ILL)
     return duration if well[-1] >= rows - FEWEST_LATER else output_step * float(max(well[-1], 1))
+
+
+def later_differences(columns: dict[str, Array], other: dict[str, Array], since: float) -> dict[str, float]:
+    """Relative differences of two trajectories after an instant.
+
+    Args:
+        columns: of the one; at least time, tip_deflection, and strain_energy where there is one.
+        other: of the other, on the same grid.
+        since: s, the rows after it are compared.
+
+    Returns:
+        "extremes": difference of the tip deflection's minimum and maximum (the larger), relative to the other's largest modulus.
+        "spectrum": RMS difference of the tip deflection's band levels, relative to their RMS.
+        "energy": difference of the mean strain energy, relative; left out where one of them has no such column.
+    """
+    later = columns["time"] > since
+    ours, theirs = columns["tip_deflection"][later], other["tip_deflection"][later]
+    largest = float(np.max(np.abs(theirs)))
+    extremes = max(abs(float(ours.max() - theirs.max())), abs(float(ours.min() - theirs.min()))) / largest
+    row = float(columns["time"][1] - columns["time"][0])
+    levels, their_levels = band_levels(ours, row), band_levels(theirs, row)
+    spectrum = float(np.linalg.norm(levels - their_levels) / np.linalg.norm(their_levels))
+    found = {"extremes": extremes, "spectrum": spectrum}
+    if "strain_energy" in columns and "strain_energy" in other:
+        energies = [float(np.mean(each["strain_energy"][later])) for each in (columns, other)]
+        found["energy"] = abs(energies[0] - energies[1]) / energies[1]
+    return found
+
+
+def band_levels(signal: Array, row: float) -> Array:
+    """RMS of a signal in third-octave bands, from the lowest frequency resolved to half the sampling rate.
+
+    Args:
+        signal: shape (n,), n >= 4.
+        row: s, sampling interval.
+
+    Returns:
+        Levels in the signal's unit, shape (bands,); the number of bands depends on n alone.
+    """
+    window = np.hanning(len(signal))
+    power = np.abs(np.fft.rfft((signal - signal.mean()) * window)) ** 2 / np.sum(window**2) / len(signal)
+    power[1:] *= 2.0  # the negative frequencies
+    frequencies = np.fft.rfftfreq(len(signal), row)
+    bands = np.round(BANDS_PER_OCTAVE * np.log2(frequencies[1:] / frequencies[1])).astype(int)
+    return np.sqrt(np.bincount(bands, weights=power[1:]))

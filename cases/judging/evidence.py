@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.judging.spectrum import later_differences
+from cases.judging.conditioning import later_differences
 from cases.judging.verdicts import Breakdown, Evidence, judge
 from engines.accurate import Result, run_once, simulate
 from engines.base import Engine, EngineFailure, Refusal

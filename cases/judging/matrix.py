@@ -11,9 +11,8 @@ import numpy as np
 from cases.case import Case
 from cases.jobs.job import Job, Outcome, T
 from cases.jobs.workshop import Workshop
-from cases.judging.conditioning import Conditioning, conditioning
+from cases.judging.conditioning import Conditioning, conditioning, later_differences
 from cases.judging.evidence import Columns, Trial, TrialScene, gather, relative_difference
-from cases.judging.spectrum import later_differences
 from cases.judging.verdicts import ACCURATE, ENDED, LATER, Breakdown, Evidence, Verdict, contradicted, judge
 from engines.registry import MAIN
 
@@ -41,7 +40,7 @@ class Cell:
         verdict: after the comparison with the other engines.
         settings: of the run judged.
         true_error: of the tip deflection over the stretch, against the converged solution; None where nothing is claimed or known.
-        true_later: likewise beyond the stretch (`cases.judging.spectrum.later_differences`); None where there is no such part.
+        true_later: likewise beyond the stretch (`cases.judging.conditioning.later_differences`); None where there is no such part.
         holds: whether the claim (error, time, what is said of the part beyond the stretch) holds against the converged solution, whose
             own claimed error is allowed for; None where nothing is claimed or the scene has no converged solution.
         model_error: of an engine that is held against its own equations: the distance of these to the converged solution.

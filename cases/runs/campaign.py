@@ -1,54 +1,59 @@
 """Many runs: where each begins, in which order they are computed, and what became of those whose process died."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeVar
 
+from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.runs.orbit import begins_in_orbit, orbits
-from cases.runs.request import FAILED, UNAVAILABLE, Run, RunRequest
+from cases.runs.request import CODE, FAILED, UNAVAILABLE, Run, RunRequest
+from cases.runs.steady_state import steady_state
 from engines.registry import engine
 
 #: The slowest first, so that the last core does not wait for one of them.
 _SLOWEST: Final = ("exudyn", "mujoco", "reference")
 
 
-def carry_out(requests: Sequence[RunRequest], workshop: Workshop, title: str = "runs", names: Sequence[str] = ()) -> list[Run]:
-    """The runs of some requests, in their order. Equal ones are computed once.
+#: Of a request among others: the case, and what tells it apart there.
+Name = TypeVar("Name", bound=tuple[str, ...])
+
+
+def carry_out(requests: Mapping[Name, RunRequest], workshop: Workshop, title: str = "runs") -> dict[Name, Run]:
+    """Runs by the names of their requests. Equal requests are computed once.
 
     Args:
         requests: what to run; those that shall begin in the orbit of `reference` get it.
         workshop: where.
         title: of them all, for the person who waits.
-        names: of each, likewise; none: those of the engines.
 
     Raises:
         UnknownEngine: see there.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    reasons = {name: engine(name).unavailable() for name in dict.fromkeys(request.engine for request in requests)}
-    marching = [number for number, request in enumerate(requests) if not reasons[request.engine] and _marches_from_orbit(request)]
-    found = dict(zip(marching, orbits([requests[number].mechanism for number in marching], workshop), strict=True))
-    begun = [replace(request, orbit=found.get(number, request.orbit)) for number, request in enumerate(requests)]
-    order = [number for number in _order(begun) if not reasons[begun[number].engine]]
-    jobs = [begun[number].job(names[number] if names else begun[number].engine) for number in order]
-    outcomes = dict(zip(order, workshop.outcomes(jobs, title), strict=True))
-    runs = []
-    for number, request in enumerate(begun):
-        if reason := reasons[request.engine]:
-            runs.append(_without(request, UNAVAILABLE, reason))
-        else:
-            runs.append(outcomes[number].value or _without(request, FAILED, outcomes[number].explanation))
-    return runs
+    reasons = {name: engine(name).unavailable() for name in {request.engine for request in requests.values()}}
+    usable = {name: request for name, request in requests.items() if not reasons[request.engine]}
+    marching = [name for name, request in usable.items() if _marches_from_orbit(request)]
+    for name, orbit in zip(marching, orbits([usable[name].mechanism for name in marching], workshop), strict=True):
+        usable[name] = replace(usable[name], orbit=orbit)
+    order = _order(usable)
+    outcomes = dict(zip(order, workshop.outcomes([_job(name, usable[name]) for name in order], title), strict=True))
+    runs = {name: outcome.value or _without(usable[name], FAILED, outcome.explanation) for name, outcome in outcomes.items()}
+    return {name: runs.get(name) or _without(requests[name], UNAVAILABLE, reasons[requests[name].engine] or "") for name in requests}
 
 
-def _order(requests: Sequence[RunRequest]) -> list[int]:
+def _job(name: Name, request: RunRequest) -> Job[Run]:
+    label = " ".join(part for part in name if part != request.engine)
+    return Job(label, steady_state, (request,), kind="steady state", engines=(request.engine,), code=CODE)
+
+
+def _order(requests: Mapping[Name, RunRequest]) -> list[Name]:
     """One of each engine first: what it compiles is there for the others, which would compile the same beside it."""
-    by_engine: dict[str, list[int]] = {}
-    for number, request in enumerate(requests):
-        by_engine.setdefault(request.engine, []).append(number)
+    by_engine: dict[str, list[Name]] = {}
+    for name, request in requests.items():
+        by_engine.setdefault(request.engine, []).append(name)
     slowest = sorted(by_engine, key=lambda name: _SLOWEST.index(name) if name in _SLOWEST else len(_SLOWEST))
-    return [by_engine[name][0] for name in reversed(slowest)] + [number for name in slowest for number in by_engine[name][1:]]
+    return [by_engine[engine][0] for engine in reversed(slowest)] + [name for engine in slowest for name in by_engine[engine][1:]]
 
 
 def _marches_from_orbit(request: RunRequest) -> bool:

@@ -192,13 +192,14 @@ def cross_validate(
         CaseError: a case without crank and slider: there is no cycle to measure.
         UnknownEngine: see there.
     """
-    pairs = [(case, engine) for case in cases for engine in engines]
-    requests = [
-        RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=dict(settings or {}))
-        for case, engine in pairs
-    ]
-    runs = iter(carry_out(requests, workshop, "engines on cases", [case.name for case, _ in pairs]))
-    return [compare(case, {engine: next(runs) for engine in engines}) for case in cases]
+    texts = dict(settings or {})
+    requests = {
+        (case.name, engine): RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=texts)
+        for case in cases
+        for engine in engines
+    }
+    runs = carry_out(requests, workshop, "engines on cases")
+    return [compare(case, {engine: runs[case.name, engine] for engine in engines}) for case in cases]
 
 
 def compare(case: Case, runs: Mapping[str, Run]) -> CaseResult:

@@ -6,7 +6,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.jobs.job import Job
 from cases.measures.steady_state import FEWEST_CYCLES, Outlook
 from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import Columns
@@ -43,7 +42,7 @@ class RunRequest:
     settings: dict[str, str] = field(default_factory=dict)
     estimated: bool = True  # whether the measures of the cycle shall have estimates, which takes some runs more
     straight: bool = False  # march from the standard start even if there is an orbit to begin in
-    orbit: Orbit | None = None  # where to begin, as found by `cases.runs.campaign`; None: the standard start
+    orbit: Orbit | None = None  # where to begin, as found by `carry_out`; None: the standard start
 
     @property
     def start(self) -> Start:
@@ -61,12 +60,6 @@ class RunRequest:
     def _begun_from(self) -> Orbit | None:
         """The orbit that the run begins in; None: the standard start."""
         return None if self.straight or self.orbit is None or self.orbit.begin is None else self.orbit
-
-    def job(self, name: str) -> "Job[Run]":
-        """The job that carries it out."""
-        from cases.runs.steady_state import steady_state
-
-        return Job(name, steady_state, (self,), kind="steady state", engines=(self.engine,), code=CODE)
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,7 @@ def steady_rows(pairs: Sequence[tuple[str, str]], jobs: int | None) -> dict[tupl
         if isinstance(loaded[case].scene, Mechanism)
     }
     workshop = Workshop(Store(), LocalProcesses(jobs, Limits(seconds=LONGEST)))
-    runs = dict(zip(requests, carry_out(list(requests.values()), workshop, "steady states"), strict=True))
+    runs = carry_out(requests, workshop, "steady states")
     return {pair: steady_row(runs[pair]) if pair in runs else {"status": "refused"} for pair in pairs}
 
 

@@ -120,13 +120,13 @@ def test_what_there_is_none_to_begin_in_says_why(monkeypatch: pytest.MonkeyPatch
 
 def test_the_runner_lets_them_begin_where_they_shall(tmp_path: Path) -> None:
     requests = {
-        "orbit": request(settings=CHEAP),
-        "straight": request(settings=CHEAP, straight=True, estimated=False),
-        "thesis": request("thesis", settings={"tolerance": "1e-6"}),
-        "reference": request("reference", settings={"modes": "2", "tolerance": "1e-6"}),
+        ("orbit",): request(settings=CHEAP),
+        ("straight",): request(settings=CHEAP, straight=True, estimated=False),
+        ("thesis",): request("thesis", settings={"tolerance": "1e-6"}),
+        ("reference",): request("reference", settings={"modes": "2", "tolerance": "1e-6"}),
     }
-    found = carry_out(list(requests.values()), Workshop(Store(tmp_path), LocalProcesses(1)))
-    runs = dict(zip(requests, found, strict=True))
+    found = carry_out(requests, Workshop(Store(tmp_path), LocalProcesses(1)))
+    runs = {name[0]: run for name, run in found.items()}
     assert {name: run.start for name, run in runs.items()} == {
         "orbit": FROM_ORBIT,
         "straight": STANDARD,
