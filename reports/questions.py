@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from cases.jobs.job import Job, Limits, Outcome, T
-from cases.jobs.processes import LocalProcesses
+from cases.jobs.processes import PRELOAD, LocalProcesses
 from cases.jobs.progress import answers
 from reports.output import write_file
 
@@ -35,7 +35,8 @@ class EngineDied(Exception):
 
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None) -> list[Outcome[T]]:
     """How each of the jobs ended; `limits` None: `cases.jobs.job.default_limits`."""
-    return answers(LocalProcesses(limits=limits, preload=("engines.registry",)), jobs, title)
+    # what one job needs it imports itself; several import it once
+    return answers(LocalProcesses(limits=limits, preload=PRELOAD if len(jobs) > 1 else ()), jobs, title)
 
 
 def answer_of(job: Job[T], limits: Limits | None = None) -> T:
