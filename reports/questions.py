@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from cases.jobs.job import Job, Limits, Outcome, T
+from cases.jobs.job import Job, Limits, Outcome, T, answers
 from cases.jobs.processes import PRELOAD, LocalProcesses
-from cases.jobs.progress import answers
 from reports.output import write_file
 
 if TYPE_CHECKING:

@@ -9,10 +9,9 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, get_type_hints
 
-from cases.jobs.job import Executor, Job, Outcome, T
+from cases.jobs.job import Executor, Job, Outcome, T, watched
 from cases.jobs.key import key_of
 from cases.jobs.processes import LocalProcesses
-from cases.jobs.progress import watched
 from cases.jobs.records import decoded, encoded
 from cases.jobs.store import Record, Store
 

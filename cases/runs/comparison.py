@@ -90,23 +90,10 @@ class Check:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON and CSV."""
-        return {
-            "engine": self.engine,
-            "other": self.other,
-            "quantity": self.quantity,
-            "half": self.half,
-            "channel": self.channel,
-            "value": self.mine.value,
-            "other_value": self.its.value,
-            "difference": self.difference,
-            "tolerance": self.tolerance,
-            "estimate": self.mine.estimate,
-            "other_estimate": self.its.estimate,
-            "uncertainty": self.mine.uncertainty,
-            "other_uncertainty": self.its.uncertainty,
-            "scale": self.scale,
-            "passed": self.passed,
-        }
+        own = ("engine", "other", "quantity", "half", "channel", "difference", "tolerance", "scale", "passed")
+        claims = {"": self.mine, "other_": self.its}.items()
+        numbers = {f"{whose}{name}": value for whose, claim in claims for name, value in vars(claim).items()}
+        return {name: getattr(self, name) for name in own} | numbers
 
 
 @dataclass(frozen=True)

@@ -81,64 +81,40 @@ class PeriodicOrbit:
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What came of a request; None where it did not come so far.
-
-    Attributes:
-        engine, method, version: of the engine.
-        estimate_of: what its estimates are of, see `engines.base.Engine.estimates`.
-        accuracy: error of the tip deflection that was aimed at.
-        status: one of the statuses of this module.
-        remark: what there is to say (a sentence), "" if all is well.
-        start: one of the starts of this module.
-        settled: whether the cycle is the steady one.
-        cycles: how many were made, or the work of the direct search in cycles.
-        settling_error: estimated distance of the last cycle from the steady state, relative to the signals' RMS.
-        settling_errors: the same of each channel, in its own unit.
-        settling: what the cycles promised where they did not settle.
-        periodic_orbit: where it was found directly.
-        settings: of the run.
-        reached: whether the error estimate is within the accuracy.
-        error_estimate, error_estimates: of the tip deflection and of each column, relative.
-        degrees_of_freedom: of the model.
-        setup_seconds, compile_seconds, estimate_seconds, solve_seconds, wall_seconds: see `engines.accurate.Result`; the last is in all.
-        simulated_seconds: s, what the solve time is for.
-        failure_time, cause, advice: of a run that broke down; time in s.
-        measures, consensus: of the cycle.
-        unestimated: why there are no estimates of the measures (a clause), "" if there are.
-        cycle: the last one with every column of the trajectory, from farthest to farthest; of a failed run what there is; else empty.
-    """
+    """What came of a request; None where it did not come so far."""
 
     engine: str
     method: str = ""
     version: str | None = None
-    estimate_of: str
-    accuracy: float | None = None
-    status: str = REFUSED
-    remark: str = ""
+    estimate_of: str  # what its estimates are of, see `engines.base.Engine.estimates`
+    accuracy: float | None = None  # error of the tip deflection that was aimed at
+    status: str = REFUSED  # one of those above, and so is `start`
+    remark: str = ""  # a sentence, where not all is well
     start: str | None = None
     settled: bool = False
-    cycles: int = 0
-    settling_error: float | None = None
-    settling_errors: dict[str, float] | None = None
-    settling: Outlook | None = None
-    periodic_orbit: PeriodicOrbit | None = None
+    cycles: int = 0  # that were made, or the work of the direct search in cycles
+    settling_error: float | None = None  # estimated distance of the last cycle from the steady state, relative to the signals' RMS
+    settling_errors: dict[str, float] | None = None  # the same of each channel, in its own unit
+    settling: Outlook | None = None  # what the cycles promise where they did not settle
+    periodic_orbit: PeriodicOrbit | None = None  # where it was found directly
     settings: dict[str, Any] | None = None
-    reached: bool = False
-    error_estimate: float | None = None
-    error_estimates: dict[str, float | None] = field(default_factory=dict)
+    reached: bool = False  # whether the error estimate is within the accuracy
+    error_estimate: float | None = None  # of the tip deflection, relative
+    error_estimates: dict[str, float | None] = field(default_factory=dict)  # of each column
     degrees_of_freedom: int | None = None
-    setup_seconds: float | None = None
+    setup_seconds: float | None = None  # these as in `engines.accurate.Result`
     compile_seconds: float | None = None
     estimate_seconds: float | None = None
     solve_seconds: float | None = None
-    wall_seconds: float | None = None
-    simulated_seconds: float | None = None
-    failure_time: float | None = None
+    wall_seconds: float | None = None  # in all
+    simulated_seconds: float | None = None  # what the solve time is for
+    failure_time: float | None = None  # s, of a run that broke down; with cause and advice
     cause: str | None = None
     advice: str | None = None
     measures: tuple[EstimatedMeasure, ...] = ()
     consensus: tuple[EstimatedConsensus, ...] = ()
-    unestimated: str = "there is no settled cycle"
+    unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
+    #: The last one with every column of the trajectory, from farthest to farthest; of a failed run what there is; else empty.
     cycle: Columns = field(default_factory=dict, repr=False, compare=False)
 
     @property

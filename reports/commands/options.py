@@ -183,17 +183,9 @@ def refuse_equal_names(cases: "Sequence[Case]") -> None:
 def opened_workshop(
     jobs: int | None = None, time_limit: str | None = None, memory_limit: str | None = None, preload: Sequence[str] = ()
 ) -> "Workshop":
-    """The store of results and the processes of this machine; what the store has to tell it tells on standard error at once.
+    """The store of results and the processes of this machine, by the options' texts; `preload`: modules that workers need besides.
 
-    Args:
-        jobs: processes at a time; None: one per core.
-        time_limit: of an engine on a case, text of the option.
-        memory_limit: likewise.
-        preload: modules that workers need besides those of a simulation.
-
-    Raises:
-        StoreError: the store's folder cannot be used.
-        CaseError, click.UsageError: see `limits`.
+    What the store has to tell it tells on standard error at once. StoreError if its folder cannot be used; limits: see `limits`.
     """
     allowed = limits(time_limit, memory_limit)
     from cases.jobs.processes import PRELOAD, LocalProcesses

@@ -85,7 +85,7 @@ def test_a_result_is_told_apart_by_all_that_determines_it_and_by_nothing_else() 
         job(inputs="other"),
         job(kind="other"),
         job(engines=()),
-        job(code=("cases.jobs.progress",)),
+        job(code=("cases.jobs.worker",)),
     ]
     assert len({key_of(each) for each in (job(), *others)}) == 1 + len(others)
     assert key_of(job()) == key_of(job(name="two", limits=Limits(seconds=1.0))) == key_of(job(inputs=((1, 2),)))

@@ -9,14 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from cases.jobs.job import Job
+from cases.jobs.job import Job, answers
 from cases.jobs.processes import LocalProcesses
-from cases.jobs.progress import answers
 
 CODE = """
 from cases.jobs.job import Job
 from cases.jobs.processes import LocalProcesses
-from cases.jobs.progress import answers
+from cases.jobs.job import answers
 if __name__ == "__main__":
     work = "import time; from engines.progress import tell; tell(engine='fake', phase='marching', cycle=7); time.sleep(0.5)"
     jobs = [Job(name, exec, (work,)) for name in ("one", "two")]
