@@ -1,6 +1,7 @@
 """What a benchmark says: which points no other beats, who is fastest at an accuracy, and how fast errors fall."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -8,42 +9,73 @@ import numpy as np
 #: Errors of the tip deflection at which methods are compared.
 LEVELS: Final = (1e-2, 1e-3, 1e-4)
 
-Point = Mapping[str, Any]
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """What was measured of a point that completed; times in s."""
+
+    degrees_of_freedom: int
+    errors: dict[str, float | None]  # of each column, relative; None where it is zero throughout
+    solve_seconds: float  # the least
+    solve_seconds_median: float
+    solve_seconds_largest: float
+    repetitions: int
+    setup_seconds: float  # the least
+    statistics: dict[str, float]  # of the engine, and what the joint lets through
+    calls_per_period: float | None  # right-hand sides in a period of the highest mode kept; None of other methods than the reference
 
 
-def error_of(point: Point, column: str = "tip_deflection") -> float | None:
-    """Error of a column; "strain" is the worst of the three gauges; None of a point that did not complete."""
-    errors = point.get("errors")
-    if not errors:
-        return None
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """A method with some settings."""
+
+    method: str  # name of the engine or of a variant
+    engine: str
+    settings: dict[str, Any]
+    changing: dict[str, Any]  # those settings that the method's ladder changes
+    status: str  # "completed", or why not
+    measured: Measured | None = None
+
+    def error(self, column: str = "tip_deflection") -> float | None:
+        """Error of a column, see `error_of`; None of a point that did not complete."""
+        return None if self.measured is None else error_of(self.measured.errors, column)
+
+
+def error_of(errors: Mapping[str, float | None], column: str = "tip_deflection") -> float | None:
+    """Error of a column; "strain" is the worst of the three gauges."""
     if column == "strain":
-        return max((errors[name] for name in ("strain_1", "strain_2", "strain_3") if errors[name] is not None), default=None)
-    return errors[column]
+        return max((error for name in ("strain_1", "strain_2", "strain_3") if (error := errors.get(name)) is not None), default=None)
+    return errors.get(column)
+
+
+def completed(points: Iterable[Point]) -> list[tuple[Point, Measured]]:
+    """The points that completed, with what was measured of them."""
+    return [(point, point.measured) for point in points if point.measured is not None]
 
 
 def pareto_front(points: Sequence[Point], column: str = "tip_deflection") -> list[Point]:
     """The points that no other beats in both solve time and error of a column, fastest first."""
-    done = [(point["solve_seconds"], error, i) for i, point in enumerate(points) if (error := error_of(point, column)) is not None]
     front: list[Point] = []
     least = np.inf
-    for _, error, i in sorted(done):
+    done = [(measured.solve_seconds, error, point) for point, measured in completed(points) if (error := point.error(column)) is not None]
+    for _, error, point in sorted(done, key=lambda found: found[:2]):
         if error < least:
-            front.append(points[i])
+            front.append(point)
             least = error
     return front
 
 
-def fastest_at(points: Sequence[Point], level: float, column: str = "tip_deflection") -> dict[str, Point]:
+def fastest_at(points: Sequence[Point], level: float, column: str = "tip_deflection") -> dict[str, tuple[Point, Measured]]:
     """Of each method that reaches an error of at most `level`, its fastest point that does; fastest method first."""
-    best: dict[str, Point] = {}
-    for point in points:
-        error = error_of(point, column)
+    best: dict[str, tuple[Point, Measured]] = {}
+    for point, measured in completed(points):
+        error = point.error(column)
         if error is None or error > level:
             continue
-        held = best.get(point["method"])
-        if held is None or point["solve_seconds"] < held["solve_seconds"]:
-            best[point["method"]] = point
-    return dict(sorted(best.items(), key=lambda item: item[1]["solve_seconds"]))
+        held = best.get(point.method)
+        if held is None or measured.solve_seconds < held[1].solve_seconds:
+            best[point.method] = (point, measured)
+    return dict(sorted(best.items(), key=lambda item: item[1][1].solve_seconds))
 
 
 def observed_order(points: Sequence[Point], method: str, column: str = "tip_deflection") -> float | None:
@@ -53,10 +85,9 @@ def observed_order(points: Sequence[Point], method: str, column: str = "tip_defl
     counts: the others differ in the time step.
     """
     least: dict[int, float] = {}
-    for point in points:
-        error = error_of(point, column)
-        if point["method"] == method and error:
-            free = int(point["degrees_of_freedom"])
+    for point, measured in completed(points):
+        error, free = point.error(column), measured.degrees_of_freedom
+        if point.method == method and error:
             least[free] = min(error, least.get(free, np.inf))
     if len(least) < 3:
         return None

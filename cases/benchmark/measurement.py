@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from cases.benchmark.findings import Measured, Point
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from engines.accurate import ESTIMATED, run_once
@@ -51,9 +52,7 @@ class Benchmark:
         duration: s.
         truth: engine, settings, and `sizes`: RMS of each column of `ESTIMATED` (SI).
         confirmation: engine, settings and `differences` of each column; {"engine", "failure"} if there is none.
-        points: one dict per method and settings: method, engine, settings, changing (those settings that the method's ladder changes),
-            status ("completed", or why not), degrees_of_freedom, errors by column, solve_seconds (the least), solve_seconds_median,
-            solve_seconds_largest, repetitions, setup_seconds, statistics, calls_per_period.
+        points: one for each method and settings.
         repetitions: of a point at most.
         longest: solve time (s) beyond which the finer settings of a method were not tried.
         machine: processor, system and versions.
@@ -65,7 +64,7 @@ class Benchmark:
     duration: float
     truth: dict[str, Any]
     confirmation: dict[str, Any]
-    points: list[dict[str, Any]]
+    points: tuple[Point, ...]
     repetitions: int
     longest: float
     machine: dict[str, str]
@@ -99,7 +98,7 @@ def benchmark(
         EngineFailure: the solution to measure against cannot be computed.
         Refusal: likewise.
     """
-    points = [_Point(method, settings) for method in methods(names, case) for settings in method.ladder]
+    points = [_Attempt(method, settings) for method in methods(names, case) for settings in method.ladder]
     truth = _run(engine(TRUTH[0]), case, _settings(TRUTH, case))[0]
     confirmation = _confirmation(case, truth)
     for method in {point.method.name: point for point in points}.values():
@@ -121,7 +120,7 @@ def benchmark(
         case.duration,
         {"engine": TRUTH[0], "settings": _settings(TRUTH, case).as_dict(), "sizes": sizes},
         confirmation,
-        [point.as_dict(case, truth) for point in points],
+        tuple(point.told(case, truth) for point in points),
         repetitions,
         longest,
         _machine(names),
@@ -193,7 +192,7 @@ def _errors(trajectory: Trajectory, truth: Trajectory) -> dict[str, float | None
     return errors
 
 
-class _Point:
+class _Attempt:
     """One method with one set of settings."""
 
     def __init__(self, method: Method, settings: Settings) -> None:
@@ -222,28 +221,30 @@ class _Point:
         self.times.append(self.trajectory.solve_seconds)
         self.setup.append(setup)
 
-    def as_dict(self, case: Case, truth: Trajectory) -> dict[str, Any]:
-        about = {
-            "method": self.method.name,
-            "engine": self.method.engine.name,
-            "settings": self.settings.as_dict(),
-            "changing": self.method.changing(self.settings),
-            "status": self.status,
-        }
+    def told(self, case: Case, truth: Trajectory) -> Point:
+        return Point(
+            method=self.method.name,
+            engine=self.method.engine.name,
+            settings=self.settings.as_dict(),
+            changing=self.method.changing(self.settings),
+            status=self.status,
+            measured=self._measured(case, truth),
+        )
+
+    def _measured(self, case: Case, truth: Trajectory) -> Measured | None:
         if self.trajectory is None or self.status != COMPLETED:
-            return about
-        free = self.method.engine.describe(case.mechanism, self.settings).degrees_of_freedom
-        return about | {
-            "degrees_of_freedom": free,
-            "errors": _errors(self.trajectory, truth),
-            "solve_seconds": min(self.times),
-            "solve_seconds_median": float(np.median(self.times)),
-            "solve_seconds_largest": max(self.times),
-            "repetitions": len(self.times),
-            "setup_seconds": min(self.setup),
-            "statistics": self.trajectory.statistics | self._joint(),
-            "calls_per_period": self._calls_per_period(case),
-        }
+            return None
+        return Measured(
+            degrees_of_freedom=self.method.engine.describe(case.mechanism, self.settings).degrees_of_freedom,
+            errors=_errors(self.trajectory, truth),
+            solve_seconds=min(self.times),
+            solve_seconds_median=float(np.median(self.times)),
+            solve_seconds_largest=max(self.times),
+            repetitions=len(self.times),
+            setup_seconds=min(self.setup),
+            statistics=dict(self.trajectory.statistics) | self._joint(),
+            calls_per_period=self._calls_per_period(case),
+        )
 
     def _joint(self) -> dict[str, float]:
         """What the joint lets through: the largest gap in m, and spurious work over the drive's, where there are such columns."""

@@ -78,12 +78,7 @@ class LocalProcesses:
         if at_once is not None and at_once < 1:
             raise ValueError(f"at_once: {at_once} jobs at a time; at least 1 is needed")
         self._at_once, self._preload = at_once or available_cores(), preload
-        self._limits = limits or default_limits()
-
-    @property
-    def limits(self) -> Limits:
-        """Of a job that has none of its own."""
-        return self._limits
+        self.limits = limits or default_limits()
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.jobs.job.Executor`."""
@@ -93,7 +88,7 @@ class LocalProcesses:
                 while waiting and len(running) < self._at_once:
                     job = waiting.popleft()
                     try:
-                        running.append(_started(job, job.limits or self._limits, self._preload, watch))
+                        running.append(_started(job, job.limits or self.limits, self._preload, watch))
                     except (OSError, EOFError) as error:
                         yield Outcome(job, failure=f"could not be started ({error or type(error).__name__})")
                 if not running:  # none could be started

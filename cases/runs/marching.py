@@ -56,23 +56,14 @@ def _frequencies(mechanism: Mechanism) -> Iterator[NDArray[np.float64]]:
 
 @dataclass(frozen=True)
 class LastCycle:
-    """The last of some cycles.
+    """The last of some cycles."""
 
-    Attributes:
-        columns: of the trajectory over the cycle, from farthest to farthest; empty if there is no cycle.
-        settled: whether it is the steady one.
-        cycles: how many there were.
-        error: estimated distance from the steady state, relative to the signals' RMS; None where unknown.
-        errors: the same of each channel, in its own unit.
-        outlook: what the cycles promise; None where settled.
-    """
-
-    columns: Columns
+    columns: Columns  # of the trajectory over the cycle, from farthest to farthest; empty if there is no cycle
     settled: bool
-    cycles: int
-    error: float | None
-    errors: dict[str, float] | None
-    outlook: Outlook | None
+    cycles: int  # how many there were
+    error: float | None  # estimated distance from the steady state, relative to the signals' RMS; None where unknown
+    errors: dict[str, float] | None  # the same of each channel, in its own unit
+    outlook: Outlook | None  # what the cycles promise; None where settled
 
 
 def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> LastCycle:

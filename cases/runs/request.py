@@ -64,19 +64,12 @@ class RunRequest:
 
 @dataclass(frozen=True)
 class PeriodicOrbit:
-    """A steady state that an engine found directly.
+    """A steady state that an engine found directly."""
 
-    Attributes:
-        period: s.
-        multipliers: real and imaginary part of the Floquet multipliers, largest modulus first.
-        stable: whether a disturbance dies away.
-        iterations: steps of the search.
-    """
-
-    period: float
-    multipliers: tuple[tuple[float, float], ...]
-    stable: bool
-    iterations: int
+    period: float  # s
+    multipliers: tuple[tuple[float, float], ...]  # Floquet's, real and imaginary part, largest modulus first
+    stable: bool  # whether a disturbance dies away
+    iterations: int  # of the search
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,6 +22,7 @@ from reports.commands.options import (
 
 if TYPE_CHECKING:
     from cases.benchmark import Benchmark
+    from cases.benchmark.findings import Point
 
 
 @click.command(name="benchmark")
@@ -51,8 +52,6 @@ def command(
     Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;
     the others are measured all the same. Settings with which an engine says that it cannot go on are listed and no error.
     """
-    import dataclasses
-
     from cases.benchmark import SCENES, measure
     from cases.benchmark.scenes import ENGINES
     from engines.base import EngineFailure
@@ -80,7 +79,7 @@ def command(
         if not as_json:
             _print(tables[-1])
     if as_json:
-        print_json({"benchmarks": [dataclasses.asdict(table) for table in tables]})
+        print_json({"benchmarks": [vars(table) | {"points": [_as_document(point) for point in table.points]} for table in tables]})
     for table in tables:
         for name, reason in table.failures.items():
             tell(f"{table.case}: engine {name} was left out: {reason}")
@@ -107,13 +106,18 @@ def _print(table: "Benchmark") -> None:
     click.echo("* on the Pareto front of solve time and error of the tip deflection")
 
 
-def _row(point: dict[str, Any], best: bool) -> tuple[str, ...]:
-    from cases.benchmark.findings import error_of
+def _as_document(point: "Point") -> dict[str, Any]:
+    """A point with what was measured of it, where something was."""
+    about = {name: value for name, value in vars(point).items() if name != "measured"}
+    return about | (vars(point.measured) if point.measured else {})
+
+
+def _row(point: "Point", best: bool) -> tuple[str, ...]:
     from reports.words import settings_words
 
-    head = ("*" if best else "", point["method"], settings_words(point["changing"]))
-    if "errors" not in point:
-        return (*head, *[""] * 7, point["status"])
-    shown = [error_of(point, column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
-    times = (f"{point['solve_seconds']:.4f}", f"{point['solve_seconds_largest']:.4f}")
-    return (*head, str(point["degrees_of_freedom"]), *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")
+    head, measured = ("*" if best else "", point.method, settings_words(point.changing)), point.measured
+    if measured is None:
+        return (*head, *[""] * 7, point.status)
+    shown = [point.error(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
+    times = (f"{measured.solve_seconds:.4f}", f"{measured.solve_seconds_largest:.4f}")
+    return (*head, str(measured.degrees_of_freedom), *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")

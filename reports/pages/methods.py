@@ -1,10 +1,10 @@
 """The thesis' open question: which of the methods excel in accuracy and efficiency."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 from cases.benchmark import SCENES, Benchmark, fastest_at, observed_order, pareto_front
-from cases.benchmark.findings import LEVELS
+from cases.benchmark.findings import LEVELS, Measured, Point
 from cases.benchmark.measurement import BUDGET, CONFIRMED, NOT_TRIED
 from cases.runs.comparison import REFERENCE
 from reports.pages.blocks import Chapter
@@ -77,7 +77,7 @@ def headline(content: Content) -> str:
     shares = [f"{name} in {count} of {len(firsts)}" for name, count in sorted(counts.items(), key=lambda item: -item[1])]
     level = LEVELS[1]
     best = fastest_at(found[0].points, level)
-    timed = [_timed(name, point) for name, point in best.items() if point["engine"] == name]
+    timed = [_timed(name, measured) for name, (point, measured) in best.items() if point.engine == name]
     told = f" To {level_words(level)} in {case_label(found[0].case)}: {listed(timed)}." if timed else ""
     scenes = counted(len(found), "scene")
     return (
@@ -94,8 +94,8 @@ def _levels(table: Benchmark) -> list[str]:
             lines.append(f"{level_words(level)} of {case_label(table.case)}'s tip deflection is reached by no method of these ladders.")
             continue
         first, *others = found
-        sentence = f"To {level_words(level)} of {case_label(table.case)}'s tip deflection {_timed(first, found[first])} is fastest"
-        rest = [name for name in others if found[name]["engine"] not in (*PACKAGES, found[first]["engine"])]
+        sentence = f"To {level_words(level)} of {case_label(table.case)}'s tip deflection {_timed(first, found[first][1])} is fastest"
+        rest = [name for name in others if found[name][0].engine not in (*PACKAGES, found[first][0].engine)]
         told = [_compared(name, found, first) for name in others if name in (*rest[:1], *PACKAGES)]
         sentence += f"; {listed(told)}" if told else ""
         sentence += "".join(f"; {_absent(name, table)}" for name in PACKAGES if name not in found)
@@ -105,26 +105,26 @@ def _levels(table: Benchmark) -> list[str]:
 
 def _absent(name: str, table: Benchmark) -> str:
     """Why a package has no time at a level."""
-    states = [point["status"] for point in table.points if point["method"] == name]
+    states = [point.status for point in table.points if point.method == name]
     if any(state.startswith(NOT_TRIED) for state in states):
         return f"{name} was not tried that fine, it took longer than {table.longest:g} s before"
     return f"{name} does not get there with the settings of its ladder" if states else f"{name} is not here"
 
 
-def _timed(name: str, point: Mapping[str, Any]) -> str:
-    return f"{name} ({duration(float(point['solve_seconds']))})"
+def _timed(name: str, measured: Measured) -> str:
+    return f"{name} ({duration(measured.solve_seconds)})"
 
 
-def _compared(name: str, found: Mapping[str, Mapping[str, Any]], first: str) -> str:
-    ratio = float(found[name]["solve_seconds"]) / float(found[first]["solve_seconds"])
-    return f"{name} takes {duration(float(found[name]['solve_seconds']))}, {times(ratio)} as long"
+def _compared(name: str, found: Mapping[str, tuple[Point, Measured]], first: str) -> str:
+    seconds, least = found[name][1].solve_seconds, found[first][1].solve_seconds
+    return f"{name} takes {duration(seconds)}, {times(seconds / least)} as long"
 
 
 def _overall(found: Sequence[Benchmark]) -> list[str]:
     """What holds over all scenes: fronts, orders, models that do not converge."""
     lines = []
     for table in found:
-        shares = [point["method"] for point in pareto_front(table.points)]
+        shares = [point.method for point in pareto_front(table.points)]
         parts = [f"{name} ({counted(shares.count(name), 'setting')})" for name in dict.fromkeys(shares)]
         lines.append(f"Pareto front of {case_label(table.case)}: {listed(parts)}.")
     table = found[0]
@@ -141,7 +141,7 @@ def _stuck(table: Benchmark) -> list[str]:
     """Methods whose error stays above a half over all their settings, with it."""
     words = []
     for name in tables.methods_of([table]):
-        errors = [point["errors"]["tip_deflection"] for point in table.points if point["method"] == name and "errors" in point]
+        errors = [error for point in table.points if point.method == name and (error := point.error()) is not None]
         if errors and min(errors) > 0.5:
             words.append(f"{name} ({size(min(errors))})")
     return words

@@ -1,6 +1,6 @@
 """Error against solve time and against degrees of freedom, all methods of a benchmark."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 from matplotlib.axes import Axes
@@ -9,9 +9,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter, NullLocator
 
 from cases.benchmark import Benchmark, pareto_front
-from cases.benchmark.findings import error_of
+from cases.benchmark.findings import Point, completed, error_of
 from reports.plots.picture import Picture, picture
-from reports.plots.style import LIGHT, Look, legend_above, look, new_figure, plain_numbers, tidy
+from reports.plots.style import LIGHT, legend_above, look, new_figure, plain_numbers, tidy
 
 PERCENT: Final = 100.0
 #: Column -> heading of its panel.
@@ -45,8 +45,8 @@ def work_freedom_figure(table: Benchmark) -> Picture | None:
 
 
 def draw(table: Benchmark, across: str) -> Figure | None:
-    """The figure before it is rendered; `across` is the quantity of the x axis, a key of the points."""
-    points = [point for point in table.points if "errors" in point]
+    """The figure before it is rendered; `across` is the quantity of the x axis, a field of `Measured`."""
+    points = [point for point, _ in completed(table.points)]
     if not points:
         return None
     figure = new_figure(5.2)
@@ -55,8 +55,8 @@ def draw(table: Benchmark, across: str) -> Figure | None:
         if across == "solve_seconds":
             _front(axes, points, column)
         _unknowable(axes, table, column)
-        for method in dict.fromkeys(point["method"] for point in points):
-            _method(axes, [point for point in points if point["method"] == method], column, across)
+        for method in dict.fromkeys(point.method for point in points):
+            _method(axes, [point for point in points if point.method == method], column, across)
         axes.set_title(words, fontsize=9.0, pad=3.0)
     _axes(panels, across)
     legend_above(figure, _legend(points), 4)
@@ -65,19 +65,20 @@ def draw(table: Benchmark, across: str) -> Figure | None:
 
 def _unknowable(axes: Axes, table: Benchmark, column: str) -> None:
     """Hatch where errors are less than what the two solutions that stand for the truth differ by."""
-    difference = error_of({"errors": table.confirmation.get("differences")}, column)
+    difference = error_of(table.confirmation.get("differences", {}), column)
     if difference:
         axes.axhspan(1e-9, PERCENT * difference, facecolor="none", edgecolor="#BBBBBB", hatch="////", linewidth=0.0, zorder=0.5)
 
 
-def _front(axes: Axes, points: Sequence[Mapping[str, Any]], column: str) -> None:
-    front = pareto_front(points, column)
-    seconds, errors = [point["solve_seconds"] for point in front], [PERCENT * (error_of(point, column) or 0.0) for point in front]
+def _front(axes: Axes, points: Sequence[Point], column: str) -> None:
+    front = completed(pareto_front(points, column))
+    seconds, errors = [measured.solve_seconds for _, measured in front], [PERCENT * (point.error(column) or 0.0) for point, _ in front]
     axes.plot(seconds, errors, color=LIGHT, linewidth=FRONT_WIDTH, solid_capstyle="round", solid_joinstyle="round", zorder=1.0)
 
 
-def _method(axes: Axes, points: Sequence[Mapping[str, Any]], column: str, across: str) -> None:
-    style, known = _look(points[0]), [(point[across], error) for point in points if (error := error_of(point, column))]
+def _method(axes: Axes, points: Sequence[Point], column: str, across: str) -> None:
+    style = look(points[0].engine)
+    known = [(getattr(measured, across), error) for point, measured in completed(points) if (error := point.error(column))]
     if not known:
         return
     x, y = zip(*known, strict=True)
@@ -93,12 +94,8 @@ def _method(axes: Axes, points: Sequence[Mapping[str, Any]], column: str, across
     axes.plot(x, [PERCENT * error for error in y], style.marker, **keywords)
 
 
-def _look(point: Mapping[str, Any]) -> Look:
-    return look(point["engine"])
-
-
-def _is_variant(point: Mapping[str, Any]) -> bool:
-    return bool(point["method"] != point["engine"])
+def _is_variant(point: Point) -> bool:
+    return point.method != point.engine
 
 
 def _axes(panels: Any, across: str) -> None:
@@ -122,12 +119,12 @@ def _axes(panels: Any, across: str) -> None:
         axes.set_ylabel("error (% of RMS)", fontsize=9.0)
 
 
-def _legend(points: Sequence[Mapping[str, Any]]) -> list[Line2D]:
+def _legend(points: Sequence[Point]) -> list[Line2D]:
     marks = []
-    for method in dict.fromkeys(point["method"] for point in points):
-        first = next(point for point in points if point["method"] == method)
-        style = _look(first)
+    for method in dict.fromkeys(point.method for point in points):
+        first = next(point for point in points if point.method == method)
+        style = look(first.engine)
         face = "white" if _is_variant(first) else style.colour
-        words = {"color": style.colour, "markerfacecolor": face, "markersize": 5.0, "label": method}
+        words: dict[str, Any] = {"color": style.colour, "markerfacecolor": face, "markersize": 5.0, "label": method}
         marks.append(Line2D([], [], linestyle="-", linewidth=0.9, marker=style.marker, **words))
     return marks

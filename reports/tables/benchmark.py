@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cases.benchmark import Benchmark, fastest_at, observed_order, pareto_front
-from cases.benchmark.findings import LEVELS, error_of
+from cases.benchmark.findings import LEVELS, Point, completed, error_of
 from cases.benchmark.measurement import NOT_TRIED
 from reports.tables.table import Cell, Column, Table, TableBuilder
 from reports.words import case_label, duration, percent, settings_words
@@ -15,7 +15,7 @@ _ERRORS = (("tip_deflection", "deflection"), ("tip_acceleration", "tip acc."), (
 
 def methods_of(tables: Sequence[Benchmark]) -> list[str]:
     """Names of all methods, in their order."""
-    return list(dict.fromkeys(point["method"] for table in tables for point in table.points))
+    return list(dict.fromkeys(point.method for table in tables for point in table.points))
 
 
 def fastest(tables: Sequence[Benchmark]) -> Table:
@@ -37,8 +37,8 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
             found = fastest_at(table.points, level)
             first = next(iter(found), None)
             cells: dict[str, Any] = {}
-            for name, point in found.items():
-                seconds, note = float(point["solve_seconds"]), settings_words(point["changing"])
+            for name, (point, measured) in found.items():
+                seconds, note = measured.solve_seconds, settings_words(point.changing)
                 cells[f"{name} solve_seconds"] = Cell(seconds, duration(seconds), note, "good" if name == first else "")
             builder.add(case=Cell(table.case, case_label(table.case)), level=level, **cells)
     return builder.table()
@@ -72,12 +72,12 @@ def joints(table: Benchmark) -> Table:
         ),
     )
     for name in methods_of([table]):
-        done = [point for point in table.points if point["method"] == name and "errors" in point]
-        if done and {"largest_gap", "spurious_share"} & set(done[-1]["statistics"]):
-            statistics = done[-1]["statistics"]
+        done = [found for found in completed(table.points) if found[0].method == name]
+        if done and {"largest_gap", "spurious_share"} & set(done[-1][1].statistics):
+            statistics = done[-1][1].statistics
             builder.add(
                 method=name,
-                settings=settings_words(done[-1]["changing"]),
+                settings=settings_words(done[-1][0].changing),
                 largest_gap=statistics.get("largest_gap"),
                 spurious_share=statistics.get("spurious_share"),
             )
@@ -107,13 +107,13 @@ def failures(tables: Sequence[Benchmark]) -> Table:
     for table in tables:
         told: set[str] = set()
         for point in table.points:
-            untried = str(point["status"]).startswith(NOT_TRIED)
-            if "errors" in point or (untried and point["method"] in told):
+            untried = point.status.startswith(NOT_TRIED)
+            if point.measured is not None or (untried and point.method in told):
                 continue
             if untried:
-                told.add(point["method"])
-            words = settings_words(point["changing"]) + (" and finer" if untried else "")
-            builder.add(case=Cell(table.case, case_label(table.case)), method=point["method"], settings=words, status=point["status"])
+                told.add(point.method)
+            words = settings_words(point.changing) + (" and finer" if untried else "")
+            builder.add(case=Cell(table.case, case_label(table.case)), method=point.method, settings=words, status=point.status)
     return builder.table()
 
 
@@ -128,7 +128,7 @@ def points(tables: Sequence[Benchmark]) -> Table:
     )
     for table in tables:
         for point in table.points:
-            builder.add(case=table.case, status=point["status"], **_point_cells(point))
+            builder.add(case=table.case, status=point.status, **_point_cells(point))
     return builder.table()
 
 
@@ -146,11 +146,11 @@ def _point_columns() -> tuple[Column, ...]:
     )
 
 
-def _point_cells(point: Any) -> dict[str, Any]:
-    cells: dict[str, Any] = {"method": point["method"], "settings": settings_words(point["changing"])}
-    if "errors" in point:
+def _point_cells(point: Point) -> dict[str, Any]:
+    cells: dict[str, Any] = {"method": point.method, "settings": settings_words(point.changing)}
+    if point.measured is not None:
         names = ("degrees_of_freedom", "solve_seconds", "solve_seconds_median", "solve_seconds_largest", "repetitions", "setup_seconds")
-        cells |= {name: point[name] for name in names} | {key: error_of(point, key) for key, _ in _ERRORS}
+        cells |= {name: getattr(point.measured, name) for name in names} | {key: point.error(key) for key, _ in _ERRORS}
     return cells
 
 
@@ -173,20 +173,20 @@ def reference_cost(table: Benchmark) -> Table:
             Column("setup_seconds", "setup", "s", ".2g", "ms", 1e3),
         ),
     )
-    for point in table.points:
-        if point["engine"] == "reference" and "errors" in point:
-            statistics = point["statistics"]
+    for point, measured in completed(table.points):
+        if point.engine == "reference":
+            statistics = measured.statistics
             calls, seconds = statistics["right_hand_side_calls"], statistics.get("integration_seconds", math.nan)
             builder.add(
-                modes=point["settings"]["modes"],
-                tolerance=point["settings"]["tolerance"],
-                **{key: error_of(point, key) for key, _ in _ERRORS},
-                solve_seconds=point["solve_seconds"],
+                modes=point.settings["modes"],
+                tolerance=point.settings["tolerance"],
+                **{key: point.error(key) for key, _ in _ERRORS},
+                solve_seconds=measured.solve_seconds,
                 integration_seconds=seconds,
                 calls=calls,
                 seconds_per_call=seconds / calls,
-                calls_per_period=point["calls_per_period"],
-                setup_seconds=point["setup_seconds"],
+                calls_per_period=measured.calls_per_period,
+                setup_seconds=measured.setup_seconds,
             )
     return builder.table()
 
@@ -209,7 +209,7 @@ def scenes(tables: Sequence[Benchmark]) -> Table:
     )
     for table in tables:
         about = table.confirmation
-        cells: dict[str, Any] = {key: error_of({"errors": about.get("differences")}, key) for key, _ in _ERRORS}
+        cells: dict[str, Any] = {key: error_of(about.get("differences", {}), key) for key, _ in _ERRORS}
         failed = (
             f"{about['engine']}: {about['failure']}" if "failure" in about else f"{about['engine']} ({settings_words(about['settings'])})"
         )

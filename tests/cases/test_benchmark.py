@@ -10,7 +10,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.benchmark import SCENES, Benchmark, fastest_at, measure, measurement, observed_order, pareto_front, stored
+from cases.benchmark import (
+    SCENES,
+    Benchmark,
+    Measured,
+    Point,
+    completed,
+    fastest_at,
+    measure,
+    measurement,
+    observed_order,
+    pareto_front,
+    stored,
+)
 from cases.benchmark.findings import error_of
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
@@ -24,11 +36,26 @@ from engines.registry import RIVALS, UnknownEngine
 from tests.engines.fake_engine import FakeEngine, FakeSettings
 
 
-def point(seconds: float, error: float | None, method: str = "a", free: int = 3) -> dict[str, Any]:
-    about: dict[str, Any] = {"method": method, "engine": method, "settings": {}, "status": "completed"}
+def point(seconds: float, error: float | None, method: str = "a", free: int = 3) -> Point:
+    about: dict[str, Any] = {"method": method, "engine": method, "settings": {}, "changing": {}}
     if error is None:
-        return about | {"status": "failed"}
-    return about | {"solve_seconds": seconds, "errors": {"tip_deflection": error}, "degrees_of_freedom": free}
+        return Point(**about, status="failed")
+    found = Measured(
+        degrees_of_freedom=free,
+        errors={"tip_deflection": error},
+        solve_seconds=seconds,
+        solve_seconds_median=seconds,
+        solve_seconds_largest=seconds,
+        repetitions=1,
+        setup_seconds=0.0,
+        statistics={},
+        calls_per_period=None,
+    )
+    return Point(**about, status="completed", measured=found)
+
+
+def times_and_errors(points: Sequence[Point]) -> list[tuple[float, float | None]]:
+    return [(measured.solve_seconds, point.error()) for point, measured in completed(points)]
 
 
 def short(name: str = "thesis-24") -> Case:
@@ -42,8 +69,8 @@ positive = st.floats(1e-6, 1e3)
 def test_the_front_is_what_no_point_beats(values: list[tuple[float, float | None]]) -> None:
     points = [point(*value) for value in values]
     front = pareto_front(points)
-    done = [(p["solve_seconds"], p["errors"]["tip_deflection"]) for p in points if "errors" in p]
-    of_front = [(p["solve_seconds"], p["errors"]["tip_deflection"]) for p in front]
+    done = times_and_errors(points)
+    of_front = times_and_errors(front)
     assert of_front == sorted(of_front)
     for seconds, error in done:
         beaten = any(s <= seconds and e <= error and (s, e) != (seconds, error) for s, e in done)
@@ -54,7 +81,7 @@ def test_the_fastest_that_is_good_enough() -> None:
     points = [point(1.0, 0.1), point(2.0, 0.01), point(3.0, 0.001), point(0.5, 0.009, "b"), point(9.0, None, "c")]
     found = fastest_at(points, 0.01)
     assert list(found) == ["b", "a"]
-    assert found["a"]["solve_seconds"] == 2.0
+    assert found["a"][1].solve_seconds == 2.0
     assert fastest_at(points, 1e-4) == {}
 
 
@@ -69,8 +96,8 @@ def test_the_order_of_a_power_law(order: float, size: float) -> None:
 
 def test_the_worst_gauge_stands_for_strain() -> None:
     errors = {"strain_1": 0.1, "strain_2": 0.3, "strain_3": None}
-    assert error_of({"errors": errors}, "strain") == 0.3
-    assert error_of({"status": "failed"}, "strain") is None
+    assert error_of(errors, "strain") == 0.3
+    assert point(1.0, None).error("strain") is None
 
 
 def test_every_rival_has_a_ladder_from_coarse_to_fine() -> None:
@@ -99,34 +126,34 @@ def table() -> Benchmark:
 
 def test_a_table_has_every_point_with_its_errors_and_times(table: Benchmark) -> None:
     ladder = methods(("reference",), short())[0].ladder
-    reference = [p for p in table.points if p["engine"] == "reference"]
-    assert [p["settings"] for p in reference] == [settings.as_dict() for settings in ladder]
+    reference = [p for p in table.points if p.engine == "reference"]
+    assert [p.settings for p in reference] == [settings.as_dict() for settings in ladder]
     for p in table.points:
-        assert p["status"] == "completed"
-        assert p["repetitions"] == 2
-        assert 0.0 < p["solve_seconds"] <= p["solve_seconds_median"] <= p["solve_seconds_largest"]
-        assert set(p["errors"]) == set(table.truth["sizes"])
+        assert p.status == "completed"
+        assert p.measured is not None
+        assert p.measured.repetitions == 2
+        assert 0.0 < p.measured.solve_seconds <= p.measured.solve_seconds_median <= p.measured.solve_seconds_largest
+        assert set(p.measured.errors) == set(table.truth["sizes"])
 
 
 def test_errors_are_against_a_solution_that_another_engine_confirms(table: Benchmark) -> None:
     # 16 links are within 1e-3 over 2 s of run 24 (engines.mujoco.settings.LADDER); the first 0.05 s are no harder
     assert table.confirmation["settings"]["links"] == 16  # eight were not enough
     assert 0.0 < table.confirmation["differences"]["tip_deflection"] < 2e-3
-    errors = [error_of(p) for p in table.points if p["engine"] == "reference"]
+    errors = [p.error() for p in table.points if p.engine == "reference"]
     assert errors[0] is not None
     assert errors[-1] is not None
     assert errors[-1] < 1e-4 < errors[0]  # one mode, and the most of the ladder
-    assert all((error_of(p) or 0.0) > 0.05 for p in table.points if p["engine"] == "thesis")  # one cubic
+    assert all((p.error() or 0.0) > 0.05 for p in table.points if p.engine == "thesis")  # one cubic
 
 
 def test_calls_per_period_are_those_of_the_highest_mode_kept(table: Benchmark) -> None:
-    for p in table.points:
-        if p["engine"] == "thesis":
-            assert p["calls_per_period"] is None
+    done = completed(table.points)
+    assert all(measured.calls_per_period is None for p, measured in done if p.engine == "thesis")
     # one mode: 20.354 Hz with the slider farthest, published beside the mechanism's numbers
-    first = table.points[0] if table.points[0]["engine"] == "reference" else next(p for p in table.points if p["engine"] == "reference")
-    calls = first["statistics"]["right_hand_side_calls"]
-    assert first["calls_per_period"] == pytest.approx(calls / (0.05 * 20.354), rel=1e-4)
+    first = next(measured for p, measured in done if p.engine == "reference")
+    calls = first.statistics["right_hand_side_calls"]
+    assert first.calls_per_period == pytest.approx(calls / (0.05 * 20.354), rel=1e-4)
 
 
 def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,11 +161,12 @@ def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypa
     monkeypatch.setattr(measurement, "methods", lambda *_: [Method("fake", FakeEngine(), ladder)])
     monkeypatch.setattr(measurement, "CONFIRMING", ("thesis", ({},)))
     found = measurement.benchmark(short(), (), repetitions=2, longest=0.1).points  # the fake engine claims 0.125 s
-    assert found[0]["status"] == "failed at t = 0.002 s: the beam snapped; try another beam"
-    assert "errors" not in found[0]
-    assert found[1]["status"] == "completed"
-    assert found[1]["solve_seconds"] == 0.125
-    assert found[2]["status"] == "not tried: coarser settings took longer than 0.1 s"
+    assert found[0].status == "failed at t = 0.002 s: the beam snapped; try another beam"
+    assert found[0].measured is None
+    assert found[1].status == "completed"
+    assert found[1].measured is not None
+    assert found[1].measured.solve_seconds == 0.125
+    assert found[2].status == "not tried: coarser settings took longer than 0.1 s"
 
 
 def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -230,7 +258,7 @@ def _deadly(case: Case, names: tuple[str, ...], repetitions: int, longest: float
 def _quick(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
     sizes = dict.fromkeys(("tip_deflection",), float(np.float64(1.0)))
     return Benchmark(
-        case.name, case.title, case.duration, {"sizes": sizes}, {"engine": "none", "failure": "no"}, [], repetitions, longest, {}
+        case.name, case.title, case.duration, {"sizes": sizes}, {"engine": "none", "failure": "no"}, (), repetitions, longest, {}
     )
 
 

@@ -1,8 +1,7 @@
 """A benchmark with known numbers: errors fall as a power of the degrees of freedom, times grow with them."""
 
-from typing import Any
-
 from cases.benchmark import Benchmark
+from cases.benchmark.findings import Measured, Point
 
 COLUMNS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
 #: Method -> engine, order of the error, error with one degree of freedom, seconds per degree of freedom.
@@ -16,32 +15,26 @@ METHODS = {
 
 
 def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True) -> Benchmark:
-    points: list[dict[str, Any]] = []
+    points = []
     for method, (engine, order, error, pace) in METHODS.items():
         for free in (2, 4, 8, 16):
             settings = {"modes": free, "tolerance": 1e-7} if engine == "reference" else {"elements": free}
-            points.append(
-                {
-                    "method": method,
-                    "engine": engine,
-                    "settings": settings | {"always": 1},
-                    "changing": settings,
-                    "status": "completed",
-                    "degrees_of_freedom": free,
-                    "errors": dict.fromkeys(COLUMNS, error * free ** (-order)),
-                    "solve_seconds": pace * free,
-                    "solve_seconds_median": 1.1 * pace * free,
-                    "solve_seconds_largest": 1.2 * pace * free,
-                    "repetitions": 5,
-                    "setup_seconds": 0.01,
-                    "statistics": {"right_hand_side_calls": 1000.0 * free, "integration_seconds": 0.9 * pace * free, "largest_gap": 1e-9},
-                    "calls_per_period": 12.0 if engine == "reference" else None,
-                }
+            measured = Measured(
+                degrees_of_freedom=free,
+                errors=dict.fromkeys(COLUMNS, error * free ** (-order)),
+                solve_seconds=pace * free,
+                solve_seconds_median=1.1 * pace * free,
+                solve_seconds_largest=1.2 * pace * free,
+                repetitions=5,
+                setup_seconds=0.01,
+                statistics={"right_hand_side_calls": 1000.0 * free, "integration_seconds": 0.9 * pace * free, "largest_gap": 1e-9},
+                calls_per_period=12.0 if engine == "reference" else None,
             )
+            known = {"method": method, "engine": engine, "settings": settings | {"always": 1}, "changing": settings}
+            points.append(Point(**known, status="completed", measured=measured))
     status = "failed at t = 0.1 s: the beam snapped; try another beam"
-    points.append(
-        {"method": "nodal-load", "engine": "nodal-load", "settings": {"elements": 2}, "changing": {"elements": 2}, "status": status}
-    )
+    failed = {"settings": {"elements": 2}, "changing": {"elements": 2}, "status": status}
+    points.append(Point(method="nodal-load", engine="nodal-load", **failed))
     return Benchmark(
         case=case,
         title="a title",
@@ -52,7 +45,7 @@ def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True) -> Benchm
             "settings": {"links": 60},
             "differences": dict.fromkeys(COLUMNS, 1e-4 if confirmed else 1e-2),
         },
-        points=points,
+        points=tuple(points),
         repetitions=5,
         longest=10.0,
         machine={"processor": "one"},
