@@ -55,8 +55,8 @@ class Workshop:
         """Store how a job ended, where it would end so again; the outcome as it will be read back."""
         key = key or key_of(outcome.job)
         if outcome.completed:
-            record = encoded(outcome.value)
             try:
+                record = encoded(outcome.value)
                 self.store.put(key, replace(record, document={"value": record.document}))
                 return replace(outcome, value=decoded(_type_of(outcome.job), record))
             except (TypeError, ValueError, KeyError) as error:  # a third-party engine may hand anything on

@@ -177,6 +177,7 @@ def cross_validate(
 
     Raises:
         CaseError: a case without crank and slider: there is no cycle to measure.
+        ValueError: two of the cases, or of the engines, have one name.
         UnknownEngine: see there.
     """
     texts = dict(settings or {})
@@ -185,6 +186,8 @@ def cross_validate(
         for case in cases
         for engine in engines
     }
+    if len(requests) < len(cases) * len(engines):
+        raise ValueError("two cases or two engines have one name")
     runs = carry_out(requests, workshop, "engines on cases")
     return [compare(case, {engine: runs[case.name, engine] for engine in engines}) for case in cases]
 

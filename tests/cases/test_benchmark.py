@@ -13,9 +13,6 @@ from hypothesis import strategies as st
 from cases.benchmark import (
     SCENES,
     Benchmark,
-    Measured,
-    Point,
-    completed,
     fastest_at,
     measure,
     measurement,
@@ -23,7 +20,7 @@ from cases.benchmark import (
     pareto_front,
     stored,
 )
-from cases.benchmark.findings import error_of
+from cases.benchmark.findings import Measured, Point, completed, error_of
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from cases.case_file import load_case
