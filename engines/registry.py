@@ -39,6 +39,10 @@ _MODULES: Final = {
 }
 
 
+#: Engines of this project: until a model is built they load no library but numpy, so that they can be asked about themselves anywhere.
+OWN: Final = frozenset(_MODULES)
+
+
 class UnknownEngine(ValueError):
     """No engine has this name; the text is one sentence with the nearest known names."""
 

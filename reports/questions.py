@@ -1,4 +1,4 @@
-"""What the command line asks of engines, each question in a process of its own.
+"""What the command line asks of engines, each question that may load a library in a process of its own.
 
 A library that crashes, prints or holds on to the interpreter then costs no more than its own answer: Ctrl-C works at once, and
 nothing but the command's own words gets to standard output. What an engine computed comes back through a pipe and is written here,
@@ -6,13 +6,13 @@ so that a worker which is killed leaves no half file behind.
 """
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from cases.jobs.job import Job, Limits, Outcome, T, answers
-from cases.jobs.processes import PRELOAD, LocalProcesses
+from cases.jobs.processes import LocalProcesses
 from reports.output import write_file
 
 if TYPE_CHECKING:
@@ -32,10 +32,37 @@ class EngineDied(Exception):
         self.outcome = outcome
 
 
+#: What processes import that tell of engines, and those that compute.
+TELLING: Final = ("cases.jobs.worker", "engines.registry")
+COMPUTING: Final = (*TELLING, "engines.accurate", "engines.own.simulation")
+
+
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None) -> list[Outcome[T]]:
-    """How each of the jobs ended; `limits` None: `cases.jobs.job.default_limits`."""
-    # what one job needs it imports itself; several import it once
-    return answers(LocalProcesses(limits=limits, preload=PRELOAD if len(jobs) > 1 else ()), jobs, title)
+    """How each of the jobs ended; `limits` None: `cases.jobs.job.default_limits`. What they import is decided by `get_ready`."""
+    return answers(LocalProcesses(limits=limits, preload=TELLING), jobs, title)
+
+
+def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:
+    """How each engine answers `question(name, *arguments)`, in their order.
+
+    Args:
+        question: see above.
+        arguments: those behind the name.
+        title: of them all, for the person who waits.
+        here: engines that answer without loading a library: they are asked in this process.
+    """
+    from engines.registry import engine_names
+
+    jobs = [Job(name, question, (name, *arguments)) for name in engine_names()]
+    elsewhere = iter(asked([job for job in jobs if job.name not in here], title))
+    return [_asked_here(job) if job.name in here else next(elsewhere) for job in jobs]
+
+
+def _asked_here(job: Job[T]) -> Outcome[T]:
+    try:
+        return Outcome(job, job.function(*job.arguments))
+    except Exception as error:
+        return Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error)
 
 
 def answer_of(job: Job[T], limits: Limits | None = None) -> T:

@@ -107,6 +107,12 @@ class LocalProcesses:
                 worker.end()
 
 
+def get_ready(preload: Sequence[str]) -> None:
+    """Start the fork server now, so that it has its imports done when the first job comes; what fails here is told then."""
+    with contextlib.suppress(OSError, EOFError):
+        _fork_server(preload)
+
+
 def _fork_server(preload: Sequence[str]) -> Any:
     """The multiprocessing context of a fork server that computes with one thread and does not see Ctrl-C, and so do its workers."""
     context = multiprocessing.get_context("forkserver")

@@ -1,27 +1,29 @@
-"""The `exudyn` engine: what it accepts, which settings it starts from, and how a simulation is prepared."""
+"""The `exudyn` engine: what it accepts, which settings it starts from, and how a simulation is prepared.
+
+The library is loaded when the first model is built, not when engines are listed.
+"""
 
 import math
 import time
-from typing import ClassVar
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, ClassVar
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
-from engines.exudyn import modes
 from engines.exudyn import settings as ladder
-from engines.exudyn.alone import ExudynAlone
-from engines.exudyn.flexible import FlexibleModel
-from engines.exudyn.record import Model
-from engines.exudyn.rigid import RigidModel
 from engines.exudyn.settings import ExudynSettings
-from engines.exudyn.simulation import ExudynSimulation
 from engines.settings import Settings as AnySettings
 from engines.settings import own
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from reference_model.mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from engines.exudyn.alone import ExudynAlone
+    from engines.exudyn.record import Model
 
 
 class ExudynEngine(Engine):
@@ -34,7 +36,15 @@ class ExudynEngine(Engine):
 
     def version(self) -> str:
         """Name and version of the library behind the engine."""
-        return f"exudyn {exu.__version__}"
+        return f"exudyn {version('exudyn')}"
+
+    def unavailable(self) -> str | None:
+        """See `Engine.unavailable`."""
+        try:
+            version("exudyn")
+        except PackageNotFoundError:
+            return "the package exudyn is not installed"
+        return None if find_spec("exudyn") else "the package exudyn is not installed"
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a slider with inertia of rotation, for the joint passes a force and no moment, and a damper beside a rigid joint."""
@@ -71,6 +81,8 @@ class ExudynEngine(Engine):
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
         self.check(mechanism)
+        from engines.exudyn.simulation import ExudynSimulation
+
         begun = time.perf_counter()
         simulation = ExudynSimulation(self._model(mechanism, start, settings), own(ExudynSettings, settings))
         simulation.setup_seconds = time.perf_counter() - begun
@@ -79,15 +91,22 @@ class ExudynEngine(Engine):
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
+        from engines.exudyn import modes
+
         return modes.natural_frequencies(mechanism, crank_angle, count, own(ExudynSettings, settings).elements)
 
     @staticmethod
-    def _model(mechanism: Mechanism, start: Start, settings: AnySettings) -> Model:
+    def _model(mechanism: Mechanism, start: Start, settings: AnySettings) -> "Model":
+        from engines.exudyn.flexible import FlexibleModel
+        from engines.exudyn.rigid import RigidModel
+
         state = reconstruct(mechanism, start)
         if mechanism.follower.is_rigid:
             return RigidModel(mechanism, start, state)
         return FlexibleModel(mechanism, start, state, own(ExudynSettings, settings))
 
-    def follower_alone(self) -> ExudynAlone:
+    def follower_alone(self) -> "ExudynAlone":
         """A cable clamped to a base that is turned."""
+        from engines.exudyn.alone import ExudynAlone
+
         return ExudynAlone(self)

@@ -16,7 +16,7 @@ from engines.settings import Settings, own, setting
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.rigid import rigid_motion
-from reference_model.shapes import hermite_elements, no_shapes
+from reference_model.shapes import ShapeSet, hermite_elements, no_shapes
 
 if TYPE_CHECKING:
     from engines.own.simulation import OwnSimulation
@@ -71,21 +71,28 @@ class ThesisEngine(Engine):
             Refusal: the scene has what this model or these shapes cannot carry.
         """
         from reference_model.thesis.model import ThesisModel
-        from reference_model.thesis.parameters import UnsuitableShapes
 
         self.check(mechanism)
-        chosen, length = own(ThesisSettings, settings), mechanism.follower.length
-        shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, chosen.elements)
-        try:
-            return ThesisModel(mechanism, shapes, chosen.geometry == "exact")
-        except UnsuitableShapes as error:
-            raise Refusal(f"slider.inertia: {mechanism.slider.inertia:g} kg*m^2 is not accepted with these settings: {error}") from None
+        return ThesisModel(mechanism, self._shapes(mechanism, settings), own(ThesisSettings, settings).geometry == "exact")
 
     def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
-        model = self.model(mechanism, settings)
-        bodies = bodies_of(mechanism, f"{model.shapes.count} shapes" if model.shapes.count else "rigid")
-        return ModelDescription(bodies, joints_of(mechanism, "slider on the centre line (eliminated)"), model.degrees_of_freedom)
+        self.check(mechanism)
+        n = self._shapes(mechanism, settings).count
+        free = n + (1 if mechanism.crank_is_free else 0)
+        joints = joints_of(mechanism, "slider on the centre line (eliminated)")
+        return ModelDescription(bodies_of(mechanism, f"{n} shapes" if n else "rigid"), joints, free)
+
+    def _shapes(self, mechanism: Mechanism, settings: Settings) -> ShapeSet:
+        """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""
+        length = mechanism.follower.length
+        shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, own(ThesisSettings, settings).elements)
+        if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
+            raise Refusal(
+                f"slider.inertia: {mechanism.slider.inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia"
+                " needs shapes with continuous curvature, one Hermite element"
+            )
+        return shapes
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> "OwnSimulation":
         """See `engines.base.Engine.prepare`."""

@@ -22,13 +22,12 @@ def command(engine: str | None, as_json: bool) -> None:
 
 
 def _list(as_json: bool) -> None:
-    from cases.jobs.job import Job
-    from engines.registry import engine_names
+    from engines.registry import OWN
     from reports.output import print_json, print_table
-    from reports.questions import About, about, asked
+    from reports.questions import About, about, asked_of_all
 
     rows = []
-    for outcome in asked([Job(name, about, (name,)) for name in engine_names()], "engines"):
+    for outcome in asked_of_all(about, (), "engines", OWN):
         broken = About(name=outcome.job.name, method="unknown", available=False, reason=f"asked about itself, it {outcome.failure}")
         rows.append(outcome.value or broken)
     if as_json:

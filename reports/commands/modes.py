@@ -32,12 +32,14 @@ def command(case: str, engine: str, crank_angle: float, count: int, assignments:
     Exit code 3: the engine failed, or what it returned are no natural frequencies; nothing is printed then.
     """
     from cases.jobs.job import Job
+    from cases.jobs.processes import get_ready
     from engines.base import EngineFailure
     from reports.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import print_json, print_table
-    from reports.questions import answer_of, modes
+    from reports.questions import COMPUTING, answer_of, modes
 
     overrides, settings = read_assignments(assignments)
+    get_ready(COMPUTING)
     loaded = load(case, overrides)
     job = Job(engine, modes, (engine, loaded.mechanism, crank_angle, count, settings))
     try:

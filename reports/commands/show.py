@@ -20,11 +20,14 @@ if TYPE_CHECKING:
 def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
     """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds."""
     from cases.document import values_in_si
+    from cases.jobs.processes import get_ready
     from cases.keys import SECTIONS
     from reports.output import print_json
+    from reports.questions import TELLING
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
+    get_ready(TELLING)
     loaded = load(case, overrides)
     document = {
         "name": loaded.name,
@@ -66,12 +69,11 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
 
 def _models(scene: Any) -> list[dict[str, Any]]:
     """Per engine what it builds, or in "refused" why it does not."""
-    from cases.jobs.job import Job
-    from engines.registry import engine_names
-    from reports.questions import asked, model
+    from engines.registry import OWN
+    from reports.questions import asked_of_all, model
 
     found = []
-    for outcome in asked([Job(name, model, (name, scene)) for name in engine_names()], "models"):
+    for outcome in asked_of_all(model, (scene,), "models", OWN - {"exudyn", "mujoco"}):
         built = vars(outcome.value) if outcome.value else {}
         found.append({"engine": outcome.job.name, "refused": str(outcome.error or "") or outcome.failure or None, **built})
     return found

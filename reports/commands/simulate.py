@@ -54,11 +54,13 @@ def command(
     estimate is unknown or not verified; the rows that it delivered are in the file. One that crashed or was stopped at a limit delivers
     none. The accuracy of `thesis` is that of the integration of its own equations.
     """
+    from cases.jobs.processes import get_ready
     from reports import questions
     from reports.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import check_writable, print_json
 
     overrides, settings = read_assignments(assignments)
+    get_ready(questions.COMPUTING)
     loaded = load(case, overrides, duration, output_step)
     allowed = limits(time_limit, memory_limit)
     check_writable(Path(output), keep="" if loaded.source == "library" else case, ending=".csv")

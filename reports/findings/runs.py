@@ -1,9 +1,12 @@
 """Which run of the thesis a case is."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from cases.library.thesis import RUNS, run_name
-from cases.runs.comparison import CaseResult
+
+if TYPE_CHECKING:
+    from cases.runs.comparison import CaseResult
 
 
 def run_number(case_name: str) -> int | None:
@@ -11,7 +14,7 @@ def run_number(case_name: str) -> int | None:
     return {run_name(number): number for number in RUNS}.get(case_name)
 
 
-def of_run(results: Sequence[CaseResult], number: int) -> CaseResult | None:
+def of_run(results: "Sequence[CaseResult]", number: int) -> "CaseResult | None":
     """The result of a run, if it is among the cases shown. A case file of the same name is no run of the thesis."""
     for result in results:
         if result.case.name == run_name(number) and result.case.source == "library":
@@ -19,7 +22,7 @@ def of_run(results: Sequence[CaseResult], number: int) -> CaseResult | None:
     return None
 
 
-def thesis_runs(results: Sequence[CaseResult]) -> dict[int, CaseResult]:
+def thesis_runs(results: "Sequence[CaseResult]") -> "dict[int, CaseResult]":
     """The runs of the thesis among the cases shown, by number."""
     found = ((number, of_run(results, number)) for number in RUNS)
     return {number: result for number, result in found if result is not None}
