@@ -58,20 +58,25 @@ def draw_pictures(
     Raises:
         KeyboardInterrupt: Ctrl-C; what was drawn is stored.
     """
-    jobs = [_job("all cases", draw_all, (list(results),))]
+    jobs: list[Job[Drawn]] = [_job("all cases", draw_all, (list(results),))]
     if studies is not None:
         tables = (studies.convergence, studies.sensitivity)
         jobs.append(_job("the studies", draw_studies, tables, [table.to_csv() for table in tables]))
     if benchmarks:
         jobs.append(_job("the methods", draw_methods, (list(benchmarks),), {table.case: table.points for table in benchmarks}))
     together = len(jobs)
-    jobs += [_job(result.case.name, draw_case, (result, *_of_run(result, curves))) for result in results]
+    jobs += jobs_of_cases(results, curves)
     outcomes = workshop.outcomes(jobs, "pictures")
     failures = [f"pictures of {outcome.job.name}: drawing {outcome.explanation}" for outcome in outcomes if not outcome.completed]
     of_all: Drawn = {}
     for outcome in outcomes[:together]:
         of_all |= outcome.value or {}
     return Pictures(of_all, {outcome.job.name: outcome.value for outcome in outcomes[together:] if outcome.value}, tuple(failures))
+
+
+def jobs_of_cases(results: Sequence[CaseResult], curves: Sequence[MeasuredCurve]) -> list[Job[Drawn]]:
+    """Those of the pictures that show one case alone."""
+    return [_job(result.case.name, draw_case, (result, *_of_run(result, curves))) for result in results]
 
 
 def _job(name: str, function: Callable[..., Drawn], arguments: tuple[Any, ...], inputs: Any = None) -> Job[Drawn]:

@@ -6,13 +6,14 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from cases.benchmark import SCENES, Benchmark, measure, stored
 from cases.case import Case
 from cases.case_file import load_case
 from cases.errors import shortened
 from cases.experiment import load_curves
+from cases.jobs.job import Job
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.store import words_of
 from cases.jobs.workshop import Workshop
@@ -38,7 +39,7 @@ from reports.pages.per_run import per_run
 from reports.pages.provenance import files, provenance, verification
 from reports.pages.studies import accuracy_and_cost, open_points
 from reports.pages.thesis_view import thesis_view
-from reports.pictures import draw_pictures
+from reports.pictures import draw_pictures, jobs_of_cases
 from reports.tables.provenance import catalogue
 from reports.tables.table import Table
 from reports.verification import verification as stored_verification
@@ -103,7 +104,8 @@ def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engine
     curves = load_curves()
     results = cross_validate(cases, workshop, engines)
     studies = _studies(cases, workshop)
-    benchmarks = _benchmarks(workshop) if studies is not None else []
+    drawings = [job for job in jobs_of_cases(results, curves) if workshop.stored(job) is None]
+    benchmarks = _benchmarks(workshop, drawings) if studies is not None else []
     example = of_run(results, EXAMPLE) if EXAMPLE else None
     found, missing = _evidence(example, workshop)
     content = Content(
@@ -167,15 +169,15 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> Studies | None:
     return run_studies(workshop) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
 
 
-def _benchmarks(workshop: Workshop) -> list[Benchmark]:
-    """What was measured last of each scene; the first scene is measured now, once, if it never was."""
+def _benchmarks(workshop: Workshop, beside: Sequence[Job[Any]]) -> list[Benchmark]:
+    """What was measured last of each scene; the first scene is measured now, once, if it never was, with other jobs beside it."""
     found = []
     for name in SCENES:
         case = load_case(name)
         table = stored(case, workshop)
         if table is None and name == SCENES[0]:
             with contextlib.suppress(EngineFailure, Refusal):  # the chapter says what is missing
-                table = measure(case, workshop, repetitions=1, longest=QUICK)
+                table = measure(case, workshop, repetitions=1, longest=QUICK, beside=beside)
         if table is not None:
             found.append(table)
     return found

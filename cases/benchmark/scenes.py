@@ -33,11 +33,20 @@ def measure(
     names: Sequence[str] = ENGINES,
     repetitions: int = REPETITIONS,
     longest: float = LONG,
+    beside: Sequence[Job[Any]] = (),
 ) -> Benchmark:
     """Measure anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
 
     An engine that dies, or is stopped at the executor's limits, is left out and the others are measured once more; such a result is not
     stored. The time limit stands for each engine.
+
+    Args:
+        case: gives the scene.
+        workshop: where.
+        names: of engines.
+        repetitions: of each run; the least time counts.
+        longest: see there.
+        beside: jobs for the processors that the measurement, bound to one, leaves free; what comes of them is stored.
 
     Raises:
         EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.
@@ -48,7 +57,10 @@ def measure(
         sound = tuple(name for name in names if name not in failures)
         allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
         job = dataclasses.replace(_job(case, names, (case, sound, repetitions, longest)), limits=allowed)
-        outcome = answers(workshop.executor, [job], case.name)[0]
+        outcome, *others = answers(workshop.executor, [job, *beside], case.name)
+        for other in others:
+            workshop.kept(other)
+        beside = ()
         if outcome.value is not None:
             break
         if isinstance(outcome.error, (EngineFailure, Refusal)):
