@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from reference_model.columns import OBSERVED, SHAPE
+from reference_model.compilation import compiled
 from reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
 from reference_model.motion.address import Placed
 from reference_model.shapes import ShapeSet, hermite_elements
@@ -46,7 +46,7 @@ class Equations:
     right_hand_side: Callable[..., Any]  # ... rate and row
 
 
-@numba.njit(error_model="numpy")
+@compiled
 def _evaluate(parameters: int, workspace: int, y: Array) -> tuple[bool, kinematics.Slider, kinematics.Contact]:
     return evaluate(parameters_at(parameters), workspace_at(workspace), y)
 
