@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from engines.base import Comparison, ModelDescription, Refusal
 from engines.follower import FollowerEngine, parts
-from engines.own.staying_shapes import LADDER, ShapeSettings, StayingShapesEngine, fewer_shapes, shapes_of
+from engines.own.staying_shapes import ShapeSettings, StayingShapesEngine, of_shapes, rung_for, shapes_of
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.rigid import rigid_motion
@@ -27,7 +27,7 @@ class FixedShapesSettings(ShapeSettings):
     """Settings of `fixed-shapes`."""
 
     shapes: int = setting(16, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
-    tolerance: float = setting(1e-8, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
+    tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
     damping_law: str = setting(_BOTH, "velocity relative to the base frame that the beam damping acts on", choices=(_BOTH, "transverse"))
 
 
@@ -36,7 +36,7 @@ class FixedShapesEngine(StayingShapesEngine):
 
     name = "fixed-shapes"
     method = "pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853"
-    default_accuracy = 1e-3
+    default_accuracy = 3e-3
     settings_type = FixedShapesSettings
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
@@ -65,8 +65,8 @@ class FixedShapesEngine(StayingShapesEngine):
         return "slider on the centre line (eliminated)"
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> FixedShapesSettings:
-        """Number of shapes from the measured table."""
-        shapes, tolerance, _ = next((rung for rung in LADDER if rung[-1] <= accuracy), LADDER[-1])
+        """Number of shapes from the measured table; fewer where the follower is stiffer than run 24's."""
+        shapes, tolerance = rung_for(accuracy, mechanism)
         return FixedShapesSettings(shapes=shapes, tolerance=tolerance)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
@@ -108,10 +108,8 @@ class FixedShapesAlone(FollowerEngine):
         return self._engine.settings_for(accuracy, scene)
 
     def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """Fewer shapes, as with the mechanism: the estimate is too large rather than too small."""
-        chosen = own(ShapeSettings, settings)
-        shapes, factor = fewer_shapes(chosen.shapes, chosen.family)
-        return (Comparison(chosen, chosen.replaced(shapes=shapes), factor),)
+        """Other numbers of shapes, as with the mechanism: the estimate is too large rather than too small."""
+        return of_shapes(own(ShapeSettings, settings))
 
     def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> "OwnSimulation":
         """See `FollowerEngine.prepare`."""

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from engines.own.staying_shapes import LADDER, RivalEngine, ShapeSettings, shapes_of
+from engines.own.staying_shapes import RivalEngine, ShapeSettings, rung_for, shapes_of
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import Mechanism
 from reference_model.treatment import MULTIPLIER, Treatment
@@ -47,6 +47,6 @@ class MultiplierEngine(RivalEngine):
         return "slider on the centre line (Lagrange multiplier)"
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> MultiplierSettings:
-        """Number of shapes from the measured table."""
-        shapes, tolerance, _ = next((rung for rung in LADDER if rung[-1] <= accuracy), LADDER[-1])
+        """Number of shapes from the measured table; fewer where the follower is stiffer than run 24's."""
+        shapes, tolerance = rung_for(accuracy, mechanism)
         return MultiplierSettings(shapes=shapes, tolerance=tolerance)

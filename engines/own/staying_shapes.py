@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import Final, TypeVar
 
-from engines.base import Comparison, EstimateOf, Refusal
+from engines.base import Comparison, Refusal
 from engines.follower import FollowerEngine
 from engines.own.beam_engine import BeamEngine
 from engines.settings import Settings, own, setting
-from reference_model.mechanism import Follower, Mechanism
+from reference_model.mechanism import Follower, Mechanism, Scene
+from reference_model.natural_modes import stiffness_ratio
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
 
 
@@ -21,21 +22,40 @@ class ShapeSettings(Settings):
     tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
 
-#: Number of clamped-free modes, integration tolerance and error of the tip deflection in run 24 over 2 s, with the slider eliminated or
-#: held by a multiplier: difference from 32 modes plus their own error of 9.4e-5, by the law 3.07 / shapes^3. Tolerances leave 1e-4 of
-#: the slider force at most: fewer shapes stand looser ones, an explicit integrator makes high modes ring.
+AnyShapes = TypeVar("AnyShapes", bound=ShapeSettings)
+
+#: Number of clamped-free modes, integration tolerance and what they claim of the tip deflection in run 24 over 2 s, with the slider
+#: eliminated or held by a multiplier. Their errors are in `reference_model/RIVALS.md`.
 LADDER: Final = (
-    (4, 1e-7, 3.1e-2),
-    (6, 1e-7, 1.3e-2),
-    (8, 1e-7, 5.5e-3),
-    (10, 1e-7, 3.5e-3),
-    (12, 1e-8, 1.7e-3),
-    (16, 1e-8, 7.7e-4),
-    (20, 1e-8, 4.0e-4),
-    (24, 1e-8, 2.5e-4),
-    (32, 1e-9, 9.4e-5),
-    (40, 1e-9, 4.8e-5),
+    (1, 1e-8, 1.3),
+    (2, 1e-8, 4.6e-1),
+    (3, 1e-8, 1.3e-1),
+    (4, 1e-8, 3.9e-2),
+    (6, 1e-8, 1.7e-2),
+    (10, 1e-9, 7.0e-3),
+    (12, 1e-9, 6.0e-3),
+    (16, 1e-9, 2.8e-3),
+    (20, 1e-9, 1.6e-3),
+    (24, 1e-9, 8.0e-4),
+    (32, 1e-10, 3.6e-4),
+    (40, 1e-10, 2.0e-4),
 )
+
+#: First bending frequency over the crank's in run 24 (`natural_modes.stiffness_ratio`). Equilibrium recovers what the shapes left out
+#: hold nearly at rest; what is missing is their inertia, which falls with the square of that ratio.
+RATIO_OF_RUN_24: Final = 4.1
+
+#: Parts of the shapes, and the factors by which the error is taken to grow where there are no more than those. Shapes that stay err more
+#: or less as their waves fit the kink at the slider, so that one difference alone may vanish by accident.
+COARSER: Final = ((0.55, 3.0), (0.75, 2.0))
+#: Fewer shapes than these have no order yet and are compared with more than twice as many, whose error is taken to be this part.
+FEWEST_WITH_ORDER: Final = 8
+PART_OF_FINER: Final = 2.0 / 7.0
+#: Order by which climbing goes; by how much more shapes it tries where nothing is known, and how many times as many at most.
+ORDER: Final = 3.0
+_UNKNOWN: Final = 1.5
+_MOST_AT_ONCE: Final = 2.0
+MOST_SHAPES: Final = 64
 
 
 def shapes_of(follower: Follower, settings: ShapeSettings) -> ShapeSet:
@@ -50,8 +70,6 @@ def shapes_of(follower: Follower, settings: ShapeSettings) -> ShapeSet:
 class StayingShapesEngine(BeamEngine):
     """An engine with clamped-free modes or Hermite elements."""
 
-    estimates: ClassVar[EstimateOf] = "unverified"
-
     def shape_count(self, mechanism: Mechanism, settings: Settings) -> int:
         """As set; elements bring two each."""
         return shapes_of(mechanism.follower, own(ShapeSettings, settings)).count
@@ -61,18 +79,12 @@ class StayingShapesEngine(BeamEngine):
         return own(ShapeSettings, settings).tolerance
 
     def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Fewer shapes."""
-        chosen = own(ShapeSettings, settings)
-        shapes, factor = fewer_shapes(chosen.shapes, chosen.family)
-        return (Comparison(chosen, chosen.replaced(shapes=shapes), factor),)
+        """Other numbers of shapes."""
+        return of_shapes(own(ShapeSettings, settings))
 
     def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> Settings | None:
-        """The next rung of the ladder."""
-        chosen = own(ShapeSettings, settings)
-        for shapes, tolerance, _ in LADDER:
-            if shapes > chosen.shapes:
-                return chosen.replaced(shapes=shapes, tolerance=min(tolerance, chosen.tolerance))
-        return None
+        """The first rung of the ladder with as many shapes as the estimate asks for."""
+        return more_shapes(own(ShapeSettings, settings), excess)
 
     def refuse_compliance(self, mechanism: Mechanism, closes: str) -> None:
         """For methods that leave no gap."""
@@ -113,17 +125,45 @@ class RivalEngine(StayingShapesEngine):
         )
 
 
-def fewer_shapes(shapes: int, family: str) -> tuple[int, float]:
-    """Number of shapes of the run to compare with, and how many times the error it has (below 1: a part of it).
+def of_shapes(chosen: ShapeSettings) -> tuple[Comparison, ...]:
+    """Two runs with fewer shapes, or one with more where there are too few for that, with the tolerance fit for them."""
+    if chosen.shapes < FEWEST_WITH_ORDER:
+        return (Comparison(chosen, _with_shapes(chosen, _of_family(2 * chosen.shapes + 2, chosen.family)), PART_OF_FINER),)
+    others = ((_of_family(round(part * chosen.shapes), chosen.family), factor) for part, factor in COARSER)
+    return tuple(Comparison(chosen, chosen.replaced(shapes=shapes), factor) for shapes, factor in others)
 
-    Four fewer by the power 2.5 of their numbers; below eight two fewer, with twice the error at least; below three there is nothing
-    coarser to compare with, and two more have half the error at most. Hermite elements have two shapes each: an odd one is not there.
+
+def rung_for(accuracy: float, mechanism: Scene) -> tuple[int, float]:
+    """Shapes and tolerance whose claim in run 24 is within `accuracy`; fewer where the follower is stiffer than run 24's."""
+    gain = gain_of(mechanism)
+    return next(((shapes, tolerance) for shapes, tolerance, claim in LADDER if gain * claim <= accuracy), LADDER[-1][:2])
+
+
+def gain_of(mechanism: Scene) -> float:
+    """Error of few shapes over that in run 24."""
+    ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
+    return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
+
+
+def more_shapes(chosen: AnyShapes, excess: tuple[float, ...]) -> AnyShapes | None:
+    """The first rung with as many shapes as the estimate asks for; None above the ladder.
 
     Args:
-        shapes: of the run, 1 or more.
-        family: "clamped-free" or "hermite".
+        chosen: settings that do not suffice.
+        excess: parts of the estimate over the accuracy asked for; may be empty.
     """
-    taken = max(2, shapes - shapes % 2) if family == "hermite" else shapes
-    if taken >= 8:
-        return taken - 4, (taken / (taken - 4.0)) ** 2.5
-    return (taken - 2, 2.0) if taken > 2 else (taken + 2, 0.5)
+    wanted = chosen.shapes * min(sum(excess) ** (1.0 / ORDER) if excess else _UNKNOWN, _MOST_AT_ONCE)
+    above = [shapes for shapes, _, _ in LADDER if shapes > chosen.shapes]
+    enough = [shapes for shapes in above if shapes >= wanted]
+    return _with_shapes(chosen, (enough or above[-1:])[0]) if above else None
+
+
+def _with_shapes(chosen: AnyShapes, shapes: int) -> AnyShapes:
+    """Another number of shapes, with the tolerance of the first rung that has as many unless the present one is tighter."""
+    fit = next((tolerance for rung, tolerance, _ in LADDER if rung >= shapes), LADDER[-1][1])
+    return chosen.replaced(shapes=shapes, tolerance=min(chosen.tolerance, fit))
+
+
+def _of_family(shapes: int, family: str) -> int:
+    """A number of shapes that is there: Hermite elements have two each."""
+    return 2 * ((shapes + 1) // 2) if family == "hermite" else shapes

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from engines.base import Comparison
-from engines.own.staying_shapes import RivalEngine, ShapeSettings, shapes_of
+from engines.own.staying_shapes import RivalEngine, ShapeSettings, gain_of, more_shapes, of_shapes, rung_for, shapes_of
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import Mechanism
 from reference_model.treatment import SPRING, Treatment
@@ -13,26 +13,34 @@ from reference_model.treatment import SPRING, Treatment
 if TYPE_CHECKING:
     from reference_model.model import BeamModel
 
-#: Clamped-free modes, stiffness (N/m), damping (N s/m), integration tolerance, and error of the tip deflection in run 24 over 2 s: the sum
-#: of the shapes' error (`staying_shapes.LADDER`) and the spring's (8.8e-3 at 1e6 N/m, in proportion to 1/k). Shapes are too stiff and
-#: springs too soft: what is left against `reference` is less: 4e-3, 3e-3 in the first two, 9e-4 in the fourth.
-LADDER: Final = (
-    (6, 1e6, 30.0, 1e-7, 2.2e-2),
-    (8, 3e6, 90.0, 1e-7, 8.4e-3),
-    (10, 1e7, 300.0, 1e-7, 4.4e-3),
-    (12, 1e7, 300.0, 1e-7, 2.6e-3),
-    (16, 3e7, 900.0, 1e-7, 1.1e-3),
-    (20, 1e8, 3000.0, 1e-8, 4.9e-4),
-    (24, 1e8, 3000.0, 1e-8, 3.4e-4),
-)
+LEAST_STIFFNESS: Final = 1e3  # N/m
+MOST_STIFFNESS: Final = 1e12  # N/m
+MOST_DAMPING: Final = 1e8  # N s/m
+#: What the spring costs in run 24 over 2 s: the error of the tip deflection times the stiffness (N/m), and EI / L^3 (N/m).
+ERROR_TIMES_STIFFNESS: Final = 8.8e3
+FOLLOWER_OF_RUN_24: Final = 23.9
+#: Time constant damping / stiffness (s) and the follower's, sqrt(rho A / EI) L^2 (s), in run 24.
+TIME_CONSTANT: Final = 3e-5
+TIME_OF_RUN_24: Final = 0.0935
+#: Softest and stiffest spring that is chosen, for a follower like that of run 24, N/m.
+SOFTEST: Final = 1e5
+STIFFEST: Final = 1e8
+#: Parts of the accuracy that go to the shapes and to the spring.
+_SHARE_OF_SHAPES: Final = 0.65
+_SHARE_OF_SPRING: Final = 0.3
+#: How many times as stiff the next spring is, at most, and where nothing is known.
+_MOST_AT_ONCE: Final = 8.0
+_UNKNOWN: Final = 3.0
+#: Spring to compare with: the error is of first order in its compliance, as long as the damping has the same time constant.
+SOFTER: Final = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class StiffSpringSettings(ShapeSettings):
     """Settings of `stiff-spring`; a scene with a compliant slider joint brings stiffness and damping of its own."""
 
-    stiffness: float = setting(1e6, "of the spring that stands for the constraint", unit="N/m", low=1e3, high=1e9)
-    damping: float = setting(30.0, "of the damper beside it", unit="N*s/m", low=0.0, high=1e5)
+    stiffness: float = setting(1e6, "of the spring that stands for the constraint", unit="N/m", low=LEAST_STIFFNESS, high=MOST_STIFFNESS)
+    damping: float = setting(30.0, "of the damper beside it", unit="N*s/m", low=0.0, high=MOST_DAMPING)
 
 
 class StiffSpringEngine(RivalEngine):
@@ -64,31 +72,42 @@ class StiffSpringEngine(RivalEngine):
         return f"slider beside the centre line ({kind}, {spring.stiffness:g} N/m, {spring.damping:g} N*s/m)"
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> StiffSpringSettings:
-        """Shapes and stiffness from the measured table."""
-        shapes, stiffness, damping, tolerance, _ = next((rung for rung in LADDER if rung[-1] <= accuracy), LADDER[-1])
+        """Shapes and stiffness from what was measured in run 24, for a follower as stiff and as fast as this one."""
+        shapes, tolerance = rung_for(_SHARE_OF_SHAPES * accuracy, mechanism)
+        scale, time = _follower(mechanism)
+        wanted = gain_of(mechanism) * ERROR_TIMES_STIFFNESS / (_SHARE_OF_SPRING * accuracy)
+        stiffness = float(f"{scale * min(max(wanted, SOFTEST), STIFFEST):.1e}")
+        damping = float(f"{time * TIME_CONSTANT * stiffness:.1e}")
         return StiffSpringSettings(shapes=shapes, stiffness=stiffness, damping=damping, tolerance=tolerance)
 
     def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """A seventh of the shapes fewer on a spring twice as stiff.
-
-        Shapes are too stiff, springs too soft: softening the spring along with fewer shapes would let the difference of the runs cancel.
-        Fewer shapes have 1.5 times the error, the stiffer spring half of its own: the difference is half the sum of both errors. A single
-        shape or element leaves nothing coarser to compare with: there twice as many, with half the error at most.
-        """
+        """Other numbers of shapes on the same spring, and a spring half as stiff; of a compliant joint the spring is no error."""
         chosen = own(StiffSpringSettings, settings)
-        stiffer = min(2.0 * chosen.stiffness, 1e9)
-        ratio = stiffer / chosen.stiffness
-        each = 2 if chosen.family == "hermite" else 1  # shapes that come and go together
-        units = max(1, chosen.shapes // each)
-        other, factor = (min(units - 1, round(0.85 * units)), 1.5) if units > 1 else (2, 0.5)
-        changed = chosen.replaced(shapes=each * other, stiffness=stiffer, damping=min(ratio * chosen.damping, 1e5))
-        return (Comparison(chosen, changed, factor),)
+        if math.isfinite(mechanism.slider.joint_stiffness):
+            return of_shapes(chosen)
+        part = SOFTER if SOFTER * chosen.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
+        other = chosen.replaced(stiffness=part * chosen.stiffness, damping=min(part * chosen.damping, MOST_DAMPING))
+        return (*of_shapes(chosen), Comparison(chosen, other, 1.0 / part))
 
     def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> StiffSpringSettings | None:
-        """The next rung of the ladder."""
+        """More shapes, a stiffer spring or both, as the parts of the estimate ask for."""
         chosen = own(StiffSpringSettings, settings)
-        for shapes, stiffness, damping, tolerance, _ in LADDER:
-            if shapes > chosen.shapes or stiffness > chosen.stiffness:
-                changes = {"stiffness": max(stiffness, chosen.stiffness), "damping": max(damping, chosen.damping)}
-                return chosen.replaced(shapes=max(shapes, chosen.shapes), tolerance=min(tolerance, chosen.tolerance), **changes)
-        return None
+        count = len(of_shapes(chosen))
+        in_shapes, in_spring = sum(excess[:count]) / _SHARE_OF_SHAPES, sum(excess[count:]) / _SHARE_OF_SPRING
+        found: StiffSpringSettings | None = chosen
+        if in_shapes > 1.0 or not excess:
+            found = more_shapes(chosen, (in_shapes,) if excess else ())
+        times = min(in_spring, _MOST_AT_ONCE) if excess else _UNKNOWN
+        if found is None or times <= 1.0:
+            return found
+        stiffness, damping = (float(f"{times * value:.1e}") for value in (chosen.stiffness, chosen.damping))
+        return found.replaced(stiffness=stiffness, damping=damping) if stiffness <= MOST_STIFFNESS and damping <= MOST_DAMPING else None
+
+
+def _follower(mechanism: Mechanism) -> tuple[float, float]:
+    """Stiffness EI / L^3 and time sqrt(rho A / EI) L^2 of a follower over those of run 24's; 1 for a rigid one."""
+    follower = mechanism.follower
+    if follower.is_rigid:
+        return 1.0, 1.0
+    time = math.sqrt(follower.mass_per_length / follower.bending_stiffness) * follower.length**2
+    return follower.bending_stiffness / follower.length**3 / FOLLOWER_OF_RUN_24, time / TIME_OF_RUN_24

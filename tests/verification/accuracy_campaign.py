@@ -33,7 +33,7 @@ from cases.library import case_names
 from cases.units import plain_number
 from engines.accurate import ESTIMATED, run_once, simulate
 from engines.accurate import Result as Accurate
-from engines.base import EngineFailure, Refusal
+from engines.base import Engine, EngineFailure, Refusal
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
 from engines.own.reference import ReferenceSettings
@@ -59,6 +59,9 @@ CHAINS: Final = (40, 27, 18)
 CABLE: Final = ExudynSettings(elements=32, step=1.25e-4)
 AFFORDABLE: Final = 4e6  # some ten seconds
 LONGEST: Final = 2.0  # s
+#: Rungs that an engine climbs from where it begins. exudyn took seven on a machine whose first bending frequency is 136 times the crank's,
+#: five runs of 10 to 30 s on each, to come from 1.2e-3 to 1e-3; what it claims can be judged on any of them.
+MOST_RUNGS: Final = 3
 
 _CODE: Final = ("tests.verification.accuracy_campaign", "tests.verification.random_scenes")
 
@@ -158,7 +161,7 @@ def _modes(scene: Scene) -> int:
 def _answer(name: str, scene: Scene, accuracy: float | None) -> tuple[Accurate | None, dict[str, Any]]:
     try:
         start = standard_start(scene.mechanism)
-        result = simulate(engine(name), scene.mechanism, start, scene.duration, OUTPUT_STEP, accuracy=accuracy)
+        result = simulate(_climbing_little(engine(name)), scene.mechanism, start, scene.duration, OUTPUT_STEP, accuracy=accuracy)
     except (EngineFailure, Refusal) as failure:
         return None, {"remark": str(failure)}
     return result, {
@@ -168,6 +171,18 @@ def _answer(name: str, scene: Scene, accuracy: float | None) -> tuple[Accurate |
         "total_seconds": result.solve_seconds + result.setup_seconds + result.estimate_seconds,
         "remark": result.remark,
     }
+
+
+def _climbing_little(chosen: Engine) -> Engine:
+    """The engine with a ladder of `MOST_RUNGS` rungs from where a run begins."""
+    kind, rungs = type(chosen), itertools.count(1)
+
+    class ClimbingLittle(kind):  # type: ignore[misc, valid-type]
+        def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> Settings | None:
+            found: Settings | None = super().finer(settings, excess, output_step)
+            return found if next(rungs) <= MOST_RUNGS else None
+
+    return ClimbingLittle()
 
 
 def _confirming(scene: Scene) -> tuple[Trajectory | None, str]:
