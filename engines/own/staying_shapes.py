@@ -7,6 +7,7 @@ from typing import Final, TypeVar
 from engines.base import Comparison, Refusal
 from engines.follower import FollowerEngine
 from engines.own.beam_engine import BeamEngine
+from engines.own.reference import RATIO_OF_RUN_24
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import Follower, Mechanism, Scene
 from reference_model.natural_modes import stiffness_ratio
@@ -40,10 +41,6 @@ LADDER: Final = (
     (32, 1e-10, 3.6e-4),
     (40, 1e-10, 2.0e-4),
 )
-
-#: First bending frequency over the crank's in run 24 (`natural_modes.stiffness_ratio`). Equilibrium recovers what the shapes left out
-#: hold nearly at rest; what is missing is their inertia, which falls with the square of that ratio.
-RATIO_OF_RUN_24: Final = 4.1
 
 #: Parts of the shapes, and the factors by which the error is taken to grow where there are no more than those. Shapes that stay err more
 #: or less as their waves fit the kink at the slider, so that one difference alone may vanish by accident.
@@ -127,10 +124,12 @@ class RivalEngine(StayingShapesEngine):
 
 def of_shapes(chosen: ShapeSettings) -> tuple[Comparison, ...]:
     """Two runs with fewer shapes, or one with more where there are too few for that, with the tolerance fit for them."""
-    if chosen.shapes < FEWEST_WITH_ORDER:
-        return (Comparison(chosen, _with_shapes(chosen, _of_family(2 * chosen.shapes + 2, chosen.family)), PART_OF_FINER),)
-    others = ((_of_family(round(part * chosen.shapes), chosen.family), factor) for part, factor in COARSER)
-    return tuple(Comparison(chosen, chosen.replaced(shapes=shapes), factor) for shapes, factor in others)
+    elements = chosen.family == "hermite"  # two shapes each: an odd number is not there
+    taken = max(2, chosen.shapes - chosen.shapes % 2) if elements else chosen.shapes
+    if taken < FEWEST_WITH_ORDER:
+        return (Comparison(chosen, _with_shapes(chosen, 2 * taken + 2), PART_OF_FINER),)
+    fewer = ((round(part * taken), factor) for part, factor in COARSER)
+    return tuple(Comparison(chosen, chosen.replaced(shapes=n + n % 2 if elements else n), factor) for n, factor in fewer)
 
 
 def rung_for(accuracy: float, mechanism: Scene) -> tuple[int, float]:
@@ -140,7 +139,11 @@ def rung_for(accuracy: float, mechanism: Scene) -> tuple[int, float]:
 
 
 def gain_of(mechanism: Scene) -> float:
-    """Error of few shapes over that in run 24."""
+    """Error of few shapes over that in run 24.
+
+    Equilibrium recovers what the shapes left out hold nearly at rest; what is missing is their inertia, which falls with the square of
+    the ratio of the first bending frequency to the crank's.
+    """
     ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
     return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
 
@@ -162,8 +165,3 @@ def _with_shapes(chosen: AnyShapes, shapes: int) -> AnyShapes:
     """Another number of shapes, with the tolerance of the first rung that has as many unless the present one is tighter."""
     fit = next((tolerance for rung, tolerance, _ in LADDER if rung >= shapes), LADDER[-1][1])
     return chosen.replaced(shapes=shapes, tolerance=min(chosen.tolerance, fit))
-
-
-def _of_family(shapes: int, family: str) -> int:
-    """A number of shapes that is there: Hermite elements have two each."""
-    return 2 * ((shapes + 1) // 2) if family == "hermite" else shapes

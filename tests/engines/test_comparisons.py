@@ -1,5 +1,6 @@
 """What an error is estimated with: another model than that of the run, whatever settings are accepted."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -7,10 +8,10 @@ from engines.base import Comparison, Engine
 from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
 from engines.own.multiplier import MultiplierEngine, MultiplierSettings
 from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
-from engines.own.staying_shapes import fewer_shapes
-from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from engines.own.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringEngine, StiffSpringSettings
 from engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
 from engines.settings import Settings
+from reference_model.mechanism import Slider
 from tests.engines.scenes import run_24
 
 numbers = st.integers(1, 64)
@@ -18,10 +19,10 @@ families = st.sampled_from(["clamped-free", "hermite"])
 tolerances = st.floats(1e-12, 1e-2)
 
 
-def pair_of(engine: Engine, settings: Settings) -> Comparison:
-    (pair,) = engine.comparisons(settings, run_24(), 1e-3)
-    assert pair.run == settings
-    return pair
+def pairs_of(engine: Engine, settings: Settings) -> tuple[Comparison, ...]:
+    pairs = engine.comparisons(settings, run_24(), 1e-3)
+    assert all(pair.run == settings != pair.other for pair in pairs)
+    return pairs
 
 
 def assert_finer_has_the_smaller_error(pair: Comparison, own: int, other: int) -> None:
@@ -30,45 +31,61 @@ def assert_finer_has_the_smaller_error(pair: Comparison, own: int, other: int) -
 
 
 @given(numbers, families)
-def test_fixed_shapes_are_compared_with_another_number_of_shapes(shapes: int, family: str) -> None:
+def test_fixed_shapes_are_compared_with_other_numbers_of_shapes(shapes: int, family: str) -> None:
     engine = FixedShapesEngine()
-    pair = pair_of(engine, FixedShapesSettings(shapes=shapes, family=family))
-    assert_finer_has_the_smaller_error(pair, *(engine.shape_count(run_24(), each) for each in (pair.run, pair.other)))
+    for pair in pairs_of(engine, FixedShapesSettings(shapes=shapes, family=family)):
+        assert_finer_has_the_smaller_error(pair, *(engine.shape_count(run_24(), each) for each in (pair.run, pair.other)))
 
 
 @given(numbers, families)
-def test_multipliers_are_compared_with_another_number_of_shapes(shapes: int, family: str) -> None:
-    pair = pair_of(MultiplierEngine(), MultiplierSettings(shapes=shapes, family=family))
-    assert_finer_has_the_smaller_error(pair, *(MultiplierEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
+def test_multipliers_are_compared_with_other_numbers_of_shapes(shapes: int, family: str) -> None:
+    for pair in pairs_of(MultiplierEngine(), MultiplierSettings(shapes=shapes, family=family)):
+        assert_finer_has_the_smaller_error(pair, *(MultiplierEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
 
 
-@given(numbers, families, st.floats(1e3, 1e9))
-def test_springs_are_compared_with_another_number_of_shapes_on_a_stiffer_one(shapes: int, family: str, stiffness: float) -> None:
-    pair = pair_of(StiffSpringEngine(), StiffSpringSettings(shapes=shapes, family=family, stiffness=stiffness))
-    assert_finer_has_the_smaller_error(pair, *(StiffSpringEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
-    assert isinstance(pair.other, StiffSpringSettings)
-    assert pair.other.stiffness == min(2.0 * stiffness, 1e9)
+@given(numbers, families, st.floats(LEAST_STIFFNESS, MOST_STIFFNESS), st.floats(0.0, MOST_DAMPING))
+def test_springs_are_compared_with_other_shapes_and_springs_apart(shapes: int, family: str, stiffness: float, damping: float) -> None:
+    settings = StiffSpringSettings(shapes=shapes, family=family, stiffness=stiffness, damping=damping)
+    *of_shapes, of_spring = pairs_of(StiffSpringEngine(), settings)
+    for pair in of_shapes:
+        assert_finer_has_the_smaller_error(pair, *(StiffSpringEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
+        assert isinstance(pair.other, StiffSpringSettings)
+        assert (pair.other.stiffness, pair.other.damping) == (stiffness, damping)
+    assert isinstance(of_spring.other, StiffSpringSettings)
+    assert of_spring.other.shapes == shapes
+    assert of_spring.factor == stiffness / of_spring.other.stiffness
 
 
-@given(st.integers(1, 32))
-def test_elements_are_compared_with_another_number_of_them(elements: int) -> None:
-    pair = pair_of(NodalLoadEngine(), NodalLoadSettings(elements=elements))
-    assert isinstance(pair.other, NodalLoadSettings)
-    assert_finer_has_the_smaller_error(pair, elements, pair.other.elements)
+def test_spring_of_a_compliant_joint_is_no_error() -> None:
+    scene = run_24(slider=Slider(joint_stiffness=2e4))
+    pairs = StiffSpringEngine().comparisons(StiffSpringSettings(), scene, 1e-3)
+    assert len(pairs) == 2
+    assert all(isinstance(pair.other, StiffSpringSettings) and pair.other.shapes < 12 for pair in pairs)
+
+
+def test_spring_is_stiffened_and_shapes_are_added_as_the_parts_ask() -> None:
+    engine, settings = StiffSpringEngine(), StiffSpringSettings(shapes=12, stiffness=1e6, damping=30.0)
+    softer, fewer = engine.finer(settings, (0.1, 0.1, 3.0), 1e-3), engine.finer(settings, (2.0, 2.0, 0.1), 1e-3)
+    assert softer is not None
+    assert fewer is not None
+    assert (softer.shapes, softer.stiffness / settings.stiffness) == (12, pytest.approx(8.0))
+    assert softer.damping / settings.damping == pytest.approx(8.0)
+    assert (fewer.shapes, fewer.stiffness) == (24, 1e6)
+
+
+@given(st.integers(1, 64))
+def test_elements_are_compared_with_other_numbers_of_them(elements: int) -> None:
+    for pair in pairs_of(NodalLoadEngine(), NodalLoadSettings(elements=elements)):
+        for each in (pair, pair.instead or pair):
+            assert isinstance(each.other, NodalLoadSettings)
+            assert_finer_has_the_smaller_error(each, elements, each.other.elements)
 
 
 @given(tolerances)
 def test_tolerances_are_compared_a_decade_apart(tolerance: float) -> None:
-    pair = pair_of(ThesisEngine(), ThesisSettings(tolerance=tolerance))
+    (pair,) = pairs_of(ThesisEngine(), ThesisSettings(tolerance=tolerance))
     assert isinstance(pair.other, ThesisSettings)
     decade, error = pair.other.tolerance / tolerance, pair.factor
     assert max(decade, 1.0 / decade) > 9.999
     assert max(error, 1.0 / error) == THESIS_ERROR_PER_DECADE
     assert (decade > 1.0) == (error > 1.0)
-
-
-@given(numbers, families)
-def test_fewer_shapes_are_of_the_family(shapes: int, family: str) -> None:
-    other, _ = fewer_shapes(shapes, family)
-    assert 1 <= other <= 64
-    assert family != "hermite" or other % 2 == 0

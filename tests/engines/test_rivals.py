@@ -178,15 +178,15 @@ class TestFeatures:
         assert description.joints[-1].startswith("slider ")
 
     def test_ladder_climbs_to_its_end(self, chosen: Engine, settings: Settings) -> None:
-        rung: Settings | None = chosen.settings_for(0.05, run_24())
-        finest, steps = rung, 0
+        rung: Settings | None = chosen.settings_for(0.3, run_24())
+        finest, unknowns = rung, []
         while rung is not None:
-            finest, rung, steps = rung, chosen.finer(rung, (), 1e-3), steps + 1
-            (pair,) = chosen.comparisons(finest, run_24(), 1e-3)
-            assert pair.run == finest != pair.other
-            assert pair.factor > 1.0
-        assert steps > 2
-        assert finest == chosen.settings_for(1e-9, run_24())
+            finest, rung = rung, chosen.finer(rung, (), 1e-3)
+            unknowns.append(chosen.describe(run_24(), finest).degrees_of_freedom)
+            assert all(pair.run == finest != pair.other for pair in chosen.comparisons(finest, run_24(), 1e-3))
+        assert unknowns == sorted(unknowns)
+        assert len(unknowns) > 2
+        assert unknowns[-1] == chosen.describe(run_24(), chosen.settings_for(1e-9, run_24())).degrees_of_freedom
 
 
 @pytest.mark.parametrize("chosen", [MultiplierEngine(), NodalLoadEngine()], ids=["multiplier", "nodal-load"])
