@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from engines.base import Comparison
-from engines.own.staying_shapes import RivalEngine, ShapeSettings, gain_of, more_shapes, of_shapes, rung_for, shapes_of
+from engines.own.staying_shapes import RivalEngine, ShapeSettings, gain_of, more_shapes, of_shapes, shapes_of
 from engines.settings import Settings, own, setting
 from reference_model.mechanism import Mechanism
 from reference_model.treatment import SPRING, Treatment
@@ -13,22 +13,34 @@ from reference_model.treatment import SPRING, Treatment
 if TYPE_CHECKING:
     from reference_model.model import BeamModel
 
-LEAST_STIFFNESS: Final = 1e3  # N/m
+LEAST_STIFFNESS: Final = 1.0  # N/m
 MOST_STIFFNESS: Final = 1e12  # N/m
 MOST_DAMPING: Final = 1e8  # N s/m
-#: What the spring costs in run 24 over 2 s: the error of the tip deflection times the stiffness (N/m), and EI / L^3 (N/m).
-ERROR_TIMES_STIFFNESS: Final = 8.8e3
+#: Clamped-free modes, integration tolerance, stiffness (N/m) and what they claim of the tip deflection in run 24 over 2 s: the sum of what
+#: the shapes claim (`staying_shapes.LADDER`) and of the spring's error (8.8e-3 at 1e6 N/m, in proportion to 1/k).
+LADDER: Final = (
+    (1, 1e-8, 1e5, 1.4),
+    (2, 1e-8, 1e5, 5.5e-1),
+    (3, 1e-8, 2e5, 1.7e-1),
+    (4, 1e-8, 5e5, 5.7e-2),
+    (6, 1e-8, 1e6, 2.6e-2),
+    (10, 1e-9, 3e6, 9.9e-3),
+    (12, 1e-9, 6e6, 7.5e-3),
+    (16, 1e-9, 1e7, 3.7e-3),
+    (20, 1e-9, 2e7, 2.0e-3),
+    (24, 1e-9, 6e7, 9.5e-4),
+    (32, 1e-10, 1e8, 4.3e-4),
+)
+#: EI / L^3 (N/m) in run 24: a follower as much stiffer has a spring as much stiffer.
 FOLLOWER_OF_RUN_24: Final = 23.9
 #: Time constant damping / stiffness (s) and the follower's, sqrt(rho A / EI) L^2 (s), in run 24.
 TIME_CONSTANT: Final = 3e-5
 TIME_OF_RUN_24: Final = 0.0935
-#: Softest and stiffest spring that is chosen, for a follower like that of run 24, N/m.
-SOFTEST: Final = 1e5
-STIFFEST: Final = 1e8
 #: Parts of the accuracy that go to the shapes and to the spring.
 _SHARE_OF_SHAPES: Final = 0.65
 _SHARE_OF_SPRING: Final = 0.3
-#: How many times as stiff the next spring is, at most, and where nothing is known.
+#: How many times as stiff the next spring is, at least, at most, and where nothing is known.
+_LEAST_AT_ONCE: Final = 2.0
 _MOST_AT_ONCE: Final = 8.0
 _UNKNOWN: Final = 3.0
 #: Spring to compare with: the error is of first order in its compliance, as long as the damping has the same time constant.
@@ -72,12 +84,12 @@ class StiffSpringEngine(RivalEngine):
         return f"slider beside the centre line ({kind}, {spring.stiffness:g} N/m, {spring.damping:g} N*s/m)"
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> StiffSpringSettings:
-        """Shapes and stiffness from what was measured in run 24, for a follower as stiff and as fast as this one."""
-        shapes, tolerance = rung_for(_SHARE_OF_SHAPES * accuracy, mechanism)
+        """Shapes and stiffness from the measured table, for a follower as stiff and as fast as this one."""
+        gain = gain_of(mechanism)
+        shapes, tolerance, stiffness, _ = next((rung for rung in LADDER if gain * rung[-1] <= accuracy), LADDER[-1])
         scale, time = _follower(mechanism)
-        wanted = gain_of(mechanism) * ERROR_TIMES_STIFFNESS / (_SHARE_OF_SPRING * accuracy)
-        stiffness = float(f"{scale * min(max(wanted, SOFTEST), STIFFEST):.1e}")
-        damping = float(f"{time * TIME_CONSTANT * stiffness:.1e}")
+        stiffness = float(f"{min(max(scale * stiffness, LEAST_STIFFNESS), MOST_STIFFNESS):.2g}")
+        damping = float(f"{min(time * TIME_CONSTANT * stiffness, MOST_DAMPING):.2g}")
         return StiffSpringSettings(shapes=shapes, stiffness=stiffness, damping=damping, tolerance=tolerance)
 
     def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
@@ -97,10 +109,10 @@ class StiffSpringEngine(RivalEngine):
         found: StiffSpringSettings | None = chosen
         if in_shapes > 1.0 or not excess:
             found = more_shapes(chosen, (in_shapes,) if excess else ())
-        times = min(in_spring, _MOST_AT_ONCE) if excess else _UNKNOWN
-        if found is None or times <= 1.0:
+        if found is None or (excess and in_spring <= 1.0):
             return found
-        stiffness, damping = (float(f"{times * value:.1e}") for value in (chosen.stiffness, chosen.damping))
+        times = min(max(in_spring, _LEAST_AT_ONCE), _MOST_AT_ONCE) if excess else _UNKNOWN
+        stiffness, damping = (float(f"{times * value:.2g}") for value in (chosen.stiffness, chosen.damping))
         return found.replaced(stiffness=stiffness, damping=damping) if stiffness <= MOST_STIFFNESS and damping <= MOST_DAMPING else None
 
 
