@@ -58,6 +58,7 @@ class NodalLoadEngine(RivalEngine):
     name = "nodal-load"
     method = "Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, DOP853"
     default_accuracy = 5e-2
+    estimates = "unverified"
     settings_type = NodalLoadSettings
 
     def check(self, mechanism: Mechanism) -> None:

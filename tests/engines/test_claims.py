@@ -51,3 +51,34 @@ def test_strain_while_the_slider_passes_the_gauge() -> None:
     """In thesis' run 20 the kink at the slider, rounded off by cubic elements, made 4.4e-3 of strain 3; its claim was 2.0e-3."""
     ratios = errors_over_claims_of("thesis-20", "exudyn", 0.3, {"step": "2.5e-4", "elements": "24"})
     assert ratios["strain_3"] < 1.0
+
+
+@pytest.mark.parametrize("shapes", ["2", "6", "8", "12"])
+def test_shapes_that_stay(shapes: str) -> None:
+    """In thesis' run 17 8 shapes err less than 10, so that these two say nothing of each other's error."""
+    ratios = errors_over_claims_of("thesis-17", "fixed-shapes", 0.5, {"shapes": shapes, "tolerance": "1e-9"})
+    assert min(ratios.values()) > 0.05
+    assert max(ratios.values()) < 1.0
+
+
+def test_elements_in_place_of_modes() -> None:
+    ratios = errors_over_claims_of("thesis-17", "multiplier", 0.3, {"shapes": "12", "family": "hermite", "tolerance": "1e-9"})
+    assert max(ratios.values()) < 1.0
+
+
+@pytest.mark.parametrize(("shapes", "stiffness"), [("10", "3e4"), ("4", "1e6")])
+def test_spring_and_shapes_are_shown_apart(shapes: str, stiffness: str) -> None:
+    """A spring too soft and shapes too stiff err with opposite signs: whichever is the larger part, the claim covers it."""
+    settings = {"shapes": shapes, "stiffness": stiffness, "damping": str(3e-5 * float(stiffness)), "tolerance": "1e-8"}
+    ratios = errors_over_claims_of("thesis-24", "stiff-spring", 0.5, settings)
+    assert min(ratios.values()) > 0.1
+    assert max(ratios.values()) < 1.0
+
+
+@pytest.mark.parametrize("name", ["fixed-shapes", "multiplier", "stiff-spring"])
+def test_fewer_shapes_do_where_the_follower_is_stiff(name: str) -> None:
+    scene = load_case("hard-ei-x1000").mechanism
+    result = simulate(engine(name), scene, standard_start(scene), 0.3, 1e-3, accuracy=1e-3)
+    assert result.reached
+    assert result.settings.as_dict()["shapes"] <= 3
+    assert max(errors_over_claims(result, truth_of(scene, 0.3)).values()) < 1.0

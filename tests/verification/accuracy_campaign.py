@@ -9,6 +9,8 @@ as well. A formulation that shares nothing with it confirms it, MuJoCo's chain w
 where the follower is too stiff for that: where the two are more than a percent apart nothing is judged. Nor is it on a violent scene:
 where a change of the bending stiffness by one part in a thousand moves the tip by five percent (`LARGEST_CONDITION`), models that differ
 by as little as an axial stretch differ visibly. What is not judged is listed (`tests.verification.claims`).
+
+An engine climbs no further than `MOST_RUNGS` from where it begins: what it claims there is judged as well.
 """
 
 import argparse

@@ -29,6 +29,8 @@ from tests.verification.random_scenes import (
     sensible_machines,
 )
 
+VERIFIED_RIVALS = ("fixed-shapes", "multiplier", "stiff-spring")
+
 BAD = [[], ["--random", "0"], ["--machines", "-3"], ["--library", "--jobs", "-1"], ["--random", "1", "--accuracy", "1,5"]]
 
 
@@ -93,6 +95,17 @@ def test_claims_hold(record_property: Callable[[str, object], None]) -> None:
     assert (delivered[delivered["asked"] == "default"]["claimed"] >= 0.9).all()
     # what could be judged is most of it
     assert len(judged(table)) > 0.7 * len(table)
+
+
+@pytest.mark.verify
+def test_claims_of_rivals_hold() -> None:
+    """Every fourth scene of the library and ten machines; all scenes: `--engine fixed-shapes --engine multiplier --engine stiff-spring`."""
+    scenes = [*itertools.islice(library_scenes(), 0, None, 4), *itertools.islice(sensible_machines(SEED), 10)]
+    table, broken = campaign([(scene, tuple(itertools.product(VERIFIED_RIVALS, ACCURACIES))) for scene in scenes], Store())
+    assert not broken
+    check(table)
+    delivered = deliveries(table)
+    assert (delivered[delivered["asked"] == "default"]["claimed"] >= 0.9).all()
 
 
 def _full() -> list[tuple[Scene, tuple[tuple[str, float | None], ...]]]:
