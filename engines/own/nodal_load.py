@@ -57,7 +57,7 @@ class NodalLoadEngine(RivalEngine):
 
     name = "nodal-load"
     method = "Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, DOP853"
-    default_accuracy = 5e-2
+    default_accuracy = 1e-1
     estimates = "unverified"
     settings_type = NodalLoadSettings
 
