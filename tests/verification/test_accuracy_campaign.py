@@ -101,7 +101,7 @@ def test_claims_hold(record_property: Callable[[str, object], None]) -> None:
 def test_claims_of_rivals_hold() -> None:
     """Every fourth scene of the library and ten machines; all scenes: `--engine fixed-shapes --engine multiplier --engine stiff-spring`."""
     scenes = [*itertools.islice(library_scenes(), 0, None, 4), *itertools.islice(sensible_machines(SEED), 10)]
-    table, broken = campaign([(scene, tuple(itertools.product(VERIFIED_RIVALS, ACCURACIES))) for scene in scenes], Store())
+    table, broken = campaign([(scene, tuple(itertools.product(VERIFIED_RIVALS, ACCURACIES))) for scene in scenes], Workshop(Store()))
     assert not broken
     check(table)
     delivered = deliveries(table)
