@@ -12,6 +12,7 @@ Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Final
 
 from reference_model.quantities import ImpossibleMechanism, quantity
 
@@ -19,6 +20,10 @@ __all__ = [
     "Base", "Crank", "Follower", "FollowerAlone", "ImpossibleMechanism", "Material", "Mechanism", "PrescribedSpeed", "Scene", "Slider",
     "SpinUp", "Tip", "TorqueDrive",
 ]  # fmt: skip
+
+
+#: By how much (rad) two angles may miss a turn that is meant: they may be written with few digits.
+ROUNDING: Final = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +163,6 @@ class Tip:
 
     def __post_init__(self) -> None:
         share = self.force_to - self.force_from
-        # a turn that is written as two angles in degrees may be a rounding longer
         if not self.is_always_forced and not 2.0 * self.force_ramp <= share <= 2.0 * math.pi:
             raise ImpossibleMechanism(
                 "tip.force_to",
@@ -175,7 +179,7 @@ class Tip:
     @property
     def is_always_forced(self) -> bool:
         """Whether the force acts over the whole turn."""
-        return abs(self.force_to - self.force_from - 2.0 * math.pi) <= 1e-9
+        return abs(self.force_to - self.force_from - 2.0 * math.pi) <= ROUNDING
 
 
 @dataclass(frozen=True, kw_only=True)

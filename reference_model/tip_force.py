@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Tip
+from reference_model.mechanism import ROUNDING, Tip
 
 #: Angle (rad) from which on a part counts as the whole turn, in which the force never comes or goes.
-WHOLE: Final = 2.0 * math.pi - 1e-9
+WHOLE: Final = 2.0 * math.pi - ROUNDING
 
 
 def share(crank_angle: float, begin: float, span: float, ramp: float) -> float:
