@@ -78,16 +78,16 @@ def check(results: Sequence[CaseResult], record_property: Any) -> None:
     assert len(wrong) <= TOO_VIOLENT * len(results), wrong
 
 
-def test_machines_are_sensible_and_the_same_each_time() -> None:
-    found = machines(3)
-    assert found == machines(3)
-    assert len({case.mechanism for case in found}) == 3
-    assert all(stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO for case in found)
+def test_machines_are_the_same_each_time() -> None:
+    assert machines(1) == machines(1)
 
 
 def test_twelve_quick_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
     """Quick to compute, too: machines of 5 to 60 rpm are among the two hundred."""
-    check(cross_validate(machines(12, longest_turn=1.0), Workshop(Store(tmp_path)), ENGINES), record_property)
+    found = machines(12, longest_turn=1.0)
+    assert len({case.mechanism for case in found}) == 12
+    assert all(stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO for case in found)
+    check(cross_validate(found, Workshop(Store(tmp_path)), ENGINES), record_property)
 
 
 @pytest.mark.verify
