@@ -8,7 +8,7 @@ time, the cause and what to try, and carries what was computed up to then.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final, Literal, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ from engines.settings import Settings as AnySettings
 from engines.start import Start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
+
+S = TypeVar("S", bound=AnySettings)
 
 #: Accuracies whose settings make up an engine's ladder, each once: ten in a decade, so that no rung is passed over.
 LADDER_ACCURACIES: Final = tuple(float(accuracy) for accuracy in np.geomspace(0.5, 2e-5, 45))
@@ -140,15 +142,15 @@ class SteadyState:
     solve_seconds: float
 
 
-class Engine(ABC):
-    """One way of simulating the mechanism. Instances carry no state; everything about a run is in `Settings`."""
+class Engine(ABC, Generic[S]):
+    """One way of simulating the mechanism. Instances carry no state; everything about a run is in its settings, a class of its own."""
 
     name: ClassVar[str]  # as typed on the command line
     method: ClassVar[str]  # one line, for `quickreturn engines` and the report
     compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
     default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
     estimates: ClassVar[EstimateOf] = "total"  # what the error estimate is an estimate of
-    settings_type: ClassVar[type[AnySettings]]
+    settings_type: type[S]
 
     @abstractmethod
     def version(self) -> str:
@@ -163,19 +165,19 @@ class Engine(ABC):
         """Raise `Refusal` if a feature of the scene cannot be modelled. Called before anything is built."""
 
     @abstractmethod
-    def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
+    def describe(self, mechanism: Mechanism, settings: S) -> ModelDescription:
         """Bodies, joints and degrees of freedom that `prepare` builds for this scene with these settings."""
 
     @abstractmethod
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> S:
         """Where to start for an error of the tip deflection of `accuracy` (measured table; the run's own estimate decides)."""
 
-    def ladder(self, mechanism: Mechanism) -> tuple[AnySettings, ...]:
+    def ladder(self, mechanism: Mechanism) -> tuple[S, ...]:
         """Settings from coarse to fine over which speed is shown against error: those picked for `LADDER_ACCURACIES`."""
         return tuple(dict.fromkeys(self.settings_for(accuracy, mechanism) for accuracy in LADDER_ACCURACIES))
 
     @abstractmethod
-    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: S, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Pairs of runs that show the parts of the error of `settings`, one pair per part; the estimate is the parts' sum.
 
         Parts must be shown apart where they may have opposite signs (space and time, say): the difference of runs that are coarser
@@ -183,14 +185,14 @@ class Engine(ABC):
         """
 
     @abstractmethod
-    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
+    def finer(self, settings: S, excess: tuple[float, ...], output_step: float) -> S | None:
         """The next finer rung, taken when the estimate misses the accuracy asked; None at the end of the ladder.
 
         `excess` holds the parts of the estimate over the accuracy asked, in the order of `comparisons`; it is empty if unknown.
         """
 
     @abstractmethod
-    def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
+    def prepare(self, mechanism: Mechanism, start: Start, settings: S) -> Simulation:
         """Build the model in the state `start` (see `Start` for its meaning).
 
         Raises:
@@ -198,7 +200,7 @@ class Engine(ABC):
             EngineFailure: the start cannot be reached (time 0).
         """
 
-    def steady_state(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> SteadyState | None:
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: S) -> SteadyState | None:
         """The periodic steady state, by a direct search that begins in `start`; None (the default) if the engine has no such search.
 
         Raises:
@@ -209,13 +211,13 @@ class Engine(ABC):
         return None
 
     @abstractmethod
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> NDArray[np.float64]:
         """Lowest natural frequencies in Hz, ascending, with the crank held at `crank_angle` (rad).
 
         Follower straight, at rest, no gravity, undamped. Fewer than `count` if the model has fewer; shape (<= count,).
         """
 
-    def follower_alone(self) -> "FollowerEngine":
+    def follower_alone(self) -> "FollowerEngine[S]":
         """The engine's model of the follower alone, without crank and slider, on a base that turns as prescribed.
 
         Raises:
@@ -225,3 +227,7 @@ class Engine(ABC):
             f"[crank]: this scene has none, and engine {self.name} models the closed mechanism alone; accepted: a scene with [crank]"
             " and without base.spin_up_speed"
         )
+
+
+#: An engine of which only the interface is known.
+AnyEngine = Engine[Any]

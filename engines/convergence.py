@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from engines.base import Engine
+from engines.base import AnyEngine
 from engines.settings import Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
@@ -17,7 +17,12 @@ CHANNELS: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2",
 
 
 def convergence_table(
-    engine: Engine, mechanism: Mechanism, ladder: Sequence[Settings], duration: float, output_step: float, truth: Trajectory | None = None
+    engine: AnyEngine,
+    mechanism: Mechanism,
+    ladder: Sequence[Settings],
+    duration: float,
+    output_step: float,
+    truth: Trajectory | None = None,
 ) -> pd.DataFrame:
     """Errors of an engine for every one of several settings, from the standard start.
 

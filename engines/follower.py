@@ -4,20 +4,20 @@ What it simulates begins straight and at rest, and has no cycle: there are traje
 """
 
 from abc import ABC, abstractmethod
+from typing import Generic
 
-from engines.base import Comparison, Engine, EstimateOf, ModelDescription, Simulation
-from engines.settings import Settings
+from engines.base import Comparison, Engine, EstimateOf, ModelDescription, S, Simulation
 from reference_model.mechanism import FollowerAlone
 
 
-class FollowerEngine(ABC):
+class FollowerEngine(ABC, Generic[S]):
     """What `Engine.follower_alone` returns. Settings, and unless overridden the way to finer ones, are the engine's own.
 
     Args:
         engine: the engine whose model it is.
     """
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Engine[S]) -> None:
         self.engine = engine
 
     @property
@@ -40,27 +40,27 @@ class FollowerEngine(ABC):
         """The engine's."""
         return self.engine.estimates
 
-    def check(self, scene: FollowerAlone) -> None:  # noqa: B027  # accepting everything is a choice, not an oversight
+    def check(self, scene: FollowerAlone) -> None:  # accepting everything is a choice, not an oversight
         """Raise `Refusal` if a feature of the scene cannot be modelled; the default accepts all there are."""
 
     @abstractmethod
-    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+    def describe(self, scene: FollowerAlone, settings: S) -> ModelDescription:
         """See `Engine.describe`."""
 
     @abstractmethod
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> Settings:
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> S:
         """See `Engine.settings_for`."""
 
     @abstractmethod
-    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: S, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
         """See `Engine.comparisons`."""
 
-    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> Settings | None:
+    def finer(self, settings: S, excess: tuple[float, ...], output_step: float) -> S | None:
         """See `Engine.finer`."""
         return self.engine.finer(settings, excess, output_step)
 
     @abstractmethod
-    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> Simulation:
+    def prepare(self, scene: FollowerAlone, start: None, settings: S) -> Simulation:
         """Build the model, straight and at rest; see `Engine.prepare`. `start` is always None."""
 
 

@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Engine, EngineFailure
+from engines.base import AnyEngine, EngineFailure
 from engines.settings import Settings
 from reference_model.mechanism import Mechanism
 
 _SHOWN = 60  # characters of what an engine returned
 
 
-def natural_frequencies(engine: Engine, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
     """`Engine.natural_frequencies` in Hz, of shape (<= count,): finite, none negative, ascending.
 
     Raises:

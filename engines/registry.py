@@ -16,7 +16,7 @@ from typing import ClassVar, Final, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import ESTIMATES, Comparison, Engine, ModelDescription, Refusal, Simulation
+from engines.base import ESTIMATES, AnyEngine, Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.settings import Settings as AnySettings
 from engines.start import Start
 from reference_model.mechanism import Mechanism
@@ -52,7 +52,7 @@ def engine_names() -> tuple[str, ...]:
     return (*MAIN, *RIVALS, *sorted(_third_party()))
 
 
-def engine(name: str) -> Engine:
+def engine(name: str) -> AnyEngine:
     """The engine of this name. If its code cannot be loaded, an engine that says so by `unavailable()` and refuses everything.
 
     Raises:
@@ -69,7 +69,7 @@ def engine(name: str) -> Engine:
     return _loaded(name, entries[0].load)
 
 
-def usable_engine(name: str) -> Engine:
+def usable_engine(name: str) -> AnyEngine:
     """The engine of this name, known to be usable on this machine.
 
     Raises:
@@ -92,7 +92,7 @@ def _third_party() -> dict[str, list[EntryPoint]]:
     return found
 
 
-def _loaded(name: str, load: Callable[[], object]) -> Engine:
+def _loaded(name: str, load: Callable[[], object]) -> AnyEngine:
     try:
         kind = load()
         if not (isinstance(kind, type) and issubclass(kind, Engine)):
@@ -122,7 +122,7 @@ def _unknown(name: str) -> str:
     return f'"{name[:_LONGEST_NAME]}": no such engine{hint}; accepted: {", ".join(known)}'
 
 
-class _Missing(Engine):
+class _Missing(Engine[AnySettings]):
     """Stands for an engine whose code cannot be loaded."""
 
     method = "unknown"
@@ -161,7 +161,7 @@ class _Missing(Engine):
         self._refuse()
 
 
-def _missing(engine_name: str, sentence: str) -> Engine:
+def _missing(engine_name: str, sentence: str) -> AnyEngine:
     class Missing(_Missing):
         name = engine_name
         reason = sentence

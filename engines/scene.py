@@ -4,13 +4,13 @@ from collections.abc import Mapping
 
 from engines import accurate
 from engines.accurate import Result
-from engines.base import Engine, ModelDescription
+from engines.base import AnyEngine, ModelDescription
 from engines.start import standard_start
 from reference_model.mechanism import FollowerAlone, Scene
 
 
 def simulate_scene(
-    engine: Engine,
+    engine: AnyEngine,
     scene: Scene,
     duration: float,
     output_step: float,
@@ -27,7 +27,7 @@ def simulate_scene(
     return accurate.simulate(engine, scene, standard_start(scene), duration, output_step, settings, accuracy)
 
 
-def describe_scene(engine: Engine, scene: Scene) -> ModelDescription:
+def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:
     """What the engine builds for a scene with its default settings.
 
     Raises:

@@ -5,7 +5,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Self, TypeVar, get_type_hints
+from typing import Any, Final, Self, get_type_hints
 
 _LONGEST: Final = 60  # characters of a name or value that are shown or, of a number, read
 #: Plain numbers as text: what Python reads beyond that ("1_000", other scripts' digits, "nan") is a slip.
@@ -14,9 +14,6 @@ _NUMBERS: Final = {int: r"[+-]?[0-9]+", float: r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]
 
 class SettingError(ValueError):
     """A setting that does not exist or lies outside its range; the text is one sentence."""
-
-
-S = TypeVar("S", bound="Settings")
 
 
 def setting(
@@ -102,14 +99,3 @@ def _check(field: dataclasses.Field[Any], kind: type, value: Any) -> None:
     if isinstance(value, (int, float)) and not isinstance(value, bool) and not meta["low"] <= value <= meta["high"]:
         unit = f" {meta['unit']}" if meta["unit"] else ""
         raise SettingError(f"engine.{field.name}: {value!r}{unit} is outside {_range(field)}")
-
-
-def own(kind: type[S], settings: Settings) -> S:
-    """The settings, as those of an engine's own class.
-
-    Raises:
-        TypeError: they are another engine's.
-    """
-    if not isinstance(settings, kind):
-        raise TypeError(f"{type(settings).__name__} are no {kind.__name__}")
-    return settings

@@ -3,7 +3,6 @@
 from typing import Any, Protocol, TypeVar
 
 from engines.base import Comparison, EstimateOf, ModelDescription, Simulation
-from engines.settings import Settings
 from reference_model.mechanism import Scene
 
 S = TypeVar("S", bound=Scene)
@@ -11,7 +10,7 @@ S_in = TypeVar("S_in", bound=Scene, contravariant=True)
 
 
 class Solver(Protocol[S_in]):
-    """An `Engine` is one for the mechanism, a `FollowerEngine` for the follower alone; see there for what the methods do."""
+    """An `Engine` is one for the mechanism, a `FollowerEngine` for the follower alone; see there. Settings are its own."""
 
     @property
     def name(self) -> str:
@@ -32,17 +31,17 @@ class Solver(Protocol[S_in]):
     def check(self, scene: S_in, /) -> None:
         """Raise `Refusal` if a feature of the scene cannot be modelled."""
 
-    def describe(self, scene: S_in, settings: Settings, /) -> ModelDescription:
+    def describe(self, scene: S_in, settings: Any, /) -> ModelDescription:
         """What `prepare` builds."""
 
-    def settings_for(self, accuracy: float, scene: S_in, /) -> Settings:
+    def settings_for(self, accuracy: float, scene: S_in, /) -> Any:
         """Where to start for an accuracy."""
 
-    def comparisons(self, settings: Settings, scene: S_in, output_step: float, /) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: Any, scene: S_in, output_step: float, /) -> tuple[Comparison, ...]:
         """Pairs of runs that show the parts of the error."""
 
-    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float, /) -> Settings | None:
+    def finer(self, settings: Any, excess: tuple[float, ...], output_step: float, /) -> Any | None:
         """The next finer rung."""
 
-    def prepare(self, scene: S_in, start: Any, settings: Settings, /) -> Simulation:
+    def prepare(self, scene: S_in, start: Any, settings: Any, /) -> Simulation:
         """Build the model in the state `start`."""

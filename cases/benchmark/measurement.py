@@ -19,7 +19,7 @@ from cases.benchmark.findings import Measured, Point
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from engines.accurate import ESTIMATED, run_once
-from engines.base import Engine, EngineFailure, Refusal
+from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.registry import engine
 from engines.settings import SettingError, Settings
 from engines.start import standard_start
@@ -160,7 +160,7 @@ def _machine(names: Sequence[str]) -> dict[str, str]:
     }
 
 
-def _run(chosen: Engine, case: Case, settings: Settings) -> tuple[Trajectory, float]:
+def _run(chosen: AnyEngine, case: Case, settings: Settings) -> tuple[Trajectory, float]:
     return run_once(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, settings)
 
 

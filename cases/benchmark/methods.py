@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from cases.case import Case
-from engines.base import Engine
+from engines.base import AnyEngine
 from engines.registry import engine
 from engines.settings import Settings
 
-#: Engine -> name of a variant, and the settings that make it.
+#: AnyEngine -> name of a variant, and the settings that make it.
 VARIANTS: Final[Mapping[str, tuple[tuple[str, Mapping[str, str]], ...]]] = {
     "multiplier": (("multiplier, elements", {"family": "hermite"}),),
     "nodal-load": (("nodal-load, linear", {"distribution": "both linear"}),),
@@ -21,7 +21,7 @@ class Method:
     """A method: its name (that of its engine, or of a variant), the engine, and settings from coarse to fine."""
 
     name: str
-    engine: Engine
+    engine: AnyEngine
     ladder: tuple[Settings, ...]
 
     def changing(self, settings: Settings) -> dict[str, Any]:

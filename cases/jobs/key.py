@@ -19,7 +19,7 @@ from typing import Any, Final
 import numpy as np
 
 from cases.jobs.job import Job
-from engines.base import Engine
+from engines.base import AnyEngine
 from engines.registry import MAIN, RIVALS, engine
 
 #: What trajectories and natural frequencies depend on, besides a third-party engine's own code.
@@ -68,7 +68,7 @@ def _version_of(name: str) -> list[str]:
     return [name, chosen.version(), "" if name in (*MAIN, *RIVALS) else code_fingerprint((), chosen)]
 
 
-def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: Engine | None = None) -> str:
+def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | None = None) -> str:
     """SHA-256 (hex) of the source text of `parts` and of the engine's own package, with the versions of the libraries used.
 
     Args:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cases.judging.conditioning import later_differences
 from cases.judging.verdicts import Breakdown, Evidence, judge
 from engines.accurate import Result, run_once, simulate
-from engines.base import Engine, EngineFailure, Refusal
+from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.registry import usable_engine
 from engines.settings import SettingError, Settings
 from engines.start import standard_start
@@ -60,7 +60,7 @@ class Trial:
 
 
 def gather(
-    engine: str, scene: TrialScene, requested: float, usable: Callable[[str], Engine] = usable_engine, asked: Sequence[float] = ASKED
+    engine: str, scene: TrialScene, requested: float, usable: Callable[[str], AnyEngine] = usable_engine, asked: Sequence[float] = ASKED
 ) -> Trial:
     """The evidence on an engine in a scene.
 
@@ -91,7 +91,7 @@ def gather(
 class _Request:
     """An engine asked for an accuracy in a scene; the evidence is held against `requested`, which is at least that."""
 
-    def __init__(self, engine: Engine, scene: TrialScene, requested: float, accuracy: float) -> None:
+    def __init__(self, engine: AnyEngine, scene: TrialScene, requested: float, accuracy: float) -> None:
         self._engine, self._scene, self._accuracy = engine, scene, accuracy
         self._start = standard_start(scene.mechanism)
         self._nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)

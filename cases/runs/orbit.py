@@ -18,7 +18,7 @@ from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
 from engines import progress
-from engines.base import Engine, EngineFailure, NoSteadyState, Refusal
+from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
 from engines.own.reference import ReferenceEngine
 from engines.own.simulation import OwnSimulation
 from engines.start import Start, standard_start
@@ -120,7 +120,7 @@ def cycles_needed(multiplier: float, error: float) -> float:
     return math.log(distance / TOLERANCE) / -math.log(multiplier) if multiplier > 0.0 else 1.0
 
 
-def begins_in_orbit(engine: Engine) -> bool:
+def begins_in_orbit(engine: AnyEngine) -> bool:
     """Whether an engine shall begin in the orbit of `reference`; not if it solves other equations, whose orbit is another one."""
     return engine.estimates != "integration"
 

@@ -40,7 +40,7 @@ from cases.runs.request import (
 )
 from engines import progress
 from engines.accurate import Compared, check_trajectory, compared, same_motion, simulate
-from engines.base import Engine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
+from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
 from engines.registry import engine as engine_of_name
 from engines.settings import SettingError, Settings
 from engines.trajectory import Trajectory
@@ -95,7 +95,7 @@ class _Way:
         run: what is known so far.
     """
 
-    def __init__(self, engine: Engine, request: RunRequest) -> None:
+    def __init__(self, engine: AnyEngine, request: RunRequest) -> None:
         self._engine, self._request, self._mechanism = engine, request, request.mechanism
         self._step = 0.0
         self._done: Runs = {}

@@ -15,7 +15,6 @@ from engines.exudyn.record import Record, accumulated, index, shape_columns
 from engines.exudyn.settings import LARGEST_STEP, ExudynSettings
 from engines.exudyn.simulation import ExudynSimulation
 from engines.follower import FollowerEngine, slowest_frequency
-from engines.settings import Settings, own
 from engines.start_state import at_rest
 from engines.trajectory import FollowerTrajectory
 from reference_model.mechanism import FollowerAlone
@@ -148,26 +147,26 @@ class FollowerSimulation(ExudynSimulation):
         return trouble
 
 
-class ExudynAlone(FollowerEngine):
+class ExudynAlone(FollowerEngine[ExudynSettings]):
     """A cable that can stretch, on a base whose angle is a constraint of position."""
 
-    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+    def describe(self, scene: FollowerAlone, settings: ExudynSettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""
-        return FollowerModel(scene, own(ExudynSettings, settings)).assembly.describe()
+        return FollowerModel(scene, settings).assembly.describe()
 
     def settings_for(self, accuracy: float, scene: FollowerAlone) -> ExudynSettings:
         """The engine's ladder, its steps in proportion to the slowest period."""
-        found = ladder.settings_for(accuracy)
+        found = ladder.LADDER.pick(accuracy)
         return found.replaced(step=min(found.step * MEASURED_FREQUENCY / slowest_frequency(scene), LARGEST_STEP))
 
-    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: ExudynSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
         """Time and space apart, as with the mechanism."""
-        in_time = ladder.in_time(own(ExudynSettings, settings), output_step)
-        return in_time, ladder.in_space(own(ExudynSettings, settings), in_time)
+        in_time = ladder.in_time(settings, output_step)
+        return in_time, ladder.in_space(settings, in_time)
 
-    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> Simulation:
+    def prepare(self, scene: FollowerAlone, start: None, settings: ExudynSettings) -> Simulation:
         """See `FollowerEngine.prepare`."""
         begun = time.perf_counter()
-        simulation = FollowerSimulation(FollowerModel(scene, own(ExudynSettings, settings)), own(ExudynSettings, settings))
+        simulation = FollowerSimulation(FollowerModel(scene, settings), settings)
         simulation.setup_seconds = time.perf_counter() - begun
         return simulation

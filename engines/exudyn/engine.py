@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.exudyn import settings as ladder
 from engines.exudyn.settings import ExudynSettings
-from engines.settings import Settings as AnySettings
-from engines.settings import own
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from reference_model.mechanism import Mechanism
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
     from engines.exudyn.record import Model
 
 
-class ExudynEngine(Engine):
+class ExudynEngine(Engine[ExudynSettings]):
     """Absolute nodal coordinates, the slider as a joint that moves along the cable, generalized-alpha in time."""
 
     name: ClassVar[str] = "exudyn"
@@ -57,53 +55,52 @@ class ExudynEngine(Engine):
                 " slider.joint_stiffness"
             )
 
-    def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
+    def describe(self, mechanism: Mechanism, settings: ExudynSettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""
         self.check(mechanism)
         return self._model(mechanism, standard_start(mechanism), settings).assembly.describe()
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> ExudynSettings:
         """The measured ladder of run 24; the run's own estimate decides about other scenes."""
-        return ladder.settings_for(accuracy)
+        return ladder.LADDER.pick(accuracy)
 
-    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: ExudynSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Time, space and stretch apart, for their errors have different signs; a rigid follower has no elements."""
-        chosen = own(ExudynSettings, settings)
-        in_time = ladder.in_time(chosen, output_step)
+        in_time = ladder.in_time(settings, output_step)
         if mechanism.follower.is_rigid:
             return (in_time,)
-        return (in_time, ladder.in_space(chosen, in_time), ladder.in_stretch(chosen, in_time))
+        return (in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time))
 
-    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
+    def finer(self, settings: ExudynSettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""
-        return ladder.finer(own(ExudynSettings, settings), excess, output_step)
+        return ladder.finer(settings, excess, output_step)
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
+    def prepare(self, mechanism: Mechanism, start: Start, settings: ExudynSettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
         self.check(mechanism)
         from engines.exudyn.simulation import ExudynSimulation
 
         begun = time.perf_counter()
-        simulation = ExudynSimulation(self._model(mechanism, start, settings), own(ExudynSettings, settings))
+        simulation = ExudynSimulation(self._model(mechanism, start, settings), settings)
         simulation.setup_seconds = time.perf_counter() - begun
         return simulation
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
         from engines.exudyn import modes
 
-        return modes.natural_frequencies(mechanism, crank_angle, count, own(ExudynSettings, settings).elements)
+        return modes.natural_frequencies(mechanism, crank_angle, count, settings.elements)
 
     @staticmethod
-    def _model(mechanism: Mechanism, start: Start, settings: AnySettings) -> "Model":
+    def _model(mechanism: Mechanism, start: Start, settings: ExudynSettings) -> "Model":
         from engines.exudyn.flexible import FlexibleModel
         from engines.exudyn.rigid import RigidModel
 
         state = reconstruct(mechanism, start)
         if mechanism.follower.is_rigid:
             return RigidModel(mechanism, start, state)
-        return FlexibleModel(mechanism, start, state, own(ExudynSettings, settings))
+        return FlexibleModel(mechanism, start, state, settings)
 
     def follower_alone(self) -> "ExudynAlone":
         """A cable clamped to a base that is turned."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from engines.base import Comparison
+from engines.ladder import Ladder
 from engines.settings import Settings, setting
 
 FEWEST_ELEMENTS: Final = 6
@@ -28,15 +29,8 @@ class ExudynSettings(Settings):
 #: 2.7, 0.26, 0.17, 0.04, 0.02 and 0.006 % (the last two from the second order in the step). The step decides; the elements serve
 #: acceleration and strains, which the slider shakes as it passes from one to the next: in run 17 12 and 24 elements leave 0.12 and
 #: 0.07 % at the first gauge, and 48 elements 0.015 %.
-LADDER: Final = (
-    (5e-2, 12, 1e-3),
-    (1e-2, 12, 3.4e-4),
-    (3e-3, 24, 2.5e-4),
-    (1e-3, 24, 1.25e-4),
-    (3e-4, 32, 8e-5),
-    (1e-4, 48, 5e-5),
-)
-
+_RUNGS: Final = ((5e-2, 12, 1e-3), (1e-2, 12, 3.4e-4), (3e-3, 24, 2.5e-4), (1e-3, 24, 1.25e-4), (3e-4, 32, 8e-5), (1e-4, 48, 5e-5))
+LADDER: Final = Ladder(tuple((ExudynSettings(elements=elements, step=step), claim) for claim, elements, step in _RUNGS), size="elements")
 
 #: Orders of convergence. Time: 2, by the method (measured 2.0). Space: 3, within the 2.6 to 3.7 measured from 12 to 48 elements; it is
 #: the smaller part.
@@ -70,14 +64,6 @@ MOST_STIFF: Final = 16.0
 _SHARE_OF_TIME: Final = 0.65
 _SHARE_OF_SPACE: Final = 0.2
 _SHARE_OF_STRETCH: Final = 0.1
-
-
-def settings_for(accuracy: float) -> ExudynSettings:
-    """Cheapest rung of the ladder whose error is at most `accuracy`, or the finest one."""
-    for error, elements, step in LADDER:
-        if error <= accuracy * (1.0 + 1e-9):
-            return ExudynSettings(elements=elements, step=step)
-    return ExudynSettings(elements=LADDER[-1][1], step=LADDER[-1][2])
 
 
 def in_time(own: ExudynSettings, output_step: float) -> Comparison:

@@ -12,8 +12,6 @@ from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulati
 from engines.mujoco import settings as ladder
 from engines.mujoco.alone import MujocoAlone
 from engines.mujoco.settings import ChainSettings
-from engines.settings import Settings as AnySettings
-from engines.settings import own
 from engines.start import Start
 from reference_model.mechanism import Mechanism
 from reference_model.natural_modes import stiffness_ratio
@@ -22,7 +20,7 @@ _DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoc
 _OLDEST = (4, 0, 1)
 
 
-class MujocoEngine(Engine):
+class MujocoEngine(Engine[ChainSettings]):
     """Rigid links with hinge springs; the slider is an exact multiplier on a smooth centre line, closed after every step."""
 
     name: ClassVar[str] = "mujoco"
@@ -65,37 +63,37 @@ class MujocoEngine(Engine):
                 " in dead centre with the slider; accepted: above 0, or crank.mass or slider.mass above 0"
             )
 
-    def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
+    def describe(self, mechanism: Mechanism, settings: ChainSettings) -> ModelDescription:
         """See `Engine.describe`."""
         from engines.mujoco import chain
 
-        return chain.describe(mechanism, chain.hinge_count(mechanism, own(ChainSettings, settings).links))
+        return chain.describe(mechanism, chain.hinge_count(mechanism, settings.links))
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ChainSettings:
         """See `Engine.settings_for`."""
         return ladder.for_accuracy(accuracy, stiffness_ratio(mechanism))
 
-    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: ChainSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Chains with other numbers of links."""
-        return ladder.comparisons(own(ChainSettings, settings))
+        return ladder.comparisons(settings)
 
-    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
+    def finer(self, settings: ChainSettings, excess: tuple[float, ...], output_step: float) -> ChainSettings | None:
         """See `Engine.finer`."""
-        return ladder.finer(own(ChainSettings, settings), excess)
+        return ladder.LADDER.finer(settings, excess)
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
+    def prepare(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> Simulation:
         """See `Engine.prepare`."""
         self.check(mechanism)
         from engines.mujoco.simulation import ChainSimulation
 
-        return ChainSimulation(mechanism, start, own(ChainSettings, settings))
+        return ChainSimulation(mechanism, start, settings)
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> NDArray[np.float64]:
         """See `Engine.natural_frequencies`."""
         self.check(mechanism)
         from engines.mujoco import modes
 
-        return modes.natural_frequencies(mechanism, crank_angle, count, own(ChainSettings, settings).links)
+        return modes.natural_frequencies(mechanism, crank_angle, count, settings.links)
 
     def follower_alone(self) -> MujocoAlone:
         """The same chain on a base that is turned."""

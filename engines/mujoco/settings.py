@@ -4,22 +4,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from engines.base import Comparison
+from engines.ladder import Ladder
 from engines.settings import Settings as AnySettings
 from engines.settings import setting
-
-#: Links and what they claim of the tip deflection in run 24 (standard start, 2 s, every 1 ms). Against `reference` with 13 modes the
-#: errors are 2.1e-3, 7.2e-4, 6.6e-4, 4.9e-4, 2.4e-4, 1.3e-4, 8.7e-5, 3.4e-5 and 1.9e-5.
-LADDER: Final = (
-    (12, 6.0e-3),
-    (15, 2.5e-3),
-    (18, 2.4e-3),
-    (22, 1.4e-3),
-    (27, 1.3e-3),
-    (33, 5.3e-4),
-    (40, 2.6e-4),
-    (60, 9.0e-5),
-    (90, 4.4e-5),
-)
 
 #: Inertia of the hinges in units of the links'. In run 24 it lets 64 links run at a step of 1e-4 s for 0.01 % more error.
 ARMATURE: Final = 7e-4
@@ -36,10 +23,6 @@ STIFFEST_ARMATURE: Final = 1.0
 #: fast modes no chain has), 2.9 times the error in the median; what Richardson's rule makes of the order 2.5, in which run 24 converges,
 #: is above it in half of them.
 COARSER: Final = ((2.0 / 3.0, 8.0 / 3.0), (3.0 / 4.0, 1.8))
-
-#: Order by which climbing goes; and by how much more links it tries where nothing is known.
-ORDER: Final = 2.5
-_UNKNOWN: Final = 1.5
 
 #: Fewer links than these have no order yet: thesis' run 09 errs more with 8 than with 6. They are compared with a finer chain, whose
 #: error is taken to be a third; theirs is 1.6 times the difference at most in 96 % of those scenes, and equal to it in the median.
@@ -61,6 +44,12 @@ class ChainSettings(AnySettings):
     )
 
 
+#: Links and what they claim of the tip deflection in run 24 (standard start, 2 s, every 1 ms). Against `reference` with 13 modes the
+#: errors are 2.1e-3, 7.2e-4, 6.6e-4, 4.9e-4, 2.4e-4, 1.3e-4, 8.7e-5, 3.4e-5 and 1.9e-5.
+_CLAIMS: Final = {12: 6.0e-3, 15: 2.5e-3, 18: 2.4e-3, 22: 1.4e-3, 27: 1.3e-3, 33: 5.3e-4, 40: 2.6e-4, 60: 9.0e-5, 90: 4.4e-5}
+LADDER: Final = Ladder(tuple((ChainSettings(links=links), claim) for links, claim in _CLAIMS.items()), size="links", order=2.5)
+
+
 def for_accuracy(accuracy: float, ratio: float = 0.0) -> ChainSettings:
     """The cheapest rung whose claim in run 24 is within `accuracy`; larger steps where the follower is stiff.
 
@@ -68,9 +57,7 @@ def for_accuracy(accuracy: float, ratio: float = 0.0) -> ChainSettings:
         accuracy: error of the tip deflection.
         ratio: first bending frequency over the crank's (`natural_modes.stiffness_ratio`).
     """
-    enough = [links for links, claim in LADDER if claim <= accuracy]
-    armature = min(ARMATURE * max(1.0, ratio / STIFF) ** 2, STIFFEST_ARMATURE)
-    return ChainSettings(links=enough[0] if enough else LADDER[-1][0], armature=armature)
+    return LADDER.pick(accuracy).replaced(armature=min(ARMATURE * max(1.0, ratio / STIFF) ** 2, STIFFEST_ARMATURE))
 
 
 def comparisons(settings: ChainSettings) -> tuple[Comparison, ...]:
@@ -79,16 +66,3 @@ def comparisons(settings: ChainSettings) -> tuple[Comparison, ...]:
         links, factor = FINER
         return (Comparison(settings, settings.replaced(links=links), factor),)
     return tuple(Comparison(settings, settings.replaced(links=round(part * settings.links)), factor) for part, factor in COARSER)
-
-
-def finer(settings: ChainSettings, excess: tuple[float, ...]) -> ChainSettings | None:
-    """The first rung with as many links as the estimate asks for, at most twice as many; None above the ladder.
-
-    Args:
-        settings: those that do not suffice.
-        excess: parts of the estimate over the accuracy asked for; may be empty.
-    """
-    above = [links for links, _ in LADDER if links > settings.links]
-    wanted = settings.links * min(sum(excess) ** (1.0 / ORDER) if excess else _UNKNOWN, 2.0)
-    enough = [links for links in above if links >= wanted]
-    return settings.replaced(links=(enough or above[-1:])[0]) if above else None

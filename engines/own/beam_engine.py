@@ -3,16 +3,18 @@
 The compiled equations are loaded when the first model is built, not when engines are listed.
 """
 
+import math
 import time
 from abc import abstractmethod
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from engines.base import Engine, EngineFailure, ModelDescription
-from engines.settings import Settings
+from engines.base import Engine, EngineFailure, ModelDescription, Refusal
+from engines.settings import Settings, setting
 from engines.start import Start
 from engines.start_state import reconstruct
 from reference_model.mechanism import Mechanism
@@ -22,7 +24,17 @@ if TYPE_CHECKING:
     from reference_model.model import BeamModel
 
 
-class BeamEngine(Engine):
+@dataclass(frozen=True, kw_only=True)
+class BeamSettings(Settings):
+    """What all engines on the one beam can be set to."""
+
+    tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
+
+
+S = TypeVar("S", bound=BeamSettings)
+
+
+class BeamEngine(Engine[S]):
     """An engine whose model is a `BeamModel`."""
 
     compiles = True
@@ -30,7 +42,7 @@ class BeamEngine(Engine):
     kind_of_shapes = "shapes"
 
     @abstractmethod
-    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
+    def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
         """The model of a scene.
 
         Raises:
@@ -38,26 +50,31 @@ class BeamEngine(Engine):
         """
 
     @abstractmethod
-    def shape_count(self, mechanism: Mechanism, settings: Settings) -> int:
+    def shape_count(self, mechanism: Mechanism, settings: S) -> int:
         """Number of shapes of a flexible follower."""
 
     @abstractmethod
-    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+    def joint_line(self, mechanism: Mechanism, settings: S) -> str:
         """The slider's joint in one line, for the description."""
-
-    @abstractmethod
-    def tolerance(self, settings: Settings) -> float:
-        """Local error of the integration."""
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """Whether the follower's angle is a coordinate of its own."""
         return True
 
+    def refuse_compliance(self, mechanism: Mechanism, closes: str) -> None:
+        """For methods that leave no gap."""
+        slider = mechanism.slider
+        if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
+            raise Refusal(
+                f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
+                f' modelled by {self.name}, which closes the {closes} exactly; accepted: "inf" and "0 N*s/m"'
+            )
+
     def version(self) -> str:
         """The libraries that it computes with; equations and integrator are this project's own."""
         return f"numpy {np.__version__}, scipy {scipy.__version__}"
 
-    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+    def describe(self, mechanism: Mechanism, settings: S) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
         self.check(mechanism)
         n = 0 if mechanism.follower.is_rigid else self.shape_count(mechanism, settings)
@@ -65,7 +82,7 @@ class BeamEngine(Engine):
         joints = joints_of(mechanism, self.joint_line(mechanism, settings))
         return ModelDescription(bodies_of(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid"), joints, free)
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> "OwnSimulation":
+    def prepare(self, mechanism: Mechanism, start: Start, settings: S) -> "OwnSimulation":
         """See `engines.base.Engine.prepare`."""
         from engines.own.simulation import OwnSimulation
 
@@ -75,9 +92,9 @@ class BeamEngine(Engine):
         state = state_of(model, mechanism, start)
         if model.closes_loop and not model.can_move(state):
             raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
-        return OwnSimulation(model, state, self.tolerance(settings), time.perf_counter() - began)
+        return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began)
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> NDArray[np.float64]:
         """Of the discretized model."""
         self.check(mechanism)
         return self.model(mechanism, settings).natural_frequencies(crank_angle, count)

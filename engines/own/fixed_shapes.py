@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from engines.base import Comparison, ModelDescription, Refusal
 from engines.follower import FollowerEngine, parts
-from engines.own.staying_shapes import ShapeSettings, StayingShapesEngine, of_shapes, rung_for, shapes_of
-from engines.settings import Settings, own, setting
+from engines.own.staying_shapes import LADDER, ShapeSettings, StayingShapesEngine, gain_of, of_shapes, shapes_of
+from engines.settings import setting
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import hermite_between
@@ -31,7 +31,7 @@ class FixedShapesSettings(ShapeSettings):
     damping_law: str = setting(_BOTH, "velocity relative to the base frame that the beam damping acts on", choices=(_BOTH, "transverse"))
 
 
-class FixedShapesEngine(StayingShapesEngine):
+class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
     """How the thesis would have gone on (section 5.5): more fixed shapes, exact planar geometry, equilibrium recovery."""
 
     name = "fixed-shapes"
@@ -47,11 +47,11 @@ class FixedShapesEngine(StayingShapesEngine):
         """Refuse a compliant slider joint: the loop is closed exactly."""
         self.refuse_compliance(mechanism, "loop")
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
+    def model(self, mechanism: Mechanism, settings: FixedShapesSettings) -> "BeamModel":
         """See `BeamEngine.model`."""
         from reference_model.model import BeamModel
 
-        chosen = own(FixedShapesSettings, settings)
+        chosen = settings
         shapes = shapes_of(mechanism.follower, chosen)
         if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
             raise Refusal(
@@ -60,16 +60,18 @@ class FixedShapesEngine(StayingShapesEngine):
             )
         return BeamModel.staying(mechanism, shapes, transverse_damping=chosen.damping_law != _BOTH)
 
-    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+    def joint_line(self, mechanism: Mechanism, settings: FixedShapesSettings) -> str:
         """No joint force at all."""
         return "slider on the centre line (eliminated)"
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> FixedShapesSettings:
         """Number of shapes from the measured table; fewer where the follower is stiffer than run 24's."""
-        shapes, tolerance = rung_for(accuracy, mechanism)
-        return FixedShapesSettings(shapes=shapes, tolerance=tolerance)
+        rung = LADDER.pick(accuracy, gain_of(mechanism))
+        return FixedShapesSettings(shapes=rung.shapes, tolerance=rung.tolerance)
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+    def natural_frequencies(
+        self, mechanism: Mechanism, crank_angle: float, count: int, settings: FixedShapesSettings
+    ) -> NDArray[np.float64]:
         """Converged: Hermite elements with a node at the slider, doubled until no frequency changes by more than 1e-6 of itself."""
         if mechanism.follower.is_rigid:
             return np.zeros(0)
@@ -91,32 +93,32 @@ class FixedShapesEngine(StayingShapesEngine):
         return FixedShapesAlone(self)
 
 
-class FixedShapesAlone(FollowerEngine):
+class FixedShapesAlone(FollowerEngine[FixedShapesSettings]):
     """The follower alone in the engine's shapes."""
 
     def __init__(self, engine: FixedShapesEngine) -> None:
         super().__init__(engine)
         self._engine = engine
 
-    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+    def describe(self, scene: FollowerAlone, settings: FixedShapesSettings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
-        n = shapes_of(scene.follower, own(ShapeSettings, settings)).count
+        n = shapes_of(scene.follower, settings).count
         return ModelDescription(*parts(scene, f"follower beam ({n} shapes)"), n)
 
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> Settings:
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> FixedShapesSettings:
         """The engine's table: shapes converge faster without a slider."""
         return self._engine.settings_for(accuracy, scene)
 
-    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: FixedShapesSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
         """Other numbers of shapes, as with the mechanism: the estimate is too large rather than too small."""
-        return of_shapes(own(ShapeSettings, settings))
+        return of_shapes(settings)
 
-    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> "OwnSimulation":
+    def prepare(self, scene: FollowerAlone, start: None, settings: FixedShapesSettings) -> "OwnSimulation":
         """See `FollowerEngine.prepare`."""
         from engines.own.simulation import OwnSimulation
         from reference_model.model import BeamModel
 
-        began, chosen = time.perf_counter(), own(FixedShapesSettings, settings)
+        began, chosen = time.perf_counter(), settings
         model = BeamModel.alone(scene, shapes_of(scene.follower, chosen), transverse_damping=chosen.damping_law != _BOTH)
         return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)
 

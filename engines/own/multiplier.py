@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from engines.own.staying_shapes import RivalEngine, ShapeSettings, rung_for, shapes_of
-from engines.settings import Settings, own, setting
+from engines.own.staying_shapes import LADDER, RivalEngine, ShapeSettings, StayingShapesEngine, gain_of, shapes_of
+from engines.settings import setting
 from reference_model.mechanism import Mechanism
 from reference_model.treatment import MULTIPLIER, Treatment
 
@@ -21,7 +21,7 @@ class MultiplierSettings(ShapeSettings):
     )
 
 
-class MultiplierEngine(RivalEngine):
+class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[MultiplierSettings]):
     """Index-1 form with stabilization: the beam of `fixed-shapes`, one coordinate and one multiplier more."""
 
     name = "multiplier"
@@ -34,19 +34,19 @@ class MultiplierEngine(RivalEngine):
         super().check(mechanism)
         self.refuse_compliance(mechanism, "gap")
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
+    def model(self, mechanism: Mechanism, settings: MultiplierSettings) -> "BeamModel":
         """See `BeamEngine.model`."""
         from reference_model.model import BeamModel
 
-        chosen = own(MultiplierSettings, settings)
+        chosen = settings
         treatment = Treatment(kind=MULTIPLIER, stabilization=chosen.stabilization)
         return BeamModel.staying(mechanism, shapes_of(mechanism.follower, chosen), treatment)
 
-    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+    def joint_line(self, mechanism: Mechanism, settings: MultiplierSettings) -> str:
         """One multiplier."""
         return "slider on the centre line (Lagrange multiplier)"
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> MultiplierSettings:
         """Number of shapes from the measured table; fewer where the follower is stiffer than run 24's."""
-        shapes, tolerance = rung_for(accuracy, mechanism)
-        return MultiplierSettings(shapes=shapes, tolerance=tolerance)
+        rung = LADDER.pick(accuracy, gain_of(mechanism))
+        return MultiplierSettings(shapes=rung.shapes, tolerance=rung.tolerance)

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from engines.base import Comparison
+from engines.ladder import Ladder
+from engines.own.beam_engine import BeamSettings
 from engines.own.staying_shapes import RivalEngine, gain_of
-from engines.settings import Settings, own, setting
+from engines.settings import setting
 from reference_model.mechanism import Mechanism
 from reference_model.shapes import hermite_elements, no_shapes
 from reference_model.treatment import CHORDS, LEVER, MULTIPLIER, Treatment
@@ -14,11 +16,6 @@ if TYPE_CHECKING:
     from reference_model.model import BeamModel
 
 _DISTRIBUTIONS: Final = {"lever": LEVER, "consistent": MULTIPLIER, "both linear": CHORDS}
-
-#: Elements, and error of the tip deflection in run 24 over 2 s, lever rule; with four and six elements it fails there.
-LADDER: Final = ((4, 1.0), (6, 5e-1), (8, 3e-1), (12, 1e-1), (16, 6e-2), (24, 3e-2))
-#: Elements ring at tens of kHz. What the integration leaves of that at 1e-7 is a third of a machine's slider force; here it is a percent.
-TOLERANCE: Final = 1e-9
 
 #: Parts of the elements, and the factor by which the error is taken to grow. The error of the lever rule changes its sign from one number
 #: of elements to the next and hardly its size, so that a difference is about as large as it. Where a coarser run loses its hold on the
@@ -32,8 +29,12 @@ _MOST_ELEMENTS: Final = 64
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodalLoadSettings(Settings):
-    """Settings of `nodal-load`."""
+class NodalLoadSettings(BeamSettings):
+    """Settings of `nodal-load`.
+
+    Elements ring at tens of kHz. What the integration leaves of that at a tolerance of 1e-7 is a third of a machine's slider force, at
+    1e-9 a percent.
+    """
 
     elements: int = setting(12, "cubic Hermite elements of equal length", low=1, high=64)
     distribution: str = setting(
@@ -49,10 +50,16 @@ class NodalLoadSettings(Settings):
         low=0.0,
         high=1e-2,
     )
-    tolerance: float = setting(TOLERANCE, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
 
-class NodalLoadEngine(RivalEngine):
+#: Error of the tip deflection in run 24 over 2 s, lever rule; with four and six elements it fails there.
+_CLAIMS: Final = {4: 1.0, 6: 5e-1, 8: 3e-1, 12: 1e-1, 16: 6e-2, 24: 3e-2}
+LADDER: Final = Ladder(
+    tuple((NodalLoadSettings(elements=elements), claim) for elements, claim in _CLAIMS.items()), size="elements", tolerance="tolerance"
+)
+
+
+class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
     """The textbook way: with the lever rule, force on the nodes and motion of the slider are not conjugate and make spurious power."""
 
     name = "nodal-load"
@@ -66,38 +73,32 @@ class NodalLoadEngine(RivalEngine):
         super().check(mechanism)
         self.refuse_compliance(mechanism, "gap")
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
+    def model(self, mechanism: Mechanism, settings: NodalLoadSettings) -> "BeamModel":
         """See `BeamEngine.model`; conjugate distributions need no damping, and a rigid follower has no nodes but one multiplier."""
         from reference_model.model import BeamModel
 
-        chosen = own(NodalLoadSettings, settings)
+        chosen = settings
         follower = mechanism.follower
         shapes = no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, chosen.elements)
         damping = chosen.bending_damping if chosen.distribution == "lever" else 0.0
         kind = MULTIPLIER if follower.is_rigid else _DISTRIBUTIONS[chosen.distribution]
         return BeamModel.staying(mechanism, shapes, Treatment(kind=kind, stabilization=chosen.stabilization, bending_damping=damping))
 
-    def shape_count(self, mechanism: Mechanism, settings: Settings) -> int:
+    def shape_count(self, mechanism: Mechanism, settings: NodalLoadSettings) -> int:
         """Two per element."""
-        return 2 * own(NodalLoadSettings, settings).elements
+        return 2 * settings.elements
 
-    def tolerance(self, settings: Settings) -> float:
-        """As the setting says."""
-        return own(NodalLoadSettings, settings).tolerance
-
-    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+    def joint_line(self, mechanism: Mechanism, settings: NodalLoadSettings) -> str:
         """Which distribution."""
-        return f"slider on the elements (force on two nodes, {own(NodalLoadSettings, settings).distribution})"
+        return f"slider on the elements (force on two nodes, {settings.distribution})"
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> NodalLoadSettings:
         """Number of elements from the measured table; fewer where the follower is stiffer than run 24's."""
-        gain = gain_of(mechanism)
-        elements = next((elements for elements, claim in LADDER if gain * claim <= accuracy), LADDER[-1][0])
-        return NodalLoadSettings(elements=elements)
+        return LADDER.pick(accuracy, gain_of(mechanism))
 
-    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: NodalLoadSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Two numbers of elements, coarser ones where they run."""
-        chosen = own(NodalLoadSettings, settings)
+        chosen = settings
 
         def with_part(part: float, factor: float, instead: Comparison | None = None) -> Comparison:
             other = chosen.elements + (1 if part > 1.0 else -1) * max(1, round(abs(part - 1.0) * chosen.elements))
@@ -110,8 +111,6 @@ class NodalLoadEngine(RivalEngine):
             return tuple(finer)
         return tuple(with_part(part, FACTOR, instead) for part, instead in zip(COARSER, finer, strict=True))
 
-    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> NodalLoadSettings | None:
+    def finer(self, settings: NodalLoadSettings, excess: tuple[float, ...], output_step: float) -> NodalLoadSettings | None:
         """The next rung of the ladder."""
-        chosen = own(NodalLoadSettings, settings)
-        above = [elements for elements, _ in LADDER if elements > chosen.elements]
-        return chosen.replaced(elements=above[0], tolerance=min(TOLERANCE, chosen.tolerance)) if above else None
+        return LADDER.finer(settings)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from engines.base import Comparison, ModelDescription, NoSteadyState, Refusal, SteadyState
 from engines.follower import FollowerEngine, parts
-from engines.own.beam_engine import BeamEngine
-from engines.settings import Settings, own, setting
+from engines.ladder import Ladder
+from engines.own.beam_engine import BeamEngine, BeamSettings
+from engines.settings import setting
 from engines.start import Start, standard_start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
@@ -21,25 +22,6 @@ from reference_model.treatment import CLOSED, SPRING, Treatment
 if TYPE_CHECKING:
     from engines.own.simulation import OwnSimulation
     from reference_model.model import BeamModel
-
-#: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s against 12 modes (tolerance 1e-9), which differ from
-#: 13 by 2e-6. Three modes are hardly better than two (1.3e-3) and left out. Over the thesis' runs the errors are 0.06 to 1.8 times these.
-#:
-#: Tolerances: the loosest at which the error of the tip's acceleration is no larger than that of the deflection in run 24, and within
-#: what is asked in scenes that move little, where the sizes that a local error is relative to weigh more: in run 1 (6.3 rad/s) and
-#: with ten times the stiffness four modes have an acceleration error of 2e-3 at 1e-6, seven one of 9e-4 at 1e-7 and 1e-4 at 1e-8.
-#: From four modes on the stability of an explicit integrator bounds the steps: a tenth of the tolerance costs a tenth of the time.
-LADDER: Final = (
-    (1, 1e-5, 2.7e-2),
-    (2, 1e-5, 1.5e-3),
-    (4, 3e-7, 8e-4),
-    (5, 1e-7, 4.9e-4),
-    (6, 1e-7, 2.3e-4),
-    (7, 1e-8, 8.2e-5),
-    (8, 1e-8, 3.4e-5),
-    (9, 3e-9, 1.5e-5),
-    (11, 1e-9, 4e-6),
-)
 
 #: First bending frequency over the crank's in run 24 (`stiffness_ratio`). The modes left out follow the load nearly at rest, and what
 #: equilibrium recovers holds their share; what is missing is their inertia, which falls with the square of that ratio. With one mode run
@@ -67,14 +49,37 @@ MOST_MODES: Final = 16
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReferenceSettings(Settings):
+class ReferenceSettings(BeamSettings):
     """Settings of `reference`."""
 
     modes: int = setting(5, "modes of the beam supported at the slider", low=1, high=MOST_MODES)
     tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
 
-class ReferenceEngine(BeamEngine):
+#: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s against 12 modes (tolerance 1e-9), which differ from
+#: 13 by 2e-6. Three modes are hardly better than two (1.3e-3) and left out. Over the thesis' runs the errors are 0.06 to 1.8 times these.
+#:
+#: Tolerances: the loosest at which the error of the tip's acceleration is no larger than that of the deflection in run 24, and within
+#: what is asked in scenes that move little, where the sizes that a local error is relative to weigh more: in run 1 (6.3 rad/s) and
+#: with ten times the stiffness four modes have an acceleration error of 2e-3 at 1e-6, seven one of 9e-4 at 1e-7 and 1e-4 at 1e-8.
+#: From four modes on the stability of an explicit integrator bounds the steps: a tenth of the tolerance costs a tenth of the time.
+_RUNGS: Final = (
+    (1, 1e-5, 2.7e-2),
+    (2, 1e-5, 1.5e-3),
+    (4, 3e-7, 8e-4),
+    (5, 1e-7, 4.9e-4),
+    (6, 1e-7, 2.3e-4),
+    (7, 1e-8, 8.2e-5),
+    (8, 1e-8, 3.4e-5),
+    (9, 3e-9, 1.5e-5),
+    (11, 1e-9, 4e-6),
+)
+LADDER: Final = Ladder(
+    tuple((ReferenceSettings(modes=modes, tolerance=tolerance), claim) for modes, tolerance, claim in _RUNGS), "modes", "tolerance"
+)
+
+
+class ReferenceEngine(BeamEngine[ReferenceSettings]):
     """Modes of the beam supported where the slider is, projected on the free speeds; observables recovered from equilibrium."""
 
     name = "reference"
@@ -108,58 +113,50 @@ class ReferenceEngine(BeamEngine):
         """A compliant joint leaves the follower's angle free."""
         return math.isfinite(mechanism.slider.joint_stiffness)
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
+    def model(self, mechanism: Mechanism, settings: ReferenceSettings) -> "BeamModel":
         """See `BeamEngine.model`; a compliant joint is a spring and a damper along the normal."""
         from reference_model.model import BeamModel
 
-        slider, modes, treatment = mechanism.slider, own(ReferenceSettings, settings).modes, CLOSED
+        slider, modes, treatment = mechanism.slider, settings.modes, CLOSED
         if self.opens_loop(mechanism):
             inertia = joint_inertia(mechanism, modes)
             treatment = Treatment(kind=SPRING, stiffness=slider.joint_stiffness, damping=slider.joint_damping, inertia=inertia)
         return BeamModel.following(mechanism, modes, treatment)
 
-    def shape_count(self, mechanism: Mechanism, settings: Settings) -> int:
+    def shape_count(self, mechanism: Mechanism, settings: ReferenceSettings) -> int:
         """The modes."""
-        return own(ReferenceSettings, settings).modes
+        return settings.modes
 
-    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+    def joint_line(self, mechanism: Mechanism, settings: ReferenceSettings) -> str:
         """Rigid or compliant."""
         slider = mechanism.slider
         if self.opens_loop(mechanism):
             return f"slider beside the centre line (compliant joint, {slider.joint_stiffness:g} N/m, {slider.joint_damping:g} N*s/m)"
         return "slider on the centre line (eliminated)"
 
-    def tolerance(self, settings: Settings) -> float:
-        """As the setting says."""
-        return own(ReferenceSettings, settings).tolerance
-
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
         """Number of modes from the measured table; fewer where the follower is stiffer than run 24's."""
-        usual = next(((modes, tolerance) for modes, tolerance, error in LADDER if error <= accuracy), LADDER[-1][:2])
+        usual = LADDER.pick(accuracy)
         ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
         gain = min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
-        modes, tolerance = next(((modes, tolerance) for modes, tolerance, error in LADDER if error * gain <= accuracy), usual)
-        if modes < usual[0]:
-            tolerance = min(tolerance, 10.0 ** math.floor(math.log10(TOLERANCE_PER_ACCURACY * accuracy) + 1e-9))
-        return ReferenceSettings(modes=modes, tolerance=tolerance)
+        found = LADDER.pick(accuracy, gain)
+        if found.modes == usual.modes:
+            return found
+        fit = 10.0 ** math.floor(math.log10(TOLERANCE_PER_ACCURACY * accuracy) + 1e-9)
+        return found.replaced(tolerance=min(found.tolerance, fit))
 
-    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: ReferenceSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once."""
-        chosen = own(ReferenceSettings, settings)
-        more, ratio = COMPARED.get(chosen.modes, (chosen.modes + 2, RATIO))
+        more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         if more > MOST_MODES:
-            more, ratio = chosen.modes - 2, 1.0 / RATIO
-        return (Comparison(chosen, _with_modes(chosen, more), ratio),)
+            more, ratio = settings.modes - 2, 1.0 / RATIO
+        return (Comparison(settings, LADDER.sized(settings, more), ratio),)
 
-    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
+    def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
         """The next rung of the ladder."""
-        chosen = own(ReferenceSettings, settings)
-        for modes, tolerance, _ in LADDER:
-            if modes > chosen.modes:
-                return chosen.replaced(modes=modes, tolerance=min(tolerance, chosen.tolerance))
-        return None
+        return LADDER.finer(settings, excess)
 
-    def steady_state(self, mechanism: Mechanism, start: Start, settings: Settings) -> SteadyState | None:
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: ReferenceSettings) -> SteadyState | None:
         """See `engines.base.Engine.steady_state`; a rigid follower or a compliant slider joint is marched."""
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
@@ -167,7 +164,7 @@ class ReferenceEngine(BeamEngine):
 
         return orbit.steady_state(self.prepare(mechanism, start, settings))
 
-    def periodic_start(self, mechanism: Mechanism, settings: Settings) -> Start:
+    def periodic_start(self, mechanism: Mechanism, settings: ReferenceSettings) -> Start:
         """The periodic steady state at the slider's farthest place, as a start for any engine.
 
         Raises:
@@ -181,7 +178,7 @@ class ReferenceEngine(BeamEngine):
         assert isinstance(found.simulation, OwnSimulation)
         return found.simulation.present_start()
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> NDArray[np.float64]:
         """Converged, whatever the number of modes kept in simulations."""
         self.check(mechanism)
         return frozen_crank_modes(mechanism, crank_angle, count).frequencies
@@ -191,38 +188,37 @@ class ReferenceEngine(BeamEngine):
         return ReferenceAlone(self)
 
 
-class ReferenceAlone(FollowerEngine):
+class ReferenceAlone(FollowerEngine[ReferenceSettings]):
     """The follower alone in its clamped modes; geometry and recovery are those of the mechanism."""
 
     def __init__(self, engine: ReferenceEngine) -> None:
         super().__init__(engine)
         self._engine = engine
 
-    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+    def describe(self, scene: FollowerAlone, settings: ReferenceSettings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
-        modes = own(ReferenceSettings, settings).modes
+        modes = settings.modes
         return ModelDescription(*parts(scene, f"follower beam ({modes} clamped modes)"), modes)
 
     def settings_for(self, accuracy: float, scene: FollowerAlone) -> ReferenceSettings:
         """The mechanism's table: clamped modes converge faster (five leave 6e-5 in the spin-up of the library)."""
         return self._engine.settings_for(accuracy, scene)
 
-    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: ReferenceSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes, as with the mechanism; its error is a smaller part here, which makes the estimate a little too large."""
-        chosen = own(ReferenceSettings, settings)
-        more = chosen.modes + 2
+        more, ratio = settings.modes + 2, RATIO
         if more > MOST_MODES:
-            return (Comparison(chosen, _with_modes(chosen, chosen.modes - 2), 1.0 / RATIO),)
-        return (Comparison(chosen, _with_modes(chosen, more), RATIO),)
+            more, ratio = settings.modes - 2, 1.0 / RATIO
+        return (Comparison(settings, LADDER.sized(settings, more), ratio),)
 
-    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> "OwnSimulation":
+    def prepare(self, scene: FollowerAlone, start: None, settings: ReferenceSettings) -> "OwnSimulation":
         """See `FollowerEngine.prepare`."""
         from engines.own.simulation import OwnSimulation
         from reference_model.model import BeamModel
 
-        chosen, began = own(ReferenceSettings, settings), time.perf_counter()
-        model = BeamModel.alone(scene, chosen.modes)
-        return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)
+        began = time.perf_counter()
+        model = BeamModel.alone(scene, settings.modes)
+        return OwnSimulation(model, model.state_at_rest(), settings.tolerance, time.perf_counter() - began)
 
 
 def joint_inertia(mechanism: Mechanism, modes: int) -> float:
@@ -240,14 +236,7 @@ def joint_inertia(mechanism: Mechanism, modes: int) -> float:
     changed = 2.0 * abs(1.0 - own_one / rigid)  # of the frequency's square, which a motion's amplitude follows
     if changed > SOFT:
         return 0.0
-    error = next((error for rung, _, error in LADDER if rung >= modes), LADDER[-1][-1])
     highest = float(frozen_crank_modes(held, math.pi, modes).frequencies[-1])
     # no slower than the modes themselves, which bound the step anyway
-    slowed = 2.0 * math.pi * max(rigid * math.sqrt(changed / (UNSEEN * error)), highest)
+    slowed = 2.0 * math.pi * max(rigid * math.sqrt(changed / (UNSEEN * LADDER.claim(modes))), highest)
     return stiffness / slowed**2
-
-
-def _with_modes(settings: ReferenceSettings, modes: int) -> ReferenceSettings:
-    """Other modes, with the tolerance of the first rung that has as many unless the present one is tighter."""
-    fit = next((tolerance for rung, tolerance, _ in LADDER if rung >= modes), LADDER[-1][1])
-    return settings.replaced(modes=modes, tolerance=min(settings.tolerance, fit))

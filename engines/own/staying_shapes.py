@@ -1,26 +1,25 @@
 """What the engines with shapes that stay where they are share: settings, number of shapes, what to compare a run with."""
 
-import math
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
 from engines.base import Comparison, Refusal
 from engines.follower import FollowerEngine
-from engines.own.beam_engine import BeamEngine
+from engines.ladder import Ladder
+from engines.own.beam_engine import BeamEngine, BeamSettings, S
 from engines.own.reference import RATIO_OF_RUN_24
-from engines.settings import Settings, own, setting
+from engines.settings import setting
 from reference_model.mechanism import Follower, Mechanism, Scene
 from reference_model.natural_modes import stiffness_ratio
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShapeSettings(Settings):
+class ShapeSettings(BeamSettings):
     """Settings of the engines that take any shapes."""
 
     shapes: int = setting(12, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
     family: str = setting("clamped-free", "shapes that stay where they are", choices=("clamped-free", "hermite"))
-    tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
 
 AnyShapes = TypeVar("AnyShapes", bound=ShapeSettings)
@@ -28,7 +27,7 @@ AnyShapes = TypeVar("AnyShapes", bound=ShapeSettings)
 #: Number of clamped-free modes, integration tolerance and what they claim of the tip deflection in run 24 over 2 s, with the slider
 #: eliminated or held by a multiplier (`reference_model/RIVALS.md` has the errors). An explicit integrator makes high modes ring: at a
 #: tolerance of 1e-8 24 modes leave 1.6e-3 of the tip's acceleration in run 17, 7e-3 in a random scene, at 1e-9 7e-5 and 4e-5.
-LADDER: Final = (
+_RUNGS: Final = (
     (1, 1e-8, 1.3),
     (2, 1e-8, 4.6e-1),
     (3, 1e-8, 1.3e-1),
@@ -43,6 +42,12 @@ LADDER: Final = (
     (32, 1e-10, 4.6e-4),
     (40, 1e-10, 2.4e-4),
 )
+LADDER: Final = Ladder(
+    tuple((ShapeSettings(shapes=shapes, tolerance=tolerance), claim) for shapes, tolerance, claim in _RUNGS),
+    size="shapes",
+    tolerance="tolerance",
+    order=3.0,
+)
 
 #: Parts of the shapes, and the factors by which the error is taken to grow where there are no more than those. Shapes that stay err more
 #: or less as their waves fit the kink at the slider, so that one difference alone may vanish by accident.
@@ -50,10 +55,6 @@ COARSER: Final = ((0.5, 3.0), (0.75, 2.0))
 #: Fewer shapes than these have no order yet and are compared with more than twice as many, whose error is taken to be this part.
 FEWEST_WITH_ORDER: Final = 8
 PART_OF_FINER: Final = 2.0 / 7.0
-#: Order by which climbing goes; by how much more shapes it tries where nothing is known, and how many times as many at most.
-ORDER: Final = 3.0
-_UNKNOWN: Final = 1.5
-_MOST_AT_ONCE: Final = 2.0
 
 
 def shapes_of(follower: Follower, settings: ShapeSettings) -> ShapeSet:
@@ -65,36 +66,23 @@ def shapes_of(follower: Follower, settings: ShapeSettings) -> ShapeSet:
     return clamped_free_modes(follower.length, settings.shapes)
 
 
-class StayingShapesEngine(BeamEngine):
+class StayingShapesEngine(BeamEngine[AnyShapes]):
     """An engine with clamped-free modes or Hermite elements."""
 
-    def shape_count(self, mechanism: Mechanism, settings: Settings) -> int:
+    def shape_count(self, mechanism: Mechanism, settings: AnyShapes) -> int:
         """As set; elements bring two each."""
-        return shapes_of(mechanism.follower, own(ShapeSettings, settings)).count
+        return shapes_of(mechanism.follower, settings).count
 
-    def tolerance(self, settings: Settings) -> float:
-        """As the setting says."""
-        return own(ShapeSettings, settings).tolerance
-
-    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: AnyShapes, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Other numbers of shapes."""
-        return of_shapes(own(ShapeSettings, settings))
+        return of_shapes(settings)
 
-    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> Settings | None:
+    def finer(self, settings: AnyShapes, excess: tuple[float, ...], output_step: float) -> AnyShapes | None:
         """The first rung of the ladder with as many shapes as the estimate asks for."""
-        return more_shapes(own(ShapeSettings, settings), excess)
-
-    def refuse_compliance(self, mechanism: Mechanism, closes: str) -> None:
-        """For methods that leave no gap."""
-        slider = mechanism.slider
-        if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
-            raise Refusal(
-                f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
-                f' modelled by {self.name}, which closes the {closes} exactly; accepted: "inf" and "0 N*s/m"'
-            )
+        return LADDER.finer(settings, excess)
 
 
-class RivalEngine(StayingShapesEngine):
+class RivalEngine(BeamEngine[S]):
     """An engine whose loop is open: the follower's angle is a coordinate of its own, the slider's constraint a force."""
 
     def check(self, mechanism: Mechanism) -> None:
@@ -115,7 +103,7 @@ class RivalEngine(StayingShapesEngine):
                 " their own; accepted: above 0"
             )
 
-    def follower_alone(self) -> FollowerEngine:
+    def follower_alone(self) -> FollowerEngine[S]:
         """Refuse: without a slider there is no constraint to treat."""
         raise Refusal(
             f"[slider]: this scene has no slider and no [crank], and engine {self.name} differs from fixed-shapes in the slider's"
@@ -128,15 +116,9 @@ def of_shapes(chosen: ShapeSettings) -> tuple[Comparison, ...]:
     elements = chosen.family == "hermite"  # two shapes each: an odd number is not there
     taken = max(2, chosen.shapes - chosen.shapes % 2) if elements else chosen.shapes
     if taken < FEWEST_WITH_ORDER:
-        return (Comparison(chosen, _with_shapes(chosen, 2 * taken + 2), PART_OF_FINER),)
+        return (Comparison(chosen, LADDER.sized(chosen, 2 * taken + 2), PART_OF_FINER),)
     fewer = ((round(part * taken), factor) for part, factor in COARSER)
     return tuple(Comparison(chosen, chosen.replaced(shapes=n + n % 2 if elements else n), factor) for n, factor in fewer)
-
-
-def rung_for(accuracy: float, mechanism: Scene) -> tuple[int, float]:
-    """Shapes and tolerance whose claim in run 24 is within `accuracy`; fewer where the follower is stiffer than run 24's."""
-    gain = gain_of(mechanism)
-    return next(((shapes, tolerance) for shapes, tolerance, claim in LADDER if gain * claim <= accuracy), LADDER[-1][:2])
 
 
 def gain_of(mechanism: Scene) -> float:
@@ -147,22 +129,3 @@ def gain_of(mechanism: Scene) -> float:
     """
     ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
     return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
-
-
-def more_shapes(chosen: AnyShapes, excess: tuple[float, ...]) -> AnyShapes | None:
-    """The first rung with as many shapes as the estimate asks for; None above the ladder.
-
-    Args:
-        chosen: settings that do not suffice.
-        excess: parts of the estimate over the accuracy asked for; may be empty.
-    """
-    wanted = chosen.shapes * min(sum(excess) ** (1.0 / ORDER) if excess else _UNKNOWN, _MOST_AT_ONCE)
-    above = [shapes for shapes, _, _ in LADDER if shapes > chosen.shapes]
-    enough = [shapes for shapes in above if shapes >= wanted]
-    return _with_shapes(chosen, (enough or above[-1:])[0]) if above else None
-
-
-def _with_shapes(chosen: AnyShapes, shapes: int) -> AnyShapes:
-    """Another number of shapes, with the tolerance of the first rung that has as many unless the present one is tighter."""
-    fit = next((tolerance for rung, tolerance, _ in LADDER if rung >= shapes), LADDER[-1][1])
-    return chosen.replaced(shapes=shapes, tolerance=min(chosen.tolerance, fit))

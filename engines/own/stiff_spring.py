@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from engines.base import Comparison
-from engines.own.staying_shapes import RivalEngine, ShapeSettings, gain_of, more_shapes, of_shapes, shapes_of
-from engines.settings import Settings, own, setting
+from engines.ladder import Ladder
+from engines.own.staying_shapes import LADDER as SHAPES
+from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, gain_of, of_shapes, shapes_of
+from engines.settings import setting
 from reference_model.mechanism import Mechanism
 from reference_model.treatment import SPRING, Treatment
 
@@ -16,22 +18,6 @@ if TYPE_CHECKING:
 LEAST_STIFFNESS: Final = 1.0  # N/m
 MOST_STIFFNESS: Final = 1e12  # N/m
 MOST_DAMPING: Final = 1e8  # N s/m
-#: Clamped-free modes, integration tolerance, stiffness (N/m) and what they claim of the tip deflection in run 24 over 2 s: the sum of what
-#: the shapes claim (`staying_shapes.LADDER`) and of the spring's error (8.8e-3 at 1e6 N/m, in proportion to 1/k).
-LADDER: Final = (
-    (1, 1e-8, 1e5, 1.4),
-    (2, 1e-8, 1e5, 5.5e-1),
-    (3, 1e-8, 2e5, 1.7e-1),
-    (4, 1e-8, 5e5, 5.7e-2),
-    (6, 1e-8, 1e6, 2.6e-2),
-    (10, 1e-9, 3e6, 1.3e-2),
-    (12, 1e-9, 1e7, 9.7e-3),
-    (16, 1e-9, 1e7, 4.2e-3),
-    (20, 1e-9, 2e7, 2.6e-3),
-    (24, 1e-9, 3e7, 1.3e-3),
-    (28, 1e-10, 6e7, 8.0e-4),
-    (32, 1e-10, 1e8, 5.5e-4),
-)
 #: EI / L^3 (N/m) in run 24: a follower as much stiffer has a spring as much stiffer.
 FOLLOWER_OF_RUN_24: Final = 23.9
 #: Time constant damping / stiffness (s) and the follower's, sqrt(rho A / EI) L^2 (s), in run 24.
@@ -56,7 +42,34 @@ class StiffSpringSettings(ShapeSettings):
     damping: float = setting(30.0, "of the damper beside it", unit="N*s/m", low=0.0, high=MOST_DAMPING)
 
 
-class StiffSpringEngine(RivalEngine):
+#: Clamped-free modes, integration tolerance, stiffness (N/m) and what they claim of the tip deflection in run 24 over 2 s: the sum of what
+#: the shapes claim (`staying_shapes.LADDER`) and of the spring's error (8.8e-3 at 1e6 N/m, in proportion to 1/k).
+_RUNGS: Final = (
+    (1, 1e-8, 1e5, 1.4),
+    (2, 1e-8, 1e5, 5.5e-1),
+    (3, 1e-8, 2e5, 1.7e-1),
+    (4, 1e-8, 5e5, 5.7e-2),
+    (6, 1e-8, 1e6, 2.6e-2),
+    (10, 1e-9, 3e6, 1.3e-2),
+    (12, 1e-9, 1e7, 9.7e-3),
+    (16, 1e-9, 1e7, 4.2e-3),
+    (20, 1e-9, 2e7, 2.6e-3),
+    (24, 1e-9, 3e7, 1.3e-3),
+    (28, 1e-10, 6e7, 8.0e-4),
+    (32, 1e-10, 1e8, 5.5e-4),
+)
+LADDER: Final = Ladder(
+    tuple(
+        (StiffSpringSettings(shapes=shapes, tolerance=tolerance, stiffness=stiffness), claim)
+        for shapes, tolerance, stiffness, claim in _RUNGS
+    ),
+    size="shapes",
+    tolerance="tolerance",
+    order=SHAPES.order,
+)
+
+
+class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[StiffSpringSettings]):
     """A gap opens between crank tip and centre line as far as the slider force bends the spring; exact for a compliant joint."""
 
     name = "stiff-spring"
@@ -64,21 +77,21 @@ class StiffSpringEngine(RivalEngine):
     default_accuracy = 1e-2
     settings_type = StiffSpringSettings
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> "BeamModel":
+    def model(self, mechanism: Mechanism, settings: StiffSpringSettings) -> "BeamModel":
         """See `BeamEngine.model`."""
         from reference_model.model import BeamModel
 
-        shapes = shapes_of(mechanism.follower, own(ShapeSettings, settings))
+        shapes = shapes_of(mechanism.follower, settings)
         return BeamModel.staying(mechanism, shapes, self._spring(mechanism, settings))
 
-    def _spring(self, mechanism: Mechanism, settings: Settings) -> Treatment:
+    def _spring(self, mechanism: Mechanism, settings: StiffSpringSettings) -> Treatment:
         """The scene's joint if it is compliant, else the stiff spring of the settings; dampings of joint and settings do not add."""
-        slider, chosen = mechanism.slider, own(StiffSpringSettings, settings)
+        slider, chosen = mechanism.slider, settings
         if math.isfinite(slider.joint_stiffness):
             return Treatment(kind=SPRING, stiffness=slider.joint_stiffness, damping=slider.joint_damping)
         return Treatment(kind=SPRING, stiffness=chosen.stiffness, damping=chosen.damping)
 
-    def joint_line(self, mechanism: Mechanism, settings: Settings) -> str:
+    def joint_line(self, mechanism: Mechanism, settings: StiffSpringSettings) -> str:
         """Whose spring it is."""
         spring = self._spring(mechanism, settings)
         kind = "compliant joint" if math.isfinite(mechanism.slider.joint_stiffness) else "stiff spring in place of the constraint"
@@ -86,30 +99,29 @@ class StiffSpringEngine(RivalEngine):
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> StiffSpringSettings:
         """Shapes and stiffness from the measured table, for a follower as stiff and as fast as this one."""
-        gain = gain_of(mechanism)
-        shapes, tolerance, stiffness, _ = next((rung for rung in LADDER if gain * rung[-1] <= accuracy), LADDER[-1])
+        rung = LADDER.pick(accuracy, gain_of(mechanism))
         scale, time = _follower(mechanism)
-        stiffness = float(f"{min(max(scale * stiffness, LEAST_STIFFNESS), MOST_STIFFNESS):.2g}")
+        stiffness = float(f"{min(max(scale * rung.stiffness, LEAST_STIFFNESS), MOST_STIFFNESS):.2g}")
         damping = float(f"{min(time * TIME_CONSTANT * stiffness, MOST_DAMPING):.2g}")
-        return StiffSpringSettings(shapes=shapes, stiffness=stiffness, damping=damping, tolerance=tolerance)
+        return rung.replaced(stiffness=stiffness, damping=damping)
 
-    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: StiffSpringSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Other numbers of shapes on the same spring, and a spring half as stiff; of a compliant joint the spring is no error."""
-        chosen = own(StiffSpringSettings, settings)
+        chosen = settings
         if math.isfinite(mechanism.slider.joint_stiffness):
             return of_shapes(chosen)
         part = SOFTER if SOFTER * chosen.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
         other = chosen.replaced(stiffness=part * chosen.stiffness, damping=min(part * chosen.damping, MOST_DAMPING))
         return (*of_shapes(chosen), Comparison(chosen, other, 1.0 / part))
 
-    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> StiffSpringSettings | None:
+    def finer(self, settings: StiffSpringSettings, excess: tuple[float, ...], output_step: float) -> StiffSpringSettings | None:
         """More shapes, a stiffer spring or both, as the parts of the estimate ask for."""
-        chosen = own(StiffSpringSettings, settings)
+        chosen = settings
         count = len(of_shapes(chosen))
         in_shapes, in_spring = sum(excess[:count]) / _SHARE_OF_SHAPES, sum(excess[count:]) / _SHARE_OF_SPRING
         found: StiffSpringSettings | None = chosen
         if in_shapes > 1.0 or not excess:
-            found = more_shapes(chosen, (in_shapes,) if excess else ())
+            found = SHAPES.finer(chosen, (in_shapes,) if excess else ())
         if found is None or (excess and in_spring <= 1.0):
             return found
         times = min(max(in_spring, _LEAST_AT_ONCE), _MOST_AT_ONCE) if excess else _UNKNOWN

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal
 from engines.follower import FollowerEngine, parts
 from engines.own.beam_engine import bodies_of, joints_of
-from engines.settings import Settings, own, setting
+from engines.settings import Settings, setting
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.rigid import rigid_motion
@@ -41,7 +41,7 @@ class ThesisSettings(Settings):
     geometry: str = setting("second-order", "foreshortening as in the thesis, or exact", choices=("second-order", "exact"))
 
 
-class ThesisEngine(Engine):
+class ThesisEngine(Engine[ThesisSettings]):
     """The thesis' model as published. Its discretization is the model: accuracy asked and error estimate are the integration's."""
 
     name = "thesis"
@@ -64,7 +64,7 @@ class ThesisEngine(Engine):
                 f' modelled by {self.name}, which closes the loop exactly; accepted: "inf" and "0 N*s/m"'
             )
 
-    def model(self, mechanism: Mechanism, settings: Settings) -> "ThesisModel":
+    def model(self, mechanism: Mechanism, settings: ThesisSettings) -> "ThesisModel":
         """The thesis' model of a scene.
 
         Raises:
@@ -73,9 +73,9 @@ class ThesisEngine(Engine):
         from reference_model.thesis.model import ThesisModel
 
         self.check(mechanism)
-        return ThesisModel(mechanism, self._shapes(mechanism, settings), own(ThesisSettings, settings).geometry == "exact")
+        return ThesisModel(mechanism, self._shapes(mechanism, settings), settings.geometry == "exact")
 
-    def describe(self, mechanism: Mechanism, settings: Settings) -> ModelDescription:
+    def describe(self, mechanism: Mechanism, settings: ThesisSettings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
         self.check(mechanism)
         n = self._shapes(mechanism, settings).count
@@ -83,10 +83,10 @@ class ThesisEngine(Engine):
         joints = joints_of(mechanism, "slider on the centre line (eliminated)")
         return ModelDescription(bodies_of(mechanism, f"{n} shapes" if n else "rigid"), joints, free)
 
-    def _shapes(self, mechanism: Mechanism, settings: Settings) -> ShapeSet:
+    def _shapes(self, mechanism: Mechanism, settings: ThesisSettings) -> ShapeSet:
         """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""
         length = mechanism.follower.length
-        shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, own(ThesisSettings, settings).elements)
+        shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, settings.elements)
         if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
             raise Refusal(
                 f"slider.inertia: {mechanism.slider.inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia"
@@ -94,7 +94,7 @@ class ThesisEngine(Engine):
             )
         return shapes
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> "OwnSimulation":
+    def prepare(self, mechanism: Mechanism, start: Start, settings: ThesisSettings) -> "OwnSimulation":
         """See `engines.base.Engine.prepare`."""
         from engines.own.simulation import OwnSimulation
 
@@ -108,7 +108,7 @@ class ThesisEngine(Engine):
         state = model.initial_state(start.crank_angle, start.crank_speed, *coordinates)
         if not model.can_move(state):
             raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
-        return OwnSimulation(model, state, own(ThesisSettings, settings).tolerance, time.perf_counter() - began)
+        return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began)
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ThesisSettings:
         """Integration tolerance for an error against the model's own equations."""
@@ -118,16 +118,16 @@ class ThesisEngine(Engine):
         """A coarse and a fine tolerance: what is wrong with this model is not its integration."""
         return tuple(self.settings_for(accuracy, mechanism) for accuracy in (1e-2, 1e-3))
 
-    def comparisons(self, settings: Settings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: ThesisSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
         """Ten times the tolerance, or a tenth of one that leaves no more."""
-        return _compared(own(ThesisSettings, settings))
+        return _compared(settings)
 
-    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> ThesisSettings | None:
+    def finer(self, settings: ThesisSettings, excess: tuple[float, ...], output_step: float) -> ThesisSettings | None:
         """A tenth of the tolerance."""
-        chosen = own(ThesisSettings, settings)
+        chosen = settings
         return chosen.replaced(tolerance=0.1 * chosen.tolerance) if chosen.tolerance > 1e-11 else None
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ThesisSettings) -> NDArray[np.float64]:
         """Of the cubic elements: two per element."""
         if mechanism.follower.is_rigid:
             return np.zeros(0)
@@ -135,41 +135,39 @@ class ThesisEngine(Engine):
         from reference_model.thesis.frequencies import shape_frequencies
 
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
-        return shape_frequencies(
-            mechanism, hermite_elements(mechanism.follower.length, own(ThesisSettings, settings).elements), support, count
-        )
+        return shape_frequencies(mechanism, hermite_elements(mechanism.follower.length, settings.elements), support, count)
 
     def follower_alone(self) -> "ThesisAlone":
         """The same beam on a base that turns as prescribed."""
         return ThesisAlone(self)
 
 
-class ThesisAlone(FollowerEngine):
+class ThesisAlone(FollowerEngine[ThesisSettings]):
     """The follower alone in the engine's shapes."""
 
     def __init__(self, engine: ThesisEngine) -> None:
         super().__init__(engine)
         self._engine = engine
 
-    def describe(self, scene: FollowerAlone, settings: Settings) -> ModelDescription:
+    def describe(self, scene: FollowerAlone, settings: ThesisSettings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
-        n = 2 * own(ThesisSettings, settings).elements
+        n = 2 * settings.elements
         return ModelDescription(*parts(scene, f"follower beam ({n} shapes)"), n)
 
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> Settings:
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> ThesisSettings:
         """The integration's tolerance, as with the mechanism."""
         return self._engine.settings_for(accuracy, scene)
 
-    def comparisons(self, settings: Settings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: ThesisSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
         """As with the mechanism."""
-        return _compared(own(ThesisSettings, settings))
+        return _compared(settings)
 
-    def prepare(self, scene: FollowerAlone, start: None, settings: Settings) -> "OwnSimulation":
+    def prepare(self, scene: FollowerAlone, start: None, settings: ThesisSettings) -> "OwnSimulation":
         """See `FollowerEngine.prepare`."""
         from engines.own.simulation import OwnSimulation
         from reference_model.thesis.model import ThesisModel
 
-        began, chosen = time.perf_counter(), own(ThesisSettings, settings)
+        began, chosen = time.perf_counter(), settings
         model = ThesisModel(scene, hermite_elements(scene.follower.length, chosen.elements), chosen.geometry == "exact")
         return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)
 

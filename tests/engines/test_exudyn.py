@@ -142,7 +142,7 @@ def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
 
 def test_few_elements_are_not_taken_for_a_cable_that_stretches():
     """Run 24's cable stretches little; with half the rung's elements, too stiff when they cannot stretch, it would seem 29 times more."""
-    mechanism, rung = run_24(), ladder.settings_for(1e-2)
+    mechanism, rung = run_24(), ladder.LADDER.pick(1e-2)
 
     def part(pair: Comparison) -> float:
         runs = (pair.run.as_dict(), pair.other.as_dict())

@@ -161,7 +161,7 @@ def test_settings_follow_the_ladder() -> None:
         rung = finer
     assert climbed == [18, 27, 60, 90]  # half as many more, as far as there are rungs
     assert [ENGINE.finer(chosen[2], excess, 1e-3).as_dict()["links"] for excess in ((0.6, 0.5), (1.0, 1.0), (50.0, 50.0))] == [40, 60, 90]
-    assert ENGINE.finer(ChainSettings(links=LADDER[-1][0]), (2.0, 0.0), 1e-3) is None
+    assert ENGINE.finer(LADDER.rungs[-1][0], (2.0, 0.0), 1e-3) is None
 
 
 @given(st.integers(1, 256))

@@ -35,7 +35,7 @@ from cases.library import case_names
 from cases.units import plain_number
 from engines.accurate import ESTIMATED, run_once, simulate
 from engines.accurate import Result as Accurate
-from engines.base import Engine, EngineFailure, Refusal
+from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
 from engines.own.reference import ReferenceSettings
@@ -67,7 +67,7 @@ MOST_RUNGS: Final = 2
 
 _CODE: Final = ("tests.verification.accuracy_campaign", "tests.verification.random_scenes")
 
-#: Engine, and accuracy asked for.
+#: AnyEngine, and accuracy asked for.
 Request = tuple[str, float | None]
 
 
@@ -175,7 +175,7 @@ def _answer(name: str, scene: Scene, accuracy: float | None) -> tuple[Accurate |
     }
 
 
-def _climbing_little(chosen: Engine) -> Engine:
+def _climbing_little(chosen: AnyEngine) -> AnyEngine:
     """The engine with a ladder of `MOST_RUNGS` rungs from where a run begins."""
     kind, rungs = type(chosen), itertools.count(1)
 
