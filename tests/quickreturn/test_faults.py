@@ -115,7 +115,9 @@ class Campaign:
 
     def __init__(self, folder: Path) -> None:
         limits = ("--time-limit", "12 s", "--memory-limit", "1", "--jobs", "3")
-        program = started("run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder))
+        program = started(
+            "run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder)
+        )
         self.folder = folder
         self.answer = answer_of(program)
         self.document = json.loads(self.answer.output)
