@@ -13,7 +13,7 @@ from PIL import Image
 from cases.case import Case
 from engines.trajectory import Trajectory
 from quickreturn.curves import drawing
-from quickreturn.drawing import Motion, Scenery, engines_legend, factor_for, motion_of
+from quickreturn.drawing import Motion, Scenery, factor_for, legend, motion_of
 from reports.plots.style import FONT_SIZE
 
 FRAMES: Final = 72
@@ -63,7 +63,7 @@ def _frames(case: Case, motions: Mapping[str, Motion], factor: float, slowed: in
     scenery = Scenery(axes, case, motions, factor)
     speed = "" if slowed == 1 else f"; shown {slowed} times slower"
     figure.suptitle(f"{case.name}: {case.title}{speed}", fontsize=FONT_SIZE)
-    figure.legend(handles=engines_legend(motions, factor), loc="outside lower center", ncols=5, fontsize=FONT_SIZE - 1.0, frameon=False)
+    figure.legend(handles=legend(motions, factor), loc="outside lower center", ncols=5, fontsize=FONT_SIZE - 1.0, frameon=False)
     figure.set_dpi(DENSITY)
     canvas, found = FigureCanvasAgg(figure), []
     first = next(iter(motions.values()))
