@@ -13,12 +13,13 @@ from cases.jobs.workshop import Workshop
 from cases.library import CatalogueLine
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import Run
-from engines.base import AnyEngine, Engine, Refusal
+from engines.base import AnyEngine, Engine
 from engines.registry import MAIN, engine
-from engines.settings import SettingError, as_texts
+from engines.settings import as_texts
 from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import loaded
+from quickreturn.questions import DRAWING, check_settings
 from quickreturn.solution import framed, known_column
 from reference_model.columns import COLUMNS
 
@@ -158,10 +159,6 @@ def report(
     return write_report(loaded(cases), Path(folder), workshop or opened(preload=DRAWING)).page
 
 
-#: What workers need besides where pictures are drawn.
-DRAWING = ("reports.pictures", "matplotlib.figure")
-
-
 def opened(jobs: int | None = None, *, quiet: bool = False, preload: Sequence[str] = ()) -> Workshop:
     """The store of results and the processes of this machine.
 
@@ -187,32 +184,3 @@ def engine_names(engines: "str | AnyEngine | Iterable[str | AnyEngine]") -> list
     for name in names:
         engine(name)
     return names
-
-
-def check_settings(cases: Sequence[Case], names: Sequence[str], settings: Mapping[str, Mapping[str, str]]) -> None:
-    """Find out before anything runs whether settings can be.
-
-    Raises:
-        SettingError: an engine that is not among those that run, or a setting that it does not have or take.
-    """
-    for name, texts in settings.items():
-        if name not in names:
-            key = next(iter(texts), "")
-            raise SettingError(f"{name}.{key}: engine {name} is not among those that run; these are {', '.join(names)}")
-        for case in cases if texts else ():
-            chosen = engine(name)
-            try:
-                chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(texts))
-            except SettingError as error:  # several engines may share the settings, and one of them may lack one
-                raise SettingError(f"{error} (engine {name})" if len(names) > 1 else str(error)) from error
-
-
-def check_engines(names: Iterable[str]) -> None:
-    """Find out before anything runs whether engines can be used here.
-
-    Raises:
-        UnknownEngine, Refusal: one cannot.
-    """
-    for name in names:
-        if reason := engine(name).unavailable():
-            raise Refusal(f"--engine {name}: {reason}")

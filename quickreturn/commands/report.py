@@ -9,6 +9,7 @@ import click
 
 from cases.errors import as_written
 from quickreturn.commands.options import (
+    announce,
     cases_argument,
     jobs_option,
     load_all,
@@ -60,12 +61,15 @@ def command(cases: Sequence[str], tag: str | None, output: str, jobs: int | None
     failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
     as they come: an interrupted report continues where it stopped.
     """
+    from engines.registry import MAIN
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
-    from quickreturn.cross_validation import DRAWING
-    from reports.report import write_report
+    from quickreturn.questions import DRAWING
 
     loaded = load_all(cases, tag, {}, otherwise="thesis")
     workshop = opened_workshop(jobs, time_limit, memory_limit, DRAWING)
+    announce(loaded, MAIN, workshop)
+    from reports.report import write_report
+
     written = write_report(loaded, Path(output), workshop)
     _print(written)
     for trouble in written.content.troubles:

@@ -7,6 +7,7 @@ import click
 
 from quickreturn.commands.options import (
     accuracy_option,
+    announce,
     cases_argument,
     jobs_option,
     json_option,
@@ -55,18 +56,22 @@ def command(
     installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
     interrupted run continues.
     """
-    from cases.runs.request import REFUSED
     from engines.registry import MAIN
     from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
-    from quickreturn.cross_validation import check_engines, run
-    from quickreturn.verdict_text import text_of
+    from quickreturn.questions import check_engines, check_settings
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
     loaded, names = load_all(cases, tag, overrides), list(dict.fromkeys(engines)) or list(MAIN)
     check_engines(engines)
     texts = settings_of(settings, names)
+    check_settings(loaded, names, texts)
     workshop = opened_workshop(jobs, time_limit, memory_limit)
+    announce(loaded, names, workshop)
+    from cases.runs.request import REFUSED
+    from quickreturn.cross_validation import run
+    from quickreturn.verdict_text import text_of
+
     found = run(loaded, names, accuracy=accuracy, settings=texts, workshop=workshop)
     results = found.results
     if as_json:
