@@ -113,6 +113,8 @@ def run(
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, Any]] | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
     workshop: Workshop | None = None,
 ) -> CrossValidation:
     """Bring engines to their steady state on cases, each in a process of its own, measure and compare. Results are kept as they come.
@@ -122,7 +124,9 @@ def run(
         engines: names, or engines that are installed, one or several; default: the four main ones.
         accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
         settings: of an engine, by its name: {"mujoco": {"links": 16}}.
-        workshop: where it is computed and kept; None: see `opened`.
+        jobs: how many processes at a time; None: one per core.
+        quiet: whether nothing is shown on standard error meanwhile.
+        workshop: where it is computed and kept; None: here, in `.quickreturn` or what `QUICKRETURN_STORE` names.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be; nothing has run then.
@@ -132,20 +136,25 @@ def run(
     chosen, names = loaded(cases), engine_names(engines)
     texts = {name: as_texts(values) for name, values in (settings or {}).items()}
     check_settings(chosen, names, texts)
-    place = workshop or opened()
+    place = workshop or opened(jobs, quiet)
     results = cross_validate(chosen, place, names, checked(accuracy), texts)
     return CrossValidation(results, place.store.notices)
 
 
 def report(
-    cases: AnyCase | Iterable[AnyCase], folder: "str | os.PathLike[str]" = "reports/output", *, workshop: Workshop | None = None
+    cases: AnyCase | Iterable[AnyCase],
+    folder: "str | os.PathLike[str]" = "reports/output",
+    *,
+    jobs: int | None = None,
+    quiet: bool = False,
 ) -> Path:
     """Write the report on cases: a page, and its tables as CSV beside it. Results are kept as they come.
 
     Args:
         cases: as of `run`.
         folder: is created where it is missing.
-        workshop: as of `run`.
+        jobs: as of `run`.
+        quiet: likewise.
 
     Returns:
         The page.
@@ -156,20 +165,11 @@ def report(
     """
     from reports.report import write_report
 
-    return write_report(loaded(cases), Path(folder), workshop or opened(preload=DRAWING)).page
+    return write_report(loaded(cases), Path(folder), opened(jobs, quiet, DRAWING)).page
 
 
-def opened(jobs: int | None = None, *, quiet: bool = False, preload: Sequence[str] = ()) -> Workshop:
-    """The store of results and the processes of this machine.
-
-    Args:
-        jobs: how many processes at a time; None: one per core.
-        quiet: whether nothing is shown on standard error meanwhile.
-        preload: modules that workers need besides.
-
-    Raises:
-        StoreError: the folder of results, `.quickreturn` or what `QUICKRETURN_STORE` names, cannot be used.
-    """
+def opened(jobs: int | None, quiet: bool, preload: Sequence[str] = ()) -> Workshop:
+    """The store of results and the processes of this machine; `preload`: modules that workers need besides. StoreError: see there."""
     return Workshop(Store(), LocalProcesses(jobs, preload=(*PRELOAD, *preload), quiet=quiet))
 
 
