@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from cases.case import Case
 from cases.errors import CaseError
 from cases.measures import CHANNELS, Cycle, Measure, Settling, cut_cycles, extremes_by_half, measure_cycle, on_common_grid, time_scale
-from cases.measures.steady_state import GREATEST_NUMBER
+from cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER
 from cases.measures.time_scale import TURN, TimeScale
 from cases.recorded import RecordedTable
 from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import columns_of
-from cases.runs.request import ASSUMED, SETTLED, STANDARD, TRANSIENT, Recording, Run
+from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
+from reference_model.columns import SHAPE
 from reference_model.mechanism import Mechanism
 from reference_model.rigid import crank_pace, rigid_motion
 
@@ -31,6 +32,10 @@ Array = NDArray[np.float64]
 
 #: Columns of which no extremes are taken: they grow from turn to turn.
 GROWING: Final = ("time", "crank_angle", "dissipated_energy", "drive_work")
+#: Columns that are not compared: of a model's own, and the centre line, which the tip and the gauges speak for.
+LEFT_OUT: Final = ("constraint_gap", *SHAPE)
+#: Of a column's largest magnitude: numbers are taken to be written with five digits, no more.
+ROUNDED: Final = 1e-5
 #: Columns by which a table is told to have settled, where it has any of them.
 TELLING: Final = (*CHANNELS, "tip_deflection", "slider_force")
 #: Of a turn: rows may lie so far apart, and a single turn may lack so much at its ends.
@@ -41,10 +46,14 @@ ROWS_PER_PERIOD: Final = 4.0
 OFF: Final = 2.0
 #: rad, by which the recorded crank angle may fall back: the noise of an encoder.
 BACKLASH: Final = 0.02
-#: A row is the standard start's if no column departs from it by more than this part of the column's largest magnitude.
+#: A row is the standard start's if no column departs from it by more than this part of the column's largest magnitude and its noise.
 SAME: Final = 1e-3
+#: A table whose turns still approach a steady state that is farther than this part of the signals' RMS is none of it.
+FAR: Final = 0.1
 #: Standard deviations of a row's noise that an extreme may be off by: one row in 15,000 departs further.
 DEVIATIONS: Final = 4.0
+#: Times the usual step of the crank angle that a step between two rows may be.
+WRAPPED: Final = 100.0
 #: Units that stand for none in a heading, by their size: of time (s) and of angle (rad).
 _TIMES: Final = {1.0: "", 1e-3: "ms", 1e-6: "us", 60.0: "min"}
 _ANGLES: Final = {1.0: "", math.pi / 180.0: "deg", 2.0 * math.pi: "turn"}
@@ -68,12 +77,12 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         remarks.append(f"no crank_angle was recorded: the crank is taken to turn evenly at {speed:.6g} rad/s, from {start:.6g} deg at time 0")
     _check_pace(table, columns, mechanism, case.name)
     begins = _begins_in_standard_start(table, columns, mechanism)
-    cycles = _cycles(table, columns)
+    cycles = _cycles(table, {name: values for name, values in columns.items() if name not in LEFT_OUT})
     if begins:
         cycles = cycles[:GREATEST_NUMBER]
     settling = _settling(cycles)
-    turn = len(cycles) if begins and not settling.settled else None
     last = columns_of(cycles[-1])
+    turn = _number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
     gap = float(np.max(np.diff(last["time"])))
     period = float(last["time"][-1] - last["time"][0])
     if gap > LARGEST_GAP * period:
@@ -85,14 +94,14 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     if turn is None:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if not settling.settled:
-            remarks.append(f"taken as settled: {settling.outlook.sentence()}" if len(cycles) > 1 else "taken as settled: it holds one turn")
+            remarks.append(_unsettled(settling))
     measures, consensus = _measured(mechanism, last, recording.filtered, gap)
     return Run(
         engine=table.name,
         method=table.declared.get("source", "recorded table"),
         version=table.declared.get("version"),
         estimate_of="recorded",
-        status=TRANSIENT if turn is not None else SETTLED if settling.settled else ASSUMED,
+        status=TRANSIENT if turn is not None else SETTLED if settling.settled else NOT_SETTLED if _is_far(settling) else ASSUMED,
         remark="; ".join(remarks),
         start=STANDARD if begins else None,
         settled=settling.settled,
@@ -136,6 +145,10 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
     else:  # the angle says nothing, but so many rows make a turn
         turns = pace * float(np.median(np.diff(time))) / (2.0 * math.pi)
         found = 1.0 if turns < LARGEST_GAP else 1e3
+    if np.any(np.abs(np.diff(angle)) > WRAPPED * np.median(np.abs(np.diff(angle)))):
+        at = int(np.argmax(np.abs(np.diff(angle))))
+        told = f"jumps from {angle[at]:.6g} to {angle[at + 1]:.6g} rad after {time[at]:.6g} s"
+        raise CaseError(table.shown, "crank_angle", None, told, "let it run on from turn to turn, and leave no gaps in time")
     if 1.0 / OFF <= found <= OFF:
         return
     times = _TIMES if "time" in table.bare else {1.0: ""}
@@ -162,7 +175,9 @@ def _begins_in_standard_start(table: RecordedTable, columns: Mapping[str, Array]
     telling = {"crank_speed"} if mechanism.follower.is_rigid else {"tip_deflection", *CHANNELS[1:]}
     if not telling & known.keys():
         return False
-    return all(abs(float(columns[name][0]) - value) <= SAME * float(np.max(np.abs(columns[name]))) for name, value in known.items())
+    time = columns["time"]
+    near = {name: SAME * float(np.max(np.abs(columns[name]))) + _noise(time, columns[name]) for name in known}
+    return all(abs(float(columns[name][0]) - value) <= near[name] for name, value in known.items())
 
 
 def _cycles(table: RecordedTable, columns: dict[str, Array]) -> list[Cycle]:
@@ -184,6 +199,13 @@ def _cycles(table: RecordedTable, columns: dict[str, Array]) -> list[Cycle]:
         accepted = "a whole turn is needed, from the slider's farthest place (180 deg) to the next"
         raise CaseError(table.shown, "crank_angle", None, told, accepted)
     return cycles
+
+
+def _number(mechanism: Mechanism, crank_angle: Array) -> int:
+    """Which whole turn since the standard start this is, counted from 1, as `cut_cycles` finds them there."""
+    way = math.copysign(1.0, crank_angle[-1] - crank_angle[0])
+    first = math.ceil((way * mechanism.crank.initial_angle - math.pi - AT_THE_END) / (2.0 * math.pi))
+    return round((way * float(crank_angle[0]) - math.pi) / (2.0 * math.pi)) - first + 1
 
 
 def _rising(table: RecordedTable, columns: Mapping[str, Array]) -> Array:
@@ -211,6 +233,21 @@ def _settling(cycles: list[Cycle]) -> Settling:
     return settling
 
 
+def _is_far(settling: Settling) -> bool:
+    left = settling.outlook.remaining_error
+    return left is not None and left > FAR
+
+
+def _unsettled(settling: Settling) -> str:
+    """What a table that has not settled shows of it."""
+    if settling.cycles == 1:
+        return "it holds one turn, which is taken to repeat"
+    change, left = f"its last turn differs from the one before by {settling.outlook.change:.2g} of the signals' RMS", settling.outlook
+    if _is_far(settling):
+        return f"{change} and does not begin in the standard start: about {left.remaining_error:.2g} is left to the steady state; record longer"
+    return f"{change}: noise, or not quite settled"
+
+
 def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:
     """How far a column may be from its steady state: its last change from turn to turn, and what the changes' ratio lets expect.
 
@@ -225,7 +262,7 @@ def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:
 
 
 def _noise(time: Array, values: Array) -> float:
-    """How far rows may be off a smooth course: by what each differs from the cubic through its four neighbours, for even noise."""
+    """How far rows may be off a smooth course: by what each differs from the cubic through its four neighbours, and by rounding."""
     if len(time) < 5:
         return math.inf
     near = [slice(shift, len(time) - 4 + shift) for shift in (0, 1, 3, 4)]
@@ -235,7 +272,7 @@ def _noise(time: Array, values: Array) -> float:
     ]
     differences = values[2:-2] - sum(weight * values[one] for weight, one in zip(weights, near, strict=True))
     spread = np.sqrt(1.0 + sum(weight**2 for weight in weights))
-    return DEVIATIONS * float(np.sqrt(np.mean((differences / spread) ** 2)))
+    return DEVIATIONS * float(np.sqrt(np.mean((differences / spread) ** 2))) + ROUNDED * float(np.max(np.abs(values)))
 
 
 def _measured(
