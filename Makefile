@@ -25,7 +25,7 @@ verify: $(READY)
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy reference_model engines cases reports tests/verification
+	$(BIN)/mypy reference_model engines cases reports quickreturn tests/verification
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

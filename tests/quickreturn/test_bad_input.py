@@ -15,12 +15,12 @@ import click
 import pytest
 
 from cases.reading import parse_case
-from reports.command_line import COMMANDS
-from reports.commands.options import SingleOption
-from tests.reports import mistakes
-from tests.reports.conftest import Answer, Call
-from tests.reports.mistakes import scene, with_value, written
-from tests.reports.program import started
+from quickreturn.command_line import COMMANDS
+from quickreturn.commands.options import SingleOption
+from tests.quickreturn import mistakes
+from tests.quickreturn.conftest import Answer, Call
+from tests.quickreturn.mistakes import scene, with_value, written
+from tests.quickreturn.program import started
 
 LONGEST = 400  # characters: five lines of a terminal
 MODES = "modes small.toml --engine fake --crank-angle 90"
@@ -255,7 +255,7 @@ def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, answer:
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) -> None:
-    for option in import_module(f"reports.commands.{name}").command.params:
+    for option in import_module(f"quickreturn.commands.{name}").command.params:
         if isinstance(option, click.Option) and not option.is_flag and not option.multiple:
             assert isinstance(option, SingleOption), option.name
 

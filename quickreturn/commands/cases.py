@@ -2,7 +2,7 @@
 
 import click
 
-from reports.commands.options import json_option, single_option
+from quickreturn.commands.options import json_option, single_option
 
 
 @click.command(name="cases")

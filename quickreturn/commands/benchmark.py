@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.commands.options import (
+from quickreturn.commands.options import (
     WholeNumber,
     json_option,
     load,
@@ -56,7 +56,7 @@ def command(
     from cases.benchmark.scenes import ENGINES
     from engines.base import EngineFailure
     from engines.registry import engine, usable_engine
-    from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)

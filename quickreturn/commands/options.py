@@ -197,7 +197,7 @@ def opened_workshop(
 
 def tell(sentence: str) -> None:
     """Say something on standard error, on one line."""
-    from reports.command_line import one_line
+    from quickreturn.command_line import one_line
 
     with contextlib.suppress(OSError):  # nobody listens
         click.echo(f"quickreturn: {one_line(sentence)}", err=True)

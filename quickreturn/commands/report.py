@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from cases.errors import as_written
-from reports.commands.options import (
+from quickreturn.commands.options import (
     jobs_option,
     load,
     memory_limit_option,
@@ -59,7 +59,7 @@ def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str
     as they come: an interrupted report continues where it stopped.
     """
     from cases.library import catalogue
-    from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.report import write_report
 
     loaded = [load(case, {}) for case in dict.fromkeys(cases or [entry.name for entry in catalogue("thesis")])]

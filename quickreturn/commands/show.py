@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.commands.options import case_argument, json_option, load, read_assignments, refuse_engine_settings, set_option
+from quickreturn.commands.options import case_argument, json_option, load, read_assignments, refuse_engine_settings, set_option
 
 if TYPE_CHECKING:
     from reference_model.mechanism import Scene
@@ -22,8 +22,8 @@ def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
     from cases.document import values_in_si
     from cases.jobs.processes import get_ready
     from cases.keys import SECTIONS
+    from quickreturn.questions import TELLING
     from reports.output import print_json
-    from reports.questions import TELLING
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
@@ -70,7 +70,7 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
 def _models(scene: Any) -> list[dict[str, Any]]:
     """Per engine what it builds, or in "refused" why it does not."""
     from engines.registry import OWN
-    from reports.questions import asked_of_all, model
+    from quickreturn.questions import asked_of_all, model
 
     found = []
     for outcome in asked_of_all(model, (scene,), "models", OWN - {"exudyn", "mujoco"}):

@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 
 from engines.trajectory import OPTIONAL, REQUIRED
-from reports.command_line import main
-from tests.reports.conftest import Answer, Call
-from tests.reports.program import PROGRAM, descendants, started, wait_until
-from tests.reports.scene_file import SCENE
+from quickreturn.command_line import main
+from tests.quickreturn.conftest import Answer, Call
+from tests.quickreturn.program import PROGRAM, descendants, started, wait_until
+from tests.quickreturn.scene_file import SCENE
 
 
 @pytest.fixture(autouse=True)
@@ -474,6 +474,6 @@ def test_main_returns_the_code_and_raises_nothing(capsys: pytest.CaptureFixture[
 
 
 def test_show_groups_parts_that_differ_in_their_numbers_alone() -> None:
-    from reports.commands.show import grouped
+    from quickreturn.commands.show import grouped
 
     assert grouped(["crank", "link 1: rod", "link 2: rod", "link 3: rod", "tip"]) == ["crank", "link 1 to 3: rod", "tip"]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from reports.commands.options import (
+from quickreturn.commands.options import (
     accuracy_option,
     jobs_option,
     json_option,
@@ -57,7 +57,7 @@ def command(
     from cases.runs.comparison import cross_validate
     from cases.runs.request import REFUSED
     from engines.registry import MAIN
-    from reports.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
+    from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)

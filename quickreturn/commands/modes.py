@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import click
 
-from reports.commands.options import (
+from quickreturn.commands.options import (
     WholeNumber,
     case_argument,
     crank_angle_option,
@@ -34,9 +34,9 @@ def command(case: str, engine: str, crank_angle: float, count: int, assignments:
     from cases.jobs.job import Job
     from cases.jobs.processes import get_ready
     from engines.base import EngineFailure
-    from reports.command_line import ENGINE_TROUBLE, GOOD
+    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
+    from quickreturn.questions import COMPUTING, answer_of, modes
     from reports.output import print_json, print_table
-    from reports.questions import COMPUTING, answer_of, modes
 
     overrides, settings = read_assignments(assignments)
     get_ready(COMPUTING)

@@ -22,7 +22,7 @@ import click
 
 from cases.errors import as_written, shortened
 
-#: In the order of `--help`; each is a module of `reports.commands`.
+#: In the order of `--help`; each is a module of `quickreturn.commands`.
 COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "report", "benchmark")
 
 GOOD: Final = 0
@@ -40,7 +40,7 @@ LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's me
 
 
 class CommandGroup(click.Group):
-    """Finds subcommands in `reports.commands` when they are asked for."""
+    """Finds subcommands in `quickreturn.commands` when they are asked for."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of the subcommands."""
@@ -50,7 +50,7 @@ class CommandGroup(click.Group):
         """The subcommand, or None if there is none of this name."""
         if cmd_name not in COMMANDS:
             return None
-        command = import_module(f"reports.commands.{cmd_name}").command
+        command = import_module(f"quickreturn.commands.{cmd_name}").command
         assert isinstance(command, click.Command)
         return command
 
@@ -149,9 +149,9 @@ def _told_of(error: Exception) -> int:
     from engines.base import EngineFailure, Refusal
     from engines.registry import UnknownEngine
     from engines.settings import SettingError
+    from quickreturn.questions import EngineDied
     from reference_model.mechanism import ImpossibleMechanism
     from reports.output import OutputError
-    from reports.questions import EngineDied
 
     if isinstance(error, UnknownEngine):
         return _told(f"--engine {error}", BAD_INPUT)

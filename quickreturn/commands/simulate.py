@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from reports.commands.options import (
+from quickreturn.commands.options import (
     accuracy_option,
     case_argument,
     engine_option,
@@ -22,7 +22,7 @@ from reports.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from reports.questions import Simulated
+    from quickreturn.questions import Simulated
 
 
 @click.command(name="simulate")
@@ -55,8 +55,8 @@ def command(
     none. The accuracy of `thesis` is that of the integration of its own equations.
     """
     from cases.jobs.processes import get_ready
-    from reports import questions
-    from reports.command_line import ENGINE_TROUBLE, GOOD
+    from quickreturn import questions
+    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import check_writable, print_json
 
     overrides, settings = read_assignments(assignments)

@@ -42,10 +42,10 @@ from cases.jobs.processes import LocalProcesses
 from reports.pictures import Pictures
 from reports.report import write_report
 from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
-from tests.reports.conftest import Answer, Call
+from tests.quickreturn.conftest import Answer, Call
+from tests.quickreturn.program import descendants, running, started, wait_until
+from tests.quickreturn.scene_file import SCENE
 from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.program import descendants, running, started, wait_until
-from tests.reports.scene_file import SCENE
 
 #: Engine -> what is said of it.
 FAULTS = {

@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from reports.commands.options import json_option
+from quickreturn.commands.options import json_option
 
 if TYPE_CHECKING:
-    from reports.questions import About
+    from quickreturn.questions import About
 
 
 @click.command(name="engines")
@@ -23,8 +23,8 @@ def command(engine: str | None, as_json: bool) -> None:
 
 def _list(as_json: bool) -> None:
     from engines.registry import OWN
+    from quickreturn.questions import About, about, asked_of_all
     from reports.output import print_json, print_table
-    from reports.questions import About, about, asked_of_all
 
     rows = []
     for outcome in asked_of_all(about, (), "engines", OWN):
@@ -50,8 +50,8 @@ def _estimate(row: "About") -> str:
 
 def _describe(name: str, as_json: bool) -> None:
     from cases.jobs.job import Job
+    from quickreturn.questions import answer_of, settings
     from reports.output import print_json, print_table
-    from reports.questions import answer_of, settings
 
     found = answer_of(Job(name, settings, (name,)))
     if as_json:

@@ -1,0 +1,1 @@
+"""quickreturn: what notebooks, engine authors and the command line use."""
