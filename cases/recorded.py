@@ -86,7 +86,9 @@ def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
     lines = text.splitlines()
     declared, at = _declarations(shown, lines)
     if at == len(lines):
-        raise CaseError(shown, None, None, "is empty" if not text.strip() else "has no heading", 'write one such as "time [s],crank_angle [deg]"')
+        raise CaseError(
+            shown, None, None, "is empty" if not text.strip() else "has no heading", 'write one such as "time [s],crank_angle [deg]"'
+        )
     names, factors, bare = _heading(shown, f"line {at + 1}", lines[at])
     values = _values(shown, names, lines, at + 1)
     columns = {name: factor * column for name, factor, column in zip(names, factors, values.T, strict=True)}
@@ -116,7 +118,9 @@ def experiment_tables(folder: str | Path | None = None) -> list[RecordedTable]:
         for key in ("case", "origin"):
             if key not in table.declared:
                 accepted = " or ".join(DECLARATIONS[key]) or "the name of a case"
-                raise CaseError(table.shown, key, None, "this declaration is missing", f'write "# {key} = ..." above the heading, with {accepted}')
+                raise CaseError(
+                    table.shown, key, None, "this declaration is missing", f'write "# {key} = ..." above the heading, with {accepted}'
+                )
     return tables
 
 
@@ -146,10 +150,12 @@ def _heading(source: str, place: str, line: str) -> tuple[list[str], list[float]
     """The names of the columns, the SI values of their units, and the names that have none."""
     for sign, word in ((";", "semicolons"), ("\t", "tabulators")):
         if sign in line:
-            raise CaseError(source, place, as_written(line), f"has {word} between its columns", "separate columns by commas, decimals by points")
+            raise CaseError(
+                source, place, as_written(line), f"has {word} between its columns", "separate columns by commas, decimals by points"
+            )
     names: list[str] = []
     factors, bare = [], set()
-    for heading in next(csv.reader([line])):
+    for heading in next(csv.reader([line], skipinitialspace=True)):
         match = _HEADING.fullmatch(heading)
         name, unit = (match[1], match[2]) if match else (heading, None)
         if plain_number(name.strip()) is not None:
@@ -199,7 +205,7 @@ def _values(source: str, names: Sequence[str], lines: Sequence[str], first: int)
 def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> CaseError:
     """What is wrong with the first row that is not one finite number for each column."""
     for number in _numbers(lines, first):
-        cells = next(csv.reader([lines[number - 1]]))
+        cells = next(csv.reader([lines[number - 1]], skipinitialspace=True))
         for name, cell in zip(names, cells, strict=False):
             value = plain_number(cell.strip())
             if value is None or not np.isfinite(value):
@@ -210,7 +216,9 @@ def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int
         if len(cells) != len(names):
             hint = "; decimals need a point, not a comma" if len(cells) > len(names) else ""
             problem = f"has {len(cells)} numbers, the heading {len(names)} columns"
-            return CaseError(source, f"line {number}", f'"{shortened(lines[number - 1])}"', problem, f"give one number for each column{hint}")
+            return CaseError(
+                source, f"line {number}", f'"{shortened(lines[number - 1])}"', problem, f"give one number for each column{hint}"
+            )
     return CaseError(source, None, None, "cannot be read as rows of numbers", "give one plain number for each column")
 
 

@@ -23,7 +23,7 @@ import click
 from cases.errors import as_written, shortened
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
-COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "report", "benchmark")
+COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "compare", "report", "benchmark")
 
 GOOD: Final = 0
 CLAIMS_BROKEN: Final = 1

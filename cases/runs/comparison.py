@@ -16,7 +16,7 @@ from cases.recorded import RecordedTable
 from cases.runs.campaign import carry_out
 from cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
 from cases.runs.recorded import recorded_run
-from cases.runs.request import LONGER, NOT_SETTLED, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
+from cases.runs.request import LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
 from engines.registry import MAIN
 
 REFERENCE: Final = "reference"
@@ -108,6 +108,11 @@ class CaseResult:
     recorded: Mapping[str, Run] = field(default_factory=dict)
 
     @property
+    def all_runs(self) -> dict[str, Run]:
+        """Engines, then recorded tables."""
+        return {**self.runs, **self.recorded}
+
+    @property
     def passed(self) -> bool | None:
         """Whether every engine delivered and none departs from another by more than both claim; None if nothing could be judged."""
         return not self.failures and not self.missed if self.checks else None
@@ -149,7 +154,7 @@ class CaseResult:
         Over consensus frequencies and extremes, these relative to the channel's largest magnitude. None where that is not known: there
         is no estimate, or the engine estimates its integration alone and there is no reference to tell the rest.
         """
-        run, reference = {**self.runs, **self.recorded}[name], self.runs.get(REFERENCE)
+        run, reference = self.all_runs[name], self.runs.get(REFERENCE)
         known = reference is not None and reference.usable and name != REFERENCE
         if not run.usable or (not known if run.estimate_of == "integration" else run.unestimated):
             return None
@@ -168,7 +173,7 @@ def cross_validate(
     workshop: Workshop,
     engines: Sequence[str] = MAIN,
     accuracy: float | None = None,
-    settings: Mapping[str, str] | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
     tables: Mapping[str, Sequence[RecordedTable]] | None = None,
 ) -> list[CaseResult]:
     """Bring every engine to its steady state on every case and compare.
@@ -178,7 +183,7 @@ def cross_validate(
         workshop: where.
         engines: names.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
-        settings: engine settings as text, see `settings_of`.
+        settings: of an engine, by its name: setting -> value as text.
         tables: case -> what was recorded of it.
 
     Raises:
@@ -200,7 +205,7 @@ def hold_against_engines(
     workshop: Workshop,
     engines: Sequence[str] = MAIN,
     accuracy: float | None = None,
-    settings: Mapping[str, str] | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
 ) -> list[CaseResult]:
     """Hold recorded tables against engines in the state that they show (`cases.runs.recorded`), and the engines against nothing else.
 
@@ -210,7 +215,9 @@ def hold_against_engines(
         One result for the steady state and one for each turn on the way to it that a table shows.
     """
     found = _recorded(case, tables)
-    groups = {turn: {name: run for name, run in found.items() if run.turn == turn} for turn in dict.fromkeys(r.turn for r in found.values())}
+    groups = {
+        turn: {name: run for name, run in found.items() if run.turn == turn} for turn in dict.fromkeys(r.turn for r in found.values())
+    }
     requests = {}
     for turn, group in groups.items():
         end = LONGER * max(float(run.cycle["time"][-1]) for run in group.values())
@@ -223,16 +230,9 @@ def hold_against_engines(
     return [replace(result, checks=tuple(check for check in result.checks if check.engine in result.recorded)) for result in results]
 
 
-def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[str, str] | None) -> RunRequest:
-    texts = settings_of(engine, settings or {})
+def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[str, Mapping[str, str]] | None) -> RunRequest:
+    texts = dict((settings or {}).get(engine, {}))
     return RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=texts)
-
-
-def settings_of(engine: str, settings: Mapping[str, str]) -> dict[str, str]:
-    """Settings of one engine among several: "links" is meant for each of them, "mujoco.links" for that one, where it wins."""
-    prefix = f"{engine}."
-    own = {name.removeprefix(prefix): text for name, text in settings.items() if name.startswith(prefix)}
-    return {name: text for name, text in settings.items() if "." not in name} | own
 
 
 def _recorded(case: Case, tables: Sequence[RecordedTable]) -> dict[str, Run]:
@@ -300,7 +300,7 @@ def _table_checks(table: Run, other: Run) -> list[Check]:
             measure = table.measure(half, channel)
             for quantity, its_value in zip(EXTREMES, its_extremes[half], strict=True):
                 value = measure.number(quantity) if measure else None
-                if value is not None and scale > 0.0:
+                if value is not None and scale > NOTHING:
                     mine = Claim(value, 0.0, (table.settling_errors or {})[channel])
                     its = Claim(its_value, other.extreme_estimates[channel][half], _unsettled_part(other, channel))
                     found.append(Check(table.engine, other.engine, quantity, half, channel, mine, its, scale))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cases.measures import on_common_grid
 from cases.runs.marching import channels_of
 from cases.runs.recorded import GROWING
-from cases.runs.request import Run
+from cases.runs.request import NOTHING, Run
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ _SLIPS: Final = (
 def column_differences(run: Run, other: Run) -> dict[str, float]:
     """RMS difference of each column that both have, over its RMS in the other, at equal crank angles of the turn that was measured."""
     pairs = _on_grid(run, other).items()
-    return {name: float(np.sqrt(np.mean((mine - its) ** 2) / np.mean(its**2))) for name, (mine, its) in pairs if np.any(its)}
+    return {name: float(np.sqrt(np.mean((mine - its) ** 2) / np.mean(its**2))) for name, (mine, its) in pairs if other.peak(name) > NOTHING}
 
 
 def slips(run: Run, other: Run) -> dict[str, str]:
@@ -47,8 +47,10 @@ def slips(run: Run, other: Run) -> dict[str, str]:
     for name, (mine, its) in _on_grid(run, other).items():
         offset = round(float(np.mean(mine - its)) / (2.0 * math.pi))
         if name == "follower_angle" and offset:
-            found[name] = f"lies {abs(offset)} whole turn{'s' if abs(offset) > 1 else ''} off: it lies within 90 deg of 180 deg at the start"
-        elif np.any(its) and (told := _multiple(mine, its)):
+            found[name] = (
+                f"lies {abs(offset)} whole turn{'s' if abs(offset) > 1 else ''} off: it lies within 90 deg of 180 deg at the start"
+            )
+        elif other.peak(name) > NOTHING and (told := _multiple(mine, its)):
             found[name] = told
     return found
 

@@ -10,7 +10,7 @@ how much they depart from a smooth course (noise, rounding, sampling), and how f
 
 import math
 from collections.abc import Mapping
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from cases.measures import CHANNELS, Cycle, Measure, Settling, cut_cycles, extre
 from cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER
 from cases.measures.time_scale import TURN, TimeScale
 from cases.recorded import RecordedTable
-from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
+from cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import columns_of
 from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
 from reference_model.columns import SHAPE
@@ -74,7 +74,9 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         speed = math.copysign(crank_pace(mechanism), mechanism.crank.drive.initial_speed)
         columns["crank_angle"] = mechanism.crank.initial_angle + speed * columns["time"]
         start = math.degrees(mechanism.crank.initial_angle)
-        remarks.append(f"no crank_angle was recorded: the crank is taken to turn evenly at {speed:.6g} rad/s, from {start:.6g} deg at time 0")
+        remarks.append(
+            f"no crank_angle was recorded: the crank is taken to turn evenly at {speed:.6g} rad/s, from {start:.6g} deg at time 0"
+        )
     _check_pace(table, columns, mechanism, case.name)
     begins = _begins_in_standard_start(table, columns, mechanism)
     cycles = _cycles(table, {name: values for name, values in columns.items() if name not in LEFT_OUT})
@@ -242,9 +244,11 @@ def _unsettled(settling: Settling) -> str:
     """What a table that has not settled shows of it."""
     if settling.cycles == 1:
         return "it holds one turn, which is taken to repeat"
-    change, left = f"its last turn differs from the one before by {settling.outlook.change:.2g} of the signals' RMS", settling.outlook
+    outlook = settling.outlook
+    change = f"its last turn differs from the one before by {outlook.change:.2g} of the signals' RMS"
     if _is_far(settling):
-        return f"{change} and does not begin in the standard start: about {left.remaining_error:.2g} is left to the steady state; record longer"
+        far = f"about {outlook.remaining_error:.2g} is left to the steady state"
+        return f"{change}, {far}, and it does not begin in the standard start; record longer, or from there"
     return f"{change}: noise, or not quite settled"
 
 
@@ -267,9 +271,7 @@ def _noise(time: Array, values: Array) -> float:
         return math.inf
     near = [slice(shift, len(time) - 4 + shift) for shift in (0, 1, 3, 4)]
     here = time[2:-2]
-    weights = [
-        np.prod([(here - time[other]) / (time[one] - time[other]) for other in near if other is not one], axis=0) for one in near
-    ]
+    weights = [np.prod([(here - time[other]) / (time[one] - time[other]) for other in near if other is not one], axis=0) for one in near]
     differences = values[2:-2] - sum(weight * values[one] for weight, one in zip(weights, near, strict=True))
     spread = np.sqrt(1.0 + sum(weight**2 for weight in weights))
     return DEVIATIONS * float(np.sqrt(np.mean((differences / spread) ** 2))) + ROUNDED * float(np.max(np.abs(values)))
@@ -293,9 +295,8 @@ def _measured(
     return tuple(measures), tuple(EstimatedConsensus(**vars(each), first_mode_frequency_estimate=0.0) for each in found.consensus)
 
 
-_NONE_CLAIMED: Final = {
-    f"{quantity}_estimate": 0.0 for quantity in ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
-}
+#: Estimates of the errors of a table's measures.
+_NONE_CLAIMED: Final[dict[str, Any]] = {f"{quantity}_estimate": 0.0 for quantity in (*VIBRATION, *EXTREMES)}
 
 
 def _too_coarse(scale: TimeScale, gap: float) -> str:

@@ -29,6 +29,9 @@ UNAVAILABLE: Final = "unavailable"  # the engine cannot be used on this machine
 TRANSIENT: Final = "transient"  # a turn on the way from the standard start, as asked
 ASSUMED: Final = "taken as settled"  # a recorded table that does not show whether it repeats
 
+#: A column that is never larger, in its SI unit, is zero but for rounding.
+NOTHING: Final = 1e-12
+
 STANDARD: Final = "standard"  # where a run began
 FROM_ORBIT: Final = "periodic orbit of reference"
 DIRECT: Final = "found directly"  # no march: the engine's own search

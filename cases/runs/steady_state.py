@@ -211,7 +211,9 @@ class _Way:
         if len(cycles) < number:
             raise EngineFailure(end, f"the crank has not made {number} turns by then", "let the table end with an earlier turn")
         exact = dict.fromkeys(CHANNELS, 0.0)
-        self.know(start=STANDARD, turn=number, cycles=number, settling_errors=exact, solve_seconds=made.solve_seconds, simulated_seconds=end)
+        self.know(
+            start=STANDARD, turn=number, cycles=number, settling_errors=exact, solve_seconds=made.solve_seconds, simulated_seconds=end
+        )
         return columns_of(cycles[number - 1])
 
     def _know_of(self, last: LastCycle) -> None:

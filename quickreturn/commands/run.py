@@ -21,6 +21,7 @@ from quickreturn.commands.options import (
 )
 
 if TYPE_CHECKING:
+    from cases.jobs.workshop import Workshop
     from cases.runs.comparison import CaseResult, Check
     from cases.runs.request import Run
 
@@ -55,24 +56,31 @@ def command(
     interrupted run continues.
     """
     from cases.runs.comparison import cross_validate
-    from cases.runs.request import REFUSED
     from engines.registry import MAIN
-    from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
     loaded = [load(case, overrides) for case in dict.fromkeys(cases)]
     refuse_equal_names(loaded)
-    _check_engines(loaded, engines, settings)
+    check_engines(loaded, engines, settings)
     workshop = opened_workshop(jobs, time_limit, memory_limit)
-    results = cross_validate(loaded, workshop, list(dict.fromkeys(engines)) or MAIN, accuracy, settings)
+    names = list(dict.fromkeys(engines)) or MAIN
+    results = cross_validate(loaded, workshop, names, accuracy, dict.fromkeys(names, settings))
     if as_json:
         print_json(as_document(results, workshop.store.notices))
     else:
         _print(results)
+    return exit_code(results, workshop, engines)
+
+
+def exit_code(results: Sequence["CaseResult"], workshop: "Workshop", engines: Sequence[str]) -> int:
+    """Tell on standard error what did not come to a result; `engines` are those that were asked for by name."""
+    from cases.runs.request import REFUSED
+    from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
+
     for result in results:
         for run in result.failures:
-            tell(f"{result.case.name}: engine {run.engine} {run.status}: {run.remark}")
+            tell(f"{result.case.name}: {_kind(run)} {run.engine} {run.status}: {run.remark}")
     refused = [(result.case.name, run) for result in results for run in result.runs.values() if engines and run.status == REFUSED]
     for case, run in refused:
         tell(f"{case}: engine {run.engine}: {run.remark}")
@@ -85,7 +93,7 @@ def command(
     return CLAIMS_BROKEN if any(result.missed for result in results) else GOOD
 
 
-def _check_engines(cases: Sequence[Any], names: Sequence[str], settings: Mapping[str, str]) -> None:
+def check_engines(cases: Sequence[Any], names: Sequence[str], settings: Mapping[str, str]) -> None:
     """Refuse before anything runs an engine that is asked for by name and not there, and settings that an engine does not have."""
     from engines.base import Refusal
     from engines.registry import MAIN, engine
@@ -103,15 +111,16 @@ def _check_engines(cases: Sequence[Any], names: Sequence[str], settings: Mapping
 
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
-    """The JSON document of `run`."""
+    """The JSON document of `run` and `compare`: recorded tables stand among the engines, behind them."""
     return {
         "cases": [
             {
                 "case": result.case.name,
+                "turn": next((run.turn for run in result.runs.values()), None),
                 "passed": result.passed,
                 "reason": result.reason,
                 "notes": list(result.case.notes),
-                "engines": [_as_document(run) | {"accuracy_class": result.accuracy_class(name)} for name, run in result.runs.items()],
+                "engines": [_as_document(run) | {"accuracy_class": result.accuracy_class(name)} for name, run in result.all_runs.items()],
                 "checks": [check.as_dict() for check in result.checks],
             }
             for result in results
@@ -133,23 +142,29 @@ def _as_document(run: "Run") -> dict[str, Any]:
 
 def _print(results: Sequence["CaseResult"]) -> None:
     from cases.runs.request import REFUSED
-    from reports.output import print_table
 
     for result in results:
         if all(run.status == REFUSED for run in result.runs.values()):
             continue  # there is nothing to show
         click.echo(f"{result.case.name}: {result.case.title}")
-        numbers = ("class", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2")
-        header = ("engine", "status", "start", "cycles", "solve s", "estimate", *numbers)
-        print_table([_row(run, result.accuracy_class(name)) for name, run in result.runs.items()], header)
-        for run in result.runs.values():
-            if run.remark:
-                click.echo(f"  {run.engine}: {run.remark}")
-        for line in _verdict(result):
+        print_rows(result)
+        for line in verdict(result):
             click.echo(f"  {line}")
 
 
-def _verdict(result: "CaseResult") -> list[str]:
+def print_rows(result: "CaseResult") -> None:
+    """One row for each engine and recorded table, and their remarks."""
+    from reports.output import print_table
+
+    numbers = ("class", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2")
+    header = ("engine", "status", "start", "cycles", "solve s", "estimate", *numbers)
+    print_table([_row(run, result.accuracy_class(name)) for name, run in result.all_runs.items()], header)
+    for run in result.all_runs.values():
+        if run.remark:
+            click.echo(f"  {run.engine}: {run.remark}")
+
+
+def verdict(result: "CaseResult") -> list[str]:
     """What was judged and what came of it, and how far those engines lie from the reference that are not judged."""
     from cases.runs.comparison import REFERENCE, largest_differences, not_judged
 
@@ -165,7 +180,8 @@ def _verdict(result: "CaseResult") -> list[str]:
         lines.append(f"not judged: {result.reason}")
     elif not result.missed:
         names = ", ".join(dict.fromkeys(check.engine for check in result.checks))
-        lines.append(f"{names}: within what is claimed of {result.checks[0].other} in all {len(result.checks)} comparisons")
+        others = " and ".join(dict.fromkeys(check.other for check in result.checks))
+        lines.append(f"{names}: within what is claimed of {others} in all {len(result.checks)} comparisons")
     reference = result.runs.get(REFERENCE)
     for name, run in result.runs.items():
         if reference is not None and reference.usable and run.usable and name != REFERENCE and (why := not_judged(run)):
@@ -181,11 +197,16 @@ def _departure(check: "Check") -> str:
     )
 
 
+def _kind(run: "Run") -> str:
+    return "table" if run.recording else "engine"
+
+
 def _row(run: "Run", accuracy_class: str | None) -> tuple[str, ...]:
     def number(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
 
-    peaks = ("-", "-") if not run.usable else (f"{run.peak('tip_acceleration'):.2f}", f"{run.peak('strain_2'):.3e}")
+    forms = {"tip_acceleration": ".2f", "strain_2": ".3e"}
+    peaks = [number(run.peak(name) if run.usable and name in run.cycle else None, form) for name, form in forms.items()]
     return (
         run.engine,
         run.status,

@@ -63,7 +63,7 @@ def command(
     get_ready(questions.COMPUTING)
     loaded = load(case, overrides, duration, output_step)
     allowed = limits(time_limit, memory_limit)
-    check_writable(Path(output), keep="" if loaded.source == "library" else case, ending=".csv")
+    check_writable(Path(output), "" if loaded.source == "library" else case, ".csv")
     found = questions.simulate(engine, loaded, settings, accuracy, output, allowed)
     if as_json:
         print_json(found)
