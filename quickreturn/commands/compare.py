@@ -137,8 +137,9 @@ def _print(results: "Sequence[CaseResult]") -> None:
         }
         rows = [(f"  {column}", *_cells(differences, column)) for column in _columns(differences)]
         if rows:
-            heads = [f"{table} - {engine}" for table, by_engine in differences.items() for engine in by_engine]
-            click.echo("  RMS difference in this turn, part of the engine's RMS:")
+            alone = len(differences) == 1
+            heads = [engine if alone else f"{table} - {engine}" for table, by_engine in differences.items() for engine in by_engine]
+            click.echo("  RMS difference in this turn, over the engine's RMS:")
             print_table(rows, ("", *heads))
         for table, found in _slips(result).items():
             for column, told in found.items():

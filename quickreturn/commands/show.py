@@ -2,6 +2,7 @@
 
 import itertools
 import re
+import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +17,9 @@ if TYPE_CHECKING:
 @click.command(name="show")
 @case_argument
 @set_option
+@click.option("--for-other-tools", "for_others", is_flag=True, help="Print what is needed to build the scene in another tool instead.")
 @json_option
-def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
+def command(case: str, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
     """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds."""
     from cases.document import values_in_si
     from cases.jobs.processes import get_ready
@@ -27,6 +29,13 @@ def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
+    if for_others:
+        from reports.other_tools import for_other_tools
+
+        if as_json:
+            raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
+        click.echo(for_other_tools(load(case, overrides), shlex.join([case, *itertools.chain(*(("--set", text) for text in assignments))])))
+        return
     get_ready(TELLING)
     loaded = load(case, overrides)
     document = {
