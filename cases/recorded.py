@@ -9,7 +9,7 @@ import csv
 import io
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -122,6 +122,27 @@ def experiment_tables(folder: str | Path | None = None) -> list[RecordedTable]:
                     table.shown, key, None, "this declaration is missing", f'write "# {key} = ..." above the heading, with {accepted}'
                 )
     return tables
+
+
+def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[RecordedTable]]:
+    """Recorded tables by the name of the case that each declares; it may be left out where there is one case alone.
+
+    Raises:
+        CaseError: a table that cannot be read, or is of none of the cases; two of one name.
+    """
+    found: dict[str, list[RecordedTable]] = {}
+    for path in paths:
+        table = read_table(path)
+        if "case" not in table.declared and len(cases) > 1:
+            accepted = f'write "# case = ..." above its heading, with one of {", ".join(cases)}'
+            raise CaseError(table.shown, "case", None, "is not declared, and there are several cases", accepted)
+        case = table.declared.get("case", cases[0])
+        if case not in cases:
+            raise CaseError(table.shown, "case", as_written(case), "is not among the cases", f"these are {', '.join(cases)}")
+        if any(table.name == other.name for other in found.get(case, ())):
+            raise CaseError(table.shown, None, None, f"is the second table called {table.name}", "give each file a name of its own")
+        found.setdefault(case, []).append(table)
+    return found
 
 
 def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], int]:

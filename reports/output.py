@@ -91,10 +91,14 @@ def plain(value: Any) -> Any:
 
 def print_table(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> None:
     """Print rows of texts in left-aligned columns two blanks apart."""
+    click.echo(table_text(rows, heads))
+
+
+def table_text(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> str:
+    """Rows of texts in left-aligned columns two blanks apart."""
     lines = [list(heads), *map(list, rows)] if heads else [list(row) for row in rows]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for line in lines:
-        click.echo("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+    return "\n".join("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip() for line in lines)
 
 
 def _resolved(path: Path) -> Path:

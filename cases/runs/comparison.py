@@ -108,6 +108,11 @@ class CaseResult:
     recorded: Mapping[str, Run] = field(default_factory=dict)
 
     @property
+    def turn(self) -> int | None:
+        """The turn from the standard start that is compared; None: the steady state."""
+        return next((run.turn for run in self.runs.values() if run.turn is not None), None)
+
+    @property
     def all_runs(self) -> dict[str, Run]:
         """Engines, then recorded tables."""
         return {**self.runs, **self.recorded}

@@ -197,15 +197,11 @@ class _Way:
 
     def _turn(self, number: int) -> Columns:
         """A turn of the run from the standard start, counted from 1."""
-        made = self._done[self._settings]
-        cycles, end = whole_cycles(made), float(made["time"][-1])
-        if len(cycles) < number:
-            raise EngineFailure(end, f"the crank has not made {number} turns by then", "let the table end with an earlier turn")
-        exact = dict.fromkeys(CHANNELS, 0.0)
-        self.know(
-            start=STANDARD, turn=number, cycles=number, settling_errors=exact, solve_seconds=made.solve_seconds, simulated_seconds=end
-        )
-        return columns_of(cycles[number - 1])
+        self.know(start=STANDARD, turn=number, cycles=number, settling_errors=dict.fromkeys(CHANNELS, 0.0))
+        march = self._march(self._settings)
+        cycle = columns_of(next(islice(march, number - 1, None)))
+        self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        return cycle
 
     def _know_of(self, last: LastCycle) -> None:
         told = {"settled": last.settled, "cycles": last.cycles, "settling": last.outlook}

@@ -16,6 +16,7 @@ from quickreturn.commands.options import (
     path_given,
     read_assignments,
     set_option,
+    settings_of,
     single_option,
     time_limit_option,
 )
@@ -66,19 +67,22 @@ def command(
     from cases.recorded import read_table
     from cases.runs.comparison import hold_against_engines
     from engines.registry import MAIN
-    from quickreturn.commands.run import as_document, check_engines, exit_code
+    from quickreturn.commands.run import as_document, exit_code
+    from quickreturn.cross_validation import check_engines, check_settings
     from reports.output import check_writable, print_json
 
     overrides, settings = read_assignments(assignments)
     loaded = load(case, overrides)
     names = list(dict.fromkeys(engines)) or list(MAIN)
-    check_engines([loaded], engines, settings)
+    check_engines(engines)
+    texts = settings_of(settings, names)
+    check_settings([loaded], names, texts)
     if output:
         check_writable(Path(output), "" if loaded.source == "library" else case, *PICTURES)
     tables = [read_table(file) for file in dict.fromkeys(files)]
     refuse_equal_tables([table.name for table in tables])
     workshop = opened_workshop(jobs, time_limit, memory_limit)
-    results = hold_against_engines(loaded, tables, workshop, names, accuracy, dict.fromkeys(names, settings))
+    results = hold_against_engines(loaded, tables, workshop, names, accuracy, texts)
     if as_json:
         document = as_document(results, workshop.store.notices)
         for entry, result in zip(document["cases"], results, strict=True):
@@ -124,14 +128,11 @@ def _slips(result: "CaseResult") -> dict[str, dict[str, str]]:
 
 
 def _print(results: "Sequence[CaseResult]") -> None:
-    from quickreturn.commands.run import print_rows, verdict
+    from quickreturn.verdict_text import text_of
     from reports.output import print_table
 
     for result in results:
-        turn = next(iter(result.recorded.values())).turn
-        state = "steady state" if turn is None else f"turn {turn} from the standard start"
-        click.echo(f"{result.case.name}: {result.case.title}; {state}")
-        print_rows(result)
+        click.echo(text_of(result))
         differences = {
             run.engine: by_engine for run, by_engine in zip(result.recorded.values(), _differences(result).values(), strict=True)
         }
@@ -144,8 +145,6 @@ def _print(results: "Sequence[CaseResult]") -> None:
         for table, found in _slips(result).items():
             for column, told in found.items():
                 click.echo(f"  {table}, {column}: {told}")
-        for line in verdict(result):
-            click.echo(f"  {line}")
 
 
 def _columns(differences: dict[str, dict[str, dict[str, float]]]) -> list[str]:
