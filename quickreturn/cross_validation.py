@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from cases.case import Case
 from cases.errors import as_written, nearest_or_all
-from cases.jobs.processes import PRELOAD, LocalProcesses
+from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.library import CatalogueLine
@@ -48,7 +48,7 @@ class CrossValidation:
     @property
     def passed(self) -> bool | None:
         """Whether no engine departs from another by more than both claim, and all delivered; None if nothing could be judged."""
-        judged = [result.passed for result in self.results if result.passed is not None]
+        judged = [passed for result in self.results if (passed := result.whole.passed) is not None]
         return all(judged) if judged else None
 
     def __getitem__(self, place: tuple[str, str]) -> Run:
@@ -164,25 +164,20 @@ def report(
     """
     from reports.report import write_report
 
-    return write_report(loaded(cases), Path(folder), workshop or opened(preload=DRAWING)).page
+    return write_report(loaded(cases), Path(folder), workshop or opened()).page
 
 
-#: What workers need besides where pictures are drawn.
-DRAWING = ("reports.pictures", "matplotlib.figure")
-
-
-def opened(jobs: int | None = None, *, quiet: bool = False, preload: Sequence[str] = ()) -> Workshop:
+def opened(jobs: int | None = None, *, quiet: bool = False) -> Workshop:
     """The store of results and the processes of this machine.
 
     Args:
         jobs: how many processes at a time; None: one per core.
         quiet: whether nothing is shown on standard error meanwhile.
-        preload: modules that workers need besides.
 
     Raises:
         StoreError: the folder of results, `.quickreturn` or what `QUICKRETURN_STORE` names, cannot be used.
     """
-    return Workshop(Store(), LocalProcesses(jobs, preload=(*PRELOAD, *preload), quiet=quiet))
+    return Workshop(Store(), LocalProcesses(jobs, quiet=quiet))
 
 
 def apart(engines: "str | AnyEngine | Iterable[str | AnyEngine]") -> tuple[list[str], list[str]]:

@@ -17,9 +17,10 @@ _HEADS: Final = (
 
 def text_of(result: CaseResult) -> str:
     """A table of the engines and recorded tables, their remarks, and what was judged."""
-    rows = [_row(run, result.accuracy_class(name)) for name, run in result.all_runs.items()]
-    remarks = [f"  {run.engine}: {run.remark}" for run in result.all_runs.values() if run.remark]
-    judged = [f"  {line}" for line in _verdict(result)]
+    whole = result.whole
+    rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
+    remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
+    judged = [f"  {line}" for line in _verdict(whole)]
     state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
     return "\n".join([f"{result.case.name}: {result.case.title}{state}", table_text(rows, _HEADS), *remarks, *judged])
 

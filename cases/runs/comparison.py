@@ -16,7 +16,7 @@ from cases.recorded import RecordedTable
 from cases.runs.campaign import carry_out
 from cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
 from cases.runs.recorded import recorded_run
-from cases.runs.request import LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
+from cases.runs.request import ASSUMED, LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
 from engines.registry import MAIN
 
 REFERENCE: Final = "reference"
@@ -100,12 +100,13 @@ class Check:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """All engines on one case, recorded tables beside them, and what became of their claims."""
+    """All engines on one case, and what became of their claims; beside them recorded tables, of which `whole` alone speaks."""
 
     case: Case
     runs: Mapping[str, Run]
     checks: tuple[Check, ...] = field(default=())
     recorded: Mapping[str, Run] = field(default_factory=dict)
+    table_checks: tuple[Check, ...] = field(default=())  # tables against engines
 
     @property
     def turn(self) -> int | None:
@@ -113,9 +114,9 @@ class CaseResult:
         return next((run.turn for run in self.runs.values() if run.turn is not None), None)
 
     @property
-    def all_runs(self) -> dict[str, Run]:
-        """Engines, then recorded tables."""
-        return {**self.runs, **self.recorded}
+    def whole(self) -> "CaseResult":
+        """The same with recorded tables as engines behind the others."""
+        return CaseResult(self.case, {**self.runs, **self.recorded}, (*self.checks, *self.table_checks))
 
     @property
     def passed(self) -> bool | None:
@@ -126,7 +127,7 @@ class CaseResult:
     def reason(self) -> str:
         """Why `passed` is not true (a clause), "" if it is."""
         if not self.checks:
-            if len(self.runs) == 1 and not self.recorded:
+            if len(self.runs) == 1:
                 return "nothing to compare with: one engine alone"
             left_out = [f"{name}: {why}" for name, run in self.runs.items() if (why := not_judged(run))]
             judged = [name for name, run in self.runs.items() if not not_judged(run)]
@@ -137,8 +138,7 @@ class CaseResult:
     @property
     def failures(self) -> tuple[Run, ...]:
         """Runs that failed, did not settle or did not reach the accuracy asked. A refusal is none: the engine says what it is."""
-        unusable = tuple(run for run in self.recorded.values() if not run.usable)
-        return (*(run for run in self.runs.values() if run.status not in (SETTLED, TRANSIENT, REFUSED)), *unusable)
+        return tuple(run for run in self.runs.values() if run.status not in (SETTLED, TRANSIENT, ASSUMED, REFUSED))
 
     @property
     def missed(self) -> tuple[Check, ...]:
@@ -159,7 +159,7 @@ class CaseResult:
         Over consensus frequencies and extremes, these relative to the channel's largest magnitude. None where that is not known: there
         is no estimate, or the engine estimates its integration alone and there is no reference to tell the rest.
         """
-        run, reference = self.all_runs[name], self.runs.get(REFERENCE)
+        run, reference = self.runs[name], self.runs.get(REFERENCE)
         known = reference is not None and reference.usable and name != REFERENCE
         if not run.usable or (not known if run.estimate_of == "integration" else run.unestimated):
             return None
@@ -232,7 +232,7 @@ def hold_against_engines(
             requests[case.name, engine, state] = request if turn is None else replace(request, turn=turn, duration=end)
     runs = iter(carry_out(requests, workshop, "engines on the case").values())
     results = [compare(case, {engine: next(runs) for engine in engines}, group) for group in groups.values()]
-    return [replace(result, checks=tuple(check for check in result.checks if check.engine in result.recorded)) for result in results]
+    return [replace(result, checks=()) for result in results]
 
 
 def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[str, Mapping[str, str]] | None) -> RunRequest:
@@ -260,8 +260,8 @@ def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | N
     checks = [check for run in judged.values() if against is not None and run is not against for check in _checks(run, against)]
     turns = {run.turn for run in runs.values()}
     tables = {name: run if run.turn is None or run.turn in turns else _unsettled(run) for name, run in (recorded or {}).items()}
-    checks += [check for run in tables.values() if run.usable for other in judged.values() for check in _table_checks(run, other)]
-    return CaseResult(case, runs, tuple(checks), tables)
+    of_tables = [check for run in tables.values() if run.usable for other in judged.values() for check in _table_checks(run, other)]
+    return CaseResult(case, runs, tuple(checks), tables, tuple(of_tables))
 
 
 def _unsettled(run: Run) -> Run:

@@ -61,11 +61,10 @@ def command(cases: Sequence[str], tag: str | None, output: str, jobs: int | None
     as they come: an interrupted report continues where it stopped.
     """
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
-    from quickreturn.cross_validation import DRAWING
     from reports.report import write_report
 
     loaded = load_all(cases, tag, {}, otherwise="thesis")
-    workshop = opened_workshop(jobs, time_limit, memory_limit, DRAWING)
+    workshop = opened_workshop(jobs, time_limit, memory_limit)
     written = write_report(loaded, Path(output), workshop)
     _print(written)
     for trouble in written.content.troubles:

@@ -87,6 +87,7 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
     from cases.runs.request import REFUSED
     from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
 
+    results = [result.whole for result in results]
     for result in results:
         for each in result.failures:
             tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
@@ -104,6 +105,7 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
     """The JSON document of `run` and `compare`: recorded tables stand behind the engines."""
+    results = [result.whole for result in results]
     return {
         "cases": [
             {
@@ -112,7 +114,7 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
                 "passed": result.passed,
                 "reason": result.reason,
                 "notes": list(result.case.notes),
-                "engines": [_as_document(run) | {"accuracy_class": result.accuracy_class(name)} for name, run in result.all_runs.items()],
+                "engines": [_as_document(run) | {"accuracy_class": result.accuracy_class(name)} for name, run in result.runs.items()],
                 "checks": [check.as_dict() for check in result.checks],
             }
             for result in results

@@ -39,7 +39,7 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
     handles: dict[str, Artist] = {}
     labels, place = [], 0
     for result, shown in zip(results, names, strict=True):
-        for run in (run for run in result.all_runs.values() if run.cycle and (run.usable or run.recording)):
+        for run in (run for run in result.whole.runs.values() if run.cycle and (run.usable or run.recording)):
             style = styles.get(run.engine) or look(run.engine)
             handles[run.engine] = Line2D([], [], label=_plain(run.engine), **style.of_sample)
             for axes, name in zip(panels[place:], shown, strict=False):

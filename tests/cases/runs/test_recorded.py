@@ -64,7 +64,7 @@ def recorded(tmp_path: Path) -> Recorded:
 
 
 def held(run: Run, other: Run) -> CaseResult:
-    return compare(CASE, {"reference": other}, {run.engine: run})
+    return compare(CASE, {"reference": other}, {run.engine: run}).whole
 
 
 def test_a_table_from_the_standard_start_is_held_against_the_same_turn(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
@@ -140,13 +140,13 @@ def test_a_table_on_its_way_from_elsewhere_is_not_judged(transient: pd.DataFrame
     assert "record longer" in run.remark
     result = held(run, steady)
     assert result.passed is None
-    assert result.failures == (result.recorded["tool.csv"],)
+    assert result.failures == (result.runs["tool.csv"],)
 
 
 def test_beside_a_steady_engine_a_transient_table_has_not_settled(transient: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     result = held(recorded(transient), steady)
-    assert result.recorded["tool.csv"].status == NOT_SETTLED
-    assert "compare" in result.recorded["tool.csv"].remark
+    assert result.runs["tool.csv"].status == NOT_SETTLED
+    assert "compare" in result.runs["tool.csv"].remark
     assert result.checks == ()
 
 
