@@ -82,7 +82,7 @@ class CrossValidation:
         columns = self[case, engine].cycle
         if not columns:
             raise LookupError(f"{engine} has no cycle of {case}: {self[case, engine].remark}")
-        return framed(_trajectory(columns), case=case, engine=engine)
+        return framed(Trajectory(dict(columns), 0.0), case=case, engine=engine)
 
     def plot(self, *columns: str) -> "Drawing":
         """The last cycles of all engines over each other, a row of panels for each case; without columns the tip's acceleration.
@@ -93,9 +93,7 @@ class CrossValidation:
         from quickreturn.curves import stacked
 
         chosen = [known_column(name, COLUMNS) for name in columns] or ["tip_acceleration"]
-        cycles = {
-            result.case.name: {name: _trajectory(run.cycle) for name, run in result.runs.items() if run.cycle} for result in self.results
-        }
+        cycles = {result.case.name: {name: run.cycle for name, run in result.runs.items() if run.cycle} for result in self.results}
         return stacked(cycles, chosen)
 
     def __repr__(self) -> str:
@@ -107,10 +105,6 @@ class CrossValidation:
 def _with_estimate(measure: Any, number: str) -> Iterable[tuple[str, float | None]]:
     yield number, measure.number(number)
     yield f"{number}_estimate", measure.estimate(number)
-
-
-def _trajectory(columns: Mapping[str, Any]) -> Trajectory:
-    return Trajectory(dict(columns), 0.0)
 
 
 def run(

@@ -7,9 +7,9 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from engines.trajectory import Trajectory
-from quickreturn.solution import known_column
+from quickreturn.solution import UnknownColumn, known_column
 from reference_model.columns import COLUMNS
 from reports.plots.style import FONT_SIZE, look, tidy
 
@@ -22,6 +22,9 @@ NOTEBOOK: Final = 110  # dots per inch
 
 #: Unit -> what is shown in its place, and by how much a value is divided for that.
 _SHOWN: Final = {"m": ("mm", 1e-3), "1": ("1e-6", 1e-6)}
+
+
+Columns = Mapping[str, NDArray[np.float64]]
 
 
 class Drawing(Figure):
@@ -38,19 +41,21 @@ def drawing(height: float, width: float = WIDTH) -> Drawing:
     return Drawing(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def curves(trajectories: Mapping[str, Trajectory], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
+def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
     """Columns over time, one panel for each.
 
     Args:
-        trajectories: by label: an engine's name, which is drawn in its colour, or any other text.
+        trajectories: columns by label: an engine's name, which is drawn in its colour, or any other text.
         columns: None given: `USUAL`, as far as they are there.
         title: above all.
 
     Raises:
         UnknownColumn: none of the trajectories has it.
     """
-    there = {name: None for trajectory in trajectories.values() for name in trajectory.columns}
+    there = {name: None for trajectory in trajectories.values() for name in trajectory}
     chosen = [known_column(name, there) for name in columns] or [name for name in USUAL if name in there]
+    if not chosen:
+        raise UnknownColumn(f"none of the usual columns is there; name some of {', '.join(name for name in there if name != 'time')}")
     figure = drawing(0.8 + PANEL * len(chosen))
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, chosen, strict=True):
@@ -60,7 +65,7 @@ def curves(trajectories: Mapping[str, Trajectory], columns: Sequence[str] = (), 
     return figure
 
 
-def stacked(cycles: Mapping[str, Mapping[str, Trajectory]], columns: Sequence[str]) -> Drawing:
+def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str]) -> Drawing:
     """The last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
     figure = drawing(0.8 + PANEL * len(cycles), max(WIDTH, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
@@ -74,10 +79,10 @@ def stacked(cycles: Mapping[str, Mapping[str, Trajectory]], columns: Sequence[st
     return figure
 
 
-def _panel(axes: Axes, trajectories: Mapping[str, Trajectory], column: str, over: str) -> None:
+def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: str) -> None:
     unit, scale = _SHOWN.get(COLUMNS[column].unit, (COLUMNS[column].unit, 1.0))
     for label, trajectory in trajectories.items():
-        if column in trajectory.columns:
+        if column in trajectory:
             along: Any = trajectory["time"]
             if over == "crank_angle":
                 angle = trajectory["crank_angle"]

@@ -1,5 +1,6 @@
 """One trajectory of one engine on one case, from the standard start, with what can be said of its errors."""
 
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,6 +15,7 @@ from engines.scene import simulate_scene
 from engines.settings import as_texts
 from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
+from reference_model import machine_code
 from reference_model.columns import COLUMNS
 
 if TYPE_CHECKING:
@@ -87,7 +89,7 @@ class Solution:
         """
         from quickreturn.curves import curves
 
-        return curves({self.engine: self.trajectory}, columns, title=f"{self.case.name}: {self.case.title}")
+        return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}")
 
     def rows(self, kept: str = "") -> Iterator[tuple[str, str]]:
         """What there is to say, a name and a text each; `kept`: where the rows are."""
@@ -130,6 +132,8 @@ def simulate(
         EngineFailure: the run broke down; `partial` holds the trajectory as far as it came.
     """
     chosen, scene = found_engine(engine), one_case(case)
+    if sentence := machine_code.forgotten():
+        warnings.warn(sentence, stacklevel=2)
     result = simulate_scene(chosen, scene.scene, scene.duration, scene.output_step, as_texts(settings or {}), checked(accuracy))
     return Solution(scene, chosen.name, chosen.version(), replace(result, runs={}))
 

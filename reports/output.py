@@ -42,7 +42,7 @@ def check_writable(path: Path, keep: str, *endings: str) -> None:
             target.open("ab").close()
         elif path.suffix.lower() not in endings:
             wrong = f'"{shortened(path.suffix)}" is no known format' if path.suffix else "no ending tells the format"
-            raise OutputError(f"{_option(path)}: {wrong}; accepted: {' or '.join(endings)}, such as {shortened(path.stem)}{endings[0]}")
+            raise OutputError(f"{_option(path)}: {wrong}; accepted: {', '.join(endings)}, such as {shortened(path.stem)}{endings[0]}")
         else:
             with tempfile.TemporaryFile(dir=target.parent):
                 pass

@@ -4,6 +4,7 @@ A terminal shows it in place; a pipe or a file gets a line every few seconds and
 """
 
 import contextlib
+import functools
 import sys
 import threading
 import time
@@ -12,6 +13,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final
 
 from cases.jobs.job import Executor, Job, Outcome, T
+from reference_model import machine_code
 
 if TYPE_CHECKING:
     from engines.progress import Progress
@@ -28,6 +30,7 @@ def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator
     if executor.quiet or not jobs:
         yield from executor.run(jobs)
         return
+    _say_what_is_forgotten()
     tally = Tally(len(jobs), executor.at_once)
     with _shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
         for outcome in running:
@@ -162,6 +165,13 @@ def _in_lines(tally: Tally, title: str) -> Iterator[None]:
 def _result(outcome: Outcome[Any], tally: Tally) -> str:
     ended = f"done in {span(outcome.seconds)}" if outcome.completed else outcome.failure
     return f"{outcome.job.name}: {ended}; {tally}"
+
+
+@functools.cache
+def _say_what_is_forgotten() -> None:
+    """Once in a process."""
+    if sentence := machine_code.forgotten():
+        _say(sentence)
 
 
 def _say(line: str) -> None:

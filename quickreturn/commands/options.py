@@ -110,16 +110,20 @@ def _complete_engine(context: click.Context, option: click.Parameter, begun: str
 
 
 cases_argument: Final[Callable[[Any], Any]] = click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=_complete_case)
+case_argument: Final[Callable[[Any], Any]] = click.argument("case", metavar="CASE", shell_complete=_complete_case)
+plotted_argument: Final[Callable[[Any], Any]] = click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=_complete_case)
 tag_option: Final = single_option("--tag", metavar="TAG", help="Besides, all cases of the library with this tag.")
-engines_option: Final[Callable[[Any], Any]] = click.option(
+_engines_option: Final = functools.partial(
+    click.option,
     "--engine",
     "engines",
     metavar="E",
     multiple=True,
-    required=True,
     shell_complete=_complete_engine,
-    help="Engine, see `quickreturn engines`; may be given again.",
 )
+engines_option: Final = _engines_option(required=True, help="Engine, see `quickreturn engines`; may be given again.")
+engines_option_if_any: Final = _engines_option(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
+main_engines_option: Final = _engines_option(help="Engine to run; may be given again. Default: the four main ones.")
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 accuracy_option: Final = single_option(
     "--accuracy",

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 #: Endings of files. A folder of such a name would be created where somebody expects the page.
-_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip")
+_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
 
 
 def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:

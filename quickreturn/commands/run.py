@@ -11,6 +11,7 @@ from quickreturn.commands.options import (
     jobs_option,
     json_option,
     load_all,
+    main_engines_option,
     memory_limit_option,
     opened_workshop,
     read_assignments,
@@ -30,13 +31,7 @@ if TYPE_CHECKING:
 @click.command(name="run")
 @cases_argument
 @tag_option
-@click.option(
-    "--engine",
-    "engines",
-    metavar="E",
-    multiple=True,
-    help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines.",
-)
+@main_engines_option
 @accuracy_option
 @set_option
 @jobs_option

@@ -31,6 +31,7 @@ from quickreturn.commands.options import (
 if TYPE_CHECKING:
     from cases.case import Case
     from engines.base import EngineFailure
+    from engines.trajectory import Trajectory
     from quickreturn.solution import Solution
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
@@ -116,6 +117,32 @@ def command(
     if refusal is not None:
         raise refusal
     return GOOD if all(document.reached for document in documents) else ENGINE_TROUBLE
+
+
+def trajectories(
+    cases: "Sequence[Case]", engines: Sequence[str], settings: Mapping[str, Mapping[str, str]], accuracy: float | None
+) -> "dict[tuple[str, str], Trajectory]":
+    """Trajectories by case and engine, computed in workers; what is missed of the accuracy is told.
+
+    Raises:
+        Refusal, SettingError, UnknownEngine, EngineFailure, EngineDied: one cannot, or failed.
+    """
+    from cases.jobs.job import Job
+    from quickreturn import questions
+
+    asked = [(case, name) for case in cases for name in engines]
+    for case, name in asked:
+        questions.check(name, case.scene, settings[name])
+    jobs = [Job(f"{case.name} {name}", attempt, (case, name, settings[name], accuracy)) for case, name in asked]
+    found = {}
+    for (case, name), outcome in zip(asked, questions.asked(jobs, "simulating", quiet=quiet()), strict=True):
+        _, solution = questions.value_of(outcome)
+        if isinstance(solution, Exception):
+            raise solution
+        if not solution.reached:
+            tell(f"{case.name}: engine {name}: {solution.remark}")
+        found[case.name, name] = solution.trajectory
+    return found
 
 
 def _places(output: str, cases: "Sequence[Case]", engines: Sequence[str]) -> dict[tuple[str, str], str]:
