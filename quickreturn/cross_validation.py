@@ -140,13 +140,18 @@ def run(
 
 
 def report(
-    cases: AnyCase | Iterable[AnyCase], folder: "str | os.PathLike[str]" = "reports/output", *, workshop: Workshop | None = None
+    cases: AnyCase | Iterable[AnyCase],
+    folder: "str | os.PathLike[str]" = "reports/output",
+    engines: "str | AnyEngine | Iterable[str | AnyEngine]" = MAIN,
+    *,
+    workshop: Workshop | None = None,
 ) -> Path:
     """Write the report on cases: a page, and its tables as CSV beside it. Results are kept as they come.
 
     Args:
         cases: as of `run`.
         folder: is created where it is missing.
+        engines: as of `run`.
         workshop: as of `run`.
 
     Returns:
@@ -158,7 +163,9 @@ def report(
     """
     from reports.report import write_report
 
-    return write_report(loaded(cases), Path(folder), workshop or opened()).page
+    chosen, (names, paths) = loaded(cases), apart(engines)
+    tables = tables_of(paths, [case.name for case in chosen])
+    return write_report(chosen, Path(folder), workshop or opened(), names, tables).page
 
 
 def opened(jobs: int | None = None, *, quiet: bool = False) -> Workshop:

@@ -3,7 +3,7 @@
 import contextlib
 import csv
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -12,17 +12,16 @@ from cases.benchmark import SCENES, Benchmark, measure, stored
 from cases.case import Case
 from cases.case_file import load_case
 from cases.errors import shortened
-from cases.experiment import load_curves
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.store import words_of
 from cases.jobs.workshop import Workshop
+from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import CaseResult, cross_validate
-from cases.runs.request import CODE
-from cases.studies import ACCURACY_CASE, OPEN_RUNS, Studies, run_studies
+from cases.runs.request import CODE, Run
+from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
 from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN
 from reports.findings.evidence import Evidence, NoEvidence, evidence
-from reports.findings.measured import measured_comparisons
 from reports.findings.runs import of_run, run_number
 from reports.machine import machine_facts
 from reports.output import OutputError, write_file
@@ -51,9 +50,14 @@ class Written:
     tables: tuple[Table, ...]
 
     @property
+    def unusable(self) -> list[tuple[str, Run]]:
+        """Recorded tables that cannot be held against the steady state, with their cases."""
+        return [(result.case.name, run) for result in self.content.results for run in result.recorded.values() if not run.usable]
+
+    @property
     def failed(self) -> bool:
         """Whether an engine did not complete a case. Studies change a case on purpose: what they cannot make is told in the page."""
-        return any(trouble.is_failure for trouble in self.content.troubles)
+        return bool(self.unusable) or any(trouble.is_failure for trouble in self.content.troubles)
 
 
 def check_folder(folder: Path) -> None:
@@ -75,7 +79,13 @@ def check_folder(folder: Path) -> None:
         raise OutputError(f"--output {shortened(str(folder))}: it cannot be written ({reason})") from error
 
 
-def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engines: Sequence[str] = MAIN) -> Written:
+def write_report(
+    cases: Sequence[Case],
+    folder: Path,
+    workshop: Workshop,
+    engines: Sequence[str] = MAIN,
+    tables: Mapping[str, Sequence[RecordedTable]] | None = None,
+) -> Written:
     """Compute what is missing, and write the page and its tables.
 
     Args:
@@ -83,16 +93,20 @@ def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engine
         folder: where it goes; it is created, and found out about before anything runs (see `check_folder`).
         workshop: where results are computed and kept.
         engines: names.
+        tables: case -> what was recorded of it, beside the recordings of the experiment.
 
     Raises:
-        CaseError: a measured curve that breaks its documented form; nothing has been computed then.
+        CaseError: a recorded table that cannot be read or is not of its case; nothing has been computed then.
         OutputError: page or tables cannot be written.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder)
-    curves = load_curves()
-    results = cross_validate(cases, workshop, engines)
-    studies = _studies(cases, workshop)
+    recorded = {case: [*found] for case, found in (tables or {}).items()}
+    for table in experiment_tables():
+        recorded.setdefault(table.declared["case"], []).append(table)
+    studied = _studied(cases)
+    results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if studied else None)
+    studies = run_studies(workshop) if studied else None
     benchmarks = _benchmarks(cases, workshop, measured=studies is not None)
     example = of_run(results, EXAMPLE) if EXAMPLE else None
     found, missing = _evidence(example, workshop)
@@ -101,8 +115,6 @@ def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engine
         studies=studies,
         benchmarks=benchmarks,
         evidence=found,
-        curves=curves,
-        comparisons=measured_comparisons(results, curves),
         hard_scenes=stored_matrix(workshop) if studies is not None else None,
         verification=stored_verification(workshop.store.folder),
         facts=machine_facts(),
@@ -138,10 +150,9 @@ def _evidence(example: CaseResult | None, workshop: Workshop) -> tuple[Evidence 
         return None, [str(reason)]
 
 
-def _studies(cases: Sequence[Case], workshop: Workshop) -> Studies | None:
-    """The studies, if the report is about all runs that they are about."""
-    shown = {case.name for case in cases if case.source == "library"}
-    return run_studies(workshop) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
+def _studied(cases: Sequence[Case]) -> bool:
+    """Whether the report is about all runs that the studies are about."""
+    return {ACCURACY_CASE, *OPEN_RUNS} <= {case.name for case in cases if case.source == "library"}
 
 
 def _benchmarks(cases: Sequence[Case], workshop: Workshop, *, measured: bool) -> list[Benchmark]:

@@ -13,7 +13,7 @@ from cases.case import Case
 from cases.jobs.workshop import Workshop
 from cases.measures import CHANNELS, Consensus, consensus_of, extremes_by_half
 from cases.recorded import RecordedTable
-from cases.runs.campaign import carry_out
+from cases.runs.campaign import Work, carry_out
 from cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
 from cases.runs.recorded import recorded_run
 from cases.runs.request import ASSUMED, LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
@@ -180,6 +180,7 @@ def cross_validate(
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, str]] | None = None,
     tables: Mapping[str, Sequence[RecordedTable]] | None = None,
+    beside: Work | None = None,
 ) -> list[CaseResult]:
     """Bring every engine to its steady state on every case and compare.
 
@@ -190,6 +191,7 @@ def cross_validate(
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
         settings: of an engine, by its name: setting -> value as text.
         tables: case -> what was recorded of it.
+        beside: what else is computed with them and stored.
 
     Raises:
         CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
@@ -200,7 +202,8 @@ def cross_validate(
     requests = {(case.name, engine): _request(case, engine, accuracy, settings) for case in cases for engine in engines}
     if len(requests) < len(cases) * len(engines):
         raise ValueError("two cases or two engines have one name")
-    runs = carry_out(requests, workshop, "engines on cases")
+    also = beside or Work()
+    runs = carry_out({**also.requests, **requests}, workshop, "engines on cases", also.jobs)
     return [compare(case, {engine: runs[case.name, engine] for engine in engines}, recorded[case.name]) for case in cases]
 
 

@@ -4,14 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cases.benchmark import Benchmark
-from cases.experiment import MeasuredCurve
 from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
 from cases.studies import Studies
 from reports.findings.axes import AxisComparison, axis_comparisons
 from reports.findings.evidence import Evidence
 from reports.findings.failures import Trouble, troubles
-from reports.findings.measured import MeasuredHalf, statement_values
+from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.runs import thesis_runs
 from reports.findings.verdicts import MODEL, Basis, Verdict, verdicts
 from reports.verification import Verification
@@ -26,8 +25,6 @@ class Content:
         studies: None where the cases that they are about are not all among the results.
         benchmarks: of the scenes on which methods are compared, those that there are.
         evidence: on the thesis' example run; None where that is not among the results.
-        curves: measured curves, of whatever runs.
-        comparisons: of the curves of the runs shown.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         verification: of the long verification, if there are results.
         facts: about the machine.
@@ -39,8 +36,6 @@ class Content:
     studies: Studies | None = None
     benchmarks: Sequence[Benchmark] = ()
     evidence: Evidence | None = None
-    curves: Sequence[MeasuredCurve] = ()
-    comparisons: Sequence[MeasuredHalf] = ()
     hard_scenes: Matrix | None = None
     verification: Verification = field(default_factory=Verification)
     facts: Mapping[str, str] = field(default_factory=dict)
@@ -51,6 +46,11 @@ class Content:
     def thesis_results(self) -> list[CaseResult]:
         """Those of the runs of the thesis, which is all that its statements are about."""
         return list(thesis_runs(self.results).values())
+
+    @property
+    def comparisons(self) -> list[MeasuredHalf]:
+        """Recorded tables against engines, per half and channel."""
+        return measured_halves(self.results)
 
     @property
     def verdicts(self) -> list[Verdict]:
