@@ -28,9 +28,8 @@ class EngineDied(Exception):
         self.outcome = outcome
 
 
-#: What processes import that tell of engines, those that draw, and those that compute.
+#: What processes import that tell of engines, those that compute.
 TELLING: Final = ("cases.jobs.worker", "engines.registry")
-DRAWING: Final = ("reports.pictures", "matplotlib.figure")
 COMPUTING: Final = (*TELLING, "engines.accurate", "engines.own.simulation")
 
 

@@ -123,7 +123,9 @@ _engines_option: Final = functools.partial(
 )
 engines_option: Final = _engines_option(required=True, help="Engine, see `quickreturn engines`; may be given again.")
 engines_option_if_any: Final = _engines_option(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
-main_engines_option: Final = _engines_option(help="Engine to run; may be given again. Default: the four main ones.")
+main_engines_option: Final = _engines_option(
+    help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines."
+)
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 accuracy_option: Final = single_option(
     "--accuracy",
