@@ -23,6 +23,25 @@ TURN: Final = 4.0  # s that a turn is shown for, at least
 COLOURS: Final = 64  # lines and their smoothed edges need no more, and every further one makes the file larger
 
 
+def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magnify: float | None = None) -> bytes:
+    """A file's content: the moving picture, or a page with it that opens from disk.
+
+    Args:
+        case: what was simulated.
+        trajectories: of the engines by name, on one output grid.
+        ending: ".webp" or ".html".
+        magnify: see `webp`; a page does not take it.
+
+    Raises:
+        UnknownColumn, CaseError: see `webp`; a page needs a crank.
+    """
+    if ending == ".webp":
+        return webp(case, trajectories, magnify)
+    from reports.page.render import animation_page
+
+    return animation_page(case, trajectories).encode()
+
+
 def webp(case: Case, trajectories: Mapping[str, Trajectory], magnify: float | None = None) -> bytes:
     """The file's content.
 

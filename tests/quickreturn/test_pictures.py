@@ -2,6 +2,7 @@
 
 import io
 import itertools
+import re
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from quickreturn.animation import FRAMES, last_turn, webp
 from quickreturn.drawing import POINTS, SHOWN, factor_for, motion_of, unbent
 from reference_model.columns import SHAPE
 from reference_model.mechanism import Mechanism
+from reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
 
@@ -78,6 +80,19 @@ def test_a_trajectory_that_does_not_tell_its_shape_is_refused(trajectory: Trajec
     columns = {name: values for name, values in trajectory.columns.items() if name != SHAPE[3]}
     with pytest.raises(qr.UnknownColumn, match=SHAPE[3]):
         motion_of(CASE.scene, Trajectory(columns, 0.0), trajectory["time"])
+
+
+def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(trajectory: Trajectory, tmp_path: Path) -> None:
+    solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6})
+    solution.animate(tmp_path / "out.html")
+    page = (tmp_path / "out.html").read_text()
+    assert "<canvas" in page
+    assert "Run 24" in page
+    assert not re.search(r"(src|href)=.https?:", page), "it opens without a network"
+    solution.animate(tmp_path / "out.webp", magnify=2.0)
+    assert (tmp_path / "out.webp").read_bytes().startswith(b"RIFF")
+    with pytest.raises(OutputError, match="gif"):
+        solution.animate(tmp_path / "out.gif")
 
 
 def test_a_case_without_a_crank_can_be_drawn() -> None:
