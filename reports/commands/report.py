@@ -64,7 +64,7 @@ def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str
 
     loaded = [load(case, {}) for case in dict.fromkeys(cases or [entry.name for entry in catalogue("thesis")])]
     refuse_equal_names(loaded)
-    workshop = opened_workshop(jobs, time_limit, memory_limit, ("reports.pictures", "matplotlib.figure"))
+    workshop = opened_workshop(jobs, time_limit, memory_limit)
     written = write_report(loaded, Path(output), workshop)
     _print(written)
     for trouble in written.content.troubles:

@@ -41,7 +41,6 @@ def departures(results: Sequence[CaseResult]) -> Table:
             Column("share", "share", "1", ".2f"),
             Column("cause", "what the numbers suggest"),
         ),
-        grouped=True,
     )
     for result in results:
         for check in result.missed:
@@ -110,7 +109,6 @@ def summary(results: Sequence[CaseResult]) -> Table:
             Column("used_median", "median", "1", ".2f", group="used"),
             Column("used_most", "most", "1", ".2f", group="used"),
         ),
-        grouped=True,
     )
     groups: dict[tuple[str, str, str], list[Check]] = {}
     for check in (check for result in results for check in result.checks):

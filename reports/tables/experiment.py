@@ -108,7 +108,6 @@ def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> T
             Column("minimum", "minimum", "SI", ".3g", group="extremes of the curve"),
             Column("maximum", "maximum", "SI", ".3g", group="extremes of the curve"),
         ),
-        grouped=True,
     )
     for item in found:
         name = run_name(item.curve.run)

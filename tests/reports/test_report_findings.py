@@ -7,14 +7,7 @@ import numpy as np
 import pytest
 
 from cases.experiment import MeasuredCurve, statements
-from cases.measures import CHANNELS, Measure
-from cases.runs.comparison import HALVES, CaseResult, Check, compare
-from cases.runs.estimates import EstimatedConsensus
-from cases.runs.request import Run
-from reports.findings.agreement import differences, spread
-from reports.findings.evidence import Evidence
-from reports.findings.failures import troubles
-from reports.findings.frozen_crank import (
+from cases.frozen_crank import (
     ANGLES,
     LBF_PER_IN,
     JointEffect,
@@ -24,6 +17,13 @@ from reports.findings.frozen_crank import (
     joint_effects,
     share_with_signs,
 )
+from cases.measures import CHANNELS, Measure
+from cases.runs.comparison import HALVES, CaseResult, Check, compare
+from cases.runs.estimates import EstimatedConsensus
+from cases.runs.request import Run
+from reports.findings.agreement import differences, spread
+from reports.findings.evidence import Evidence
+from reports.findings.failures import troubles
 from reports.findings.measured import MeasuredHalf, statement_values
 from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, verdicts
