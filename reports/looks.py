@@ -22,9 +22,9 @@ class Look:
 
 _LOOKS: Final = {
     "reference": Look("#0072b2", "#4aa8e0", 6.0, order=1),
-    "mujoco": Look("#00875f", "#2fc596", 3.4, order=2),
+    "mujoco": Look("#007f59", "#2fc596", 3.4, order=2),
     "exudyn": Look("#141414", "#f4f4f4", 1.5, (7.0, 6.0), order=3),
-    "thesis": Look("#d04a02", "#ff8a4c", 2.0, order=4),
+    "thesis": Look("#c24400", "#ff8a4c", 2.0, order=4),
     "fixed-shapes": Look("#8a4fbe", "#c294f0", 2.0, (11.0, 3.0), order=5),
     "multiplier": Look("#b0457f", "#ee8cc0", 2.0, (3.0, 3.0), order=6),
     "stiff-spring": Look("#8a6500", "#e0b13a", 2.0, (8.0, 3.0, 2.0, 3.0), order=7),

@@ -27,7 +27,7 @@ function readAddress() {
   const wanted = { ...state };
   if (runOf(given.get("run"))) wanted.run = given.get("run");
   if (given.has("engines")) wanted.engines = DATA.engines.map((engine) => engine.name).filter((name) => given.get("engines").split(",").includes(name));
-  if (given.get("signal") in DATA.signals) wanted.signal = given.get("signal");
+  if (Object.hasOwn(DATA.signals, given.get("signal") ?? "")) wanted.signal = given.get("signal");
   if (given.has("at") && Number.isFinite(Number(given.get("at")))) wanted.at = Math.max(0, Number(given.get("at")));
   if (given.get("bend") === "auto" || Number(given.get("bend")) >= 1) wanted.bend = given.get("bend");
   if (given.has("chapter")) wanted.chapter = chapters().some((found) => found.id === given.get("chapter")) ? given.get("chapter") : "";
