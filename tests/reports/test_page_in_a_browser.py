@@ -154,7 +154,7 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
 
 def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
     page = opened("#at=100&chapter=agreement")
-    page.locator("#table-map tbody a").nth(4).click()
+    page.locator("#table-map tbody tr").nth(1).locator("a").last.click()
     page.wait_for_function("document.querySelector('#run-buttons [aria-pressed=true]').value === 'thesis-06'")
     assert "failed" in page.locator("#engines label", has_text="exudyn").inner_text()
     assert page.evaluate("scrollY") == 0

@@ -63,7 +63,7 @@ function draw(Bokeh, holder, plot) {
     made.add_tools(new Bokeh.HoverTool({ renderers: [dots], tooltips: [["", "@name"], ["", "@text"]], toggleable: false }));
     if (series.engine && series.line) made.add_layout(new Bokeh.Label({ x: across.at(-1), y: up.at(-1), text: series.name, x_offset: 7, y_offset: -6, text_color: look.line_color, text_font_size: "13px" }));
   });
-  if (made.legend) Object.assign(made.legend, { background_fill_color: colour("ground"), label_text_color: colour("ink"), border_line_color: colour("faint"), click_policy: "hide" });
+  if (made.legend) Object.assign(made.legend, { background_fill_color: colour("ground"), label_text_color: colour("ink"), border_line_color: colour("faint"), click_policy: "hide", location: plot.legend });
   holder.replaceChildren();
   return Bokeh.Plotting.show(made, holder);
 }

@@ -152,17 +152,17 @@ class Stage {
       return middle[k];
     };
     const wanted = [
-      ["O", "O", BOLD, [[O[0] - 18, O[1] + 2], [O[0], O[1] + 26], [O[0] - 18, O[1] + 20], [O[0] + 20, O[1] + 14]]],
+      ["O", "O", BOLD, [[O[0] - 18, O[1] + 2], [O[0], O[1] + 26], [O[0] - 20, O[1] + 20], [O[0] + 20, O[1] + 14], [O[0] + 20, O[1] - 12], [O[0] - 20, O[1] - 14], [O[0], O[1] + 30], [O[0], O[1] - 20]]],
       ["P", "P", BOLD, [[P[0] + 18, P[1] + 4], [P[0], P[1] + 28]]],
       ["tip", "tip", BOLD, [[nose[0], nose[1] - 28], [nose[0], nose[1] + 30], [nose[0] - 26, nose[1]], [nose[0] + 30, nose[1] - 20]]],
       ["slider", "slider", TEXT, around(C, half)],
-      ["crank", "crank", TEXT, around(crankMiddle, compact ? 16 : 20)],
+      ["crank", "crank", TEXT, [...around(crankMiddle, compact ? 16 : 20), ...around(crankMiddle, 32)]],
       ["follower", compact ? "follower" : "flexible follower", TEXT, [0.25, 0.33, 0.16, 0.42].flatMap((part) => { const [x, y] = along(part); return [[x, y - 20], [x, y + 22], [x, y - 34], [x, y + 36]]; })],
     ];
     if (quick !== null) {
       pen.font = BOLD;
       const half = pen.measureText("quick return").width / 2 + 12;
-      wanted.push(["quick", "quick return", BOLD, [0.6, -0.6, 0.9, -0.9, 0.3, -0.3].map((angle) => [O[0] + radius * Math.cos(angle) + half, O[1] + radius * Math.sin(angle)])]);
+      wanted.push(["quick", "quick return", BOLD, [0.6, -0.6, 0.9, -0.9, 0.3, -0.3].map((angle) => [O[0] + radius * Math.cos(angle) + half, O[1] + radius * Math.sin(angle)]).concat([[O[0] + half, O[1] - radius - 16], [O[0] + half, O[1] + radius + 18]])]);
     }
     const taken = [...lines, [O, C]].flatMap((line) => sampled(line)).map(([x, y]) => [x - 3, y - 3, x + 3, y + 3]);
     taken.push(...[O, P].map(([x, y]) => [x - 11, y - 6, x + 11, y + 16]), [C[0] - 15, C[1] - 13, C[0] + 15, C[1] + 13], ...lines.map((line) => line[line.length - 1]).map(([x, y]) => [x - 10, y - 16, x + 10, y + 16]));
