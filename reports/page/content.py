@@ -14,6 +14,7 @@ from reports.findings.failures import Trouble, troubles
 from reports.findings.measured import MeasuredHalf, statement_values
 from reports.findings.runs import thesis_runs
 from reports.findings.verdicts import MODEL, Basis, Verdict, verdicts
+from reports.recorded import About
 from reports.verification import Verification
 
 
@@ -29,6 +30,7 @@ class Content:
         curves: measured curves, of whatever runs.
         comparisons: of the curves of the runs shown.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
+        recorded: study ("benchmark", "hard scenes") -> about its recorded results, where these stand for the user's own.
         verification: of the long verification, if there are results.
         facts: about the machine.
         code: fingerprint of the code that computed the results.
@@ -42,6 +44,7 @@ class Content:
     curves: Sequence[MeasuredCurve] = ()
     comparisons: Sequence[MeasuredHalf] = ()
     hard_scenes: Matrix | None = None
+    recorded: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
     facts: Mapping[str, str] = field(default_factory=dict)
     code: str = ""

@@ -189,14 +189,15 @@ function save(name, text, type = "text/csv") {
   URL.revokeObjectURL(link.href);
 }
 
-/** The curve that is shown, each engine at its own instants, in SI units. */
-function curveTable() {
-  const column = state.signal, head = ["engine", "time [s]", `crank_angle [${DATA.units.crank_angle}]`, `${column} [${DATA.units[column]}]`];
-  const rows = curve.engines.flatMap((name) => {
-    const { time, crank_angle: angle, [column]: values } = motion.tables[name];
-    return Array.from(time, (t, k) => [name, t - time[0], angle[k], values[k]].join(","));
+/** Signals of the engines that are shown, each at its own instants, in SI units; what an engine does not have stays empty. */
+function signalTable(signals) {
+  const columns = ["time", "crank_angle", ...signals], quoted = (text) => `"${text.replaceAll('"', '""')}"`;
+  const rows = drawnOrder().flatMap((name) => {
+    const table = motion.tables[name], start = table.time?.[0] ?? 0;
+    const value = (column, k) => !table[column] ? "" : column === "time" ? table.time[k] - start : table[column][k];
+    return Array.from(motion.cursors[name], (_, k) => [quoted(name), ...columns.map((column) => value(column, k))].join(","));
   });
-  return [head.join(","), ...rows].join("\n") + "\n";
+  return [["engine", ...columns.map((column) => `${column} [${DATA.units[column]}]`)].join(","), ...rows].join("\n") + "\n";
 }
 
 // ---- chapters
@@ -221,7 +222,7 @@ element("bend").addEventListener("change", (event) => change({ bend: event.targe
 element("speed").append(...SPEEDS.map((times) => new Option(times === 1 ? "as it is" : `1/${times}`, times)));
 element("zoom-in").addEventListener("click", () => curve.zoomBy(0.5, state.at));
 element("zoom-out").addEventListener("click", () => curve.zoomBy(2, state.at));
-element("csv").addEventListener("click", () => save(`${state.run}-${state.signal}.csv`, curveTable()));
+element("csv").addEventListener("click", () => save(`${state.run}-${state.signal}.csv`, signalTable([state.signal])));
 element("theme").addEventListener("click", () => { document.documentElement.dataset.theme = isDark() ? "light" : "dark"; show(); });
 element("copy").addEventListener("click", async () => {
   writeAddress();

@@ -85,13 +85,15 @@ async function drawSignals(holder) {
       const x = Array.from(motion.cursors[name], (turned) => motion.begin + motion.turning * turned);
       const source = new Bokeh.ColumnDataSource({ data: { x, y: Array.from(motion.tables[name][signal], (value) => value * scale), name: x.map(() => name) } });
       const line = made.line({ field: "x" }, { field: "y" }, { source, ...lineOf(name) });
-      made.add_tools(new Bokeh.HoverTool({ renderers: [line], mode: "vline", toggleable: false, tooltips: [["", "@name @y{0.0000}"], ["at", "@x{0.0}"]] }));
+      made.add_tools(new Bokeh.HoverTool({ renderers: [line], mode: "vline", toggleable: false, tooltips: [["", `@name @y{0.0000} ${unit}`], ["at", `@x{0.0} ${motion.cyclic ? "°" : "s"}`]] }));
     }
     figures.push(made);
   }
   holder.setAttribute("aria-label", `All signals of ${runOf(state.run).title} over the crank angle. ${element("apart").textContent}`);
   if (figures.length) await Bokeh.Plotting.show(Bokeh.Plotting.gridplot(figures.map((made) => [made]), { sizing_mode: "stretch_width", toolbar_location: "above" }), holder);
 }
+
+document.getElementById("signals-csv")?.addEventListener("click", () => save(`${state.run}.csv`, signalTable(Object.keys(DATA.signals))));
 
 async function drawOpened() {
   for (const holder of document.querySelectorAll("details[open] .drawn")) {
