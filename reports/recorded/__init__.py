@@ -135,18 +135,16 @@ def _short(value: Any) -> Any:
     return [_short(each) for each in value] if isinstance(value, list) else value
 
 
-def _whole(kind: type[T], row: Mapping[str, str], prefix: str = "") -> T:
-    hints, values = get_type_hints(kind), {}
-    for field in dataclasses.fields(kind):  # type: ignore[arg-type]  # a dataclass
+def _whole(kind: Any, row: Mapping[str, str], prefix: str = "") -> Any:
+    hints, values = get_type_hints(kind), dict[str, Any]()
+    for field in dataclasses.fields(kind):
         hint, name = hints[field.name], prefix + field.name
-        (inner, *_) = [each for each in get_args(hint) if each is not NoneType] if NoneType in get_args(hint) else [hint]
+        inner = next((each for each in get_args(hint) if each is not NoneType), hint) if NoneType in get_args(hint) else hint
         if dataclasses.is_dataclass(inner):
             there = any(text and head.startswith(f"{name}.") for head, text in row.items())
-            values[field.name] = _whole(inner, row, f"{name}.") if there else None  # type: ignore[type-var]  # a type
+            values[field.name] = _whole(inner, row, f"{name}.") if there else None
         elif row.get(name):
             values[field.name] = row[name] if inner is str else decoded(hint, Record(json.loads(row[name])))
-        elif inner is str and hint is str:
-            values[field.name] = ""
-        elif NoneType in get_args(hint):
-            values[field.name] = None
+        else:
+            values[field.name] = "" if hint is str else None
     return kind(**values)
