@@ -44,7 +44,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _made(study: str) -> About:
-    versions = [f"{name} {version(name)}" for name in LIBRARIES] + [f"{name} {engine(name).version()}" for name in ("exudyn", "mujoco")]
+    versions = [f"{name} {version(name)}" for name in LIBRARIES] + [str(engine(name).version()) for name in ("exudyn", "mujoco")]
     return About(study, time.strftime("%Y-%m-%d", time.gmtime()), ", ".join(versions), code_fingerprint(CODE[study]))
 
 
