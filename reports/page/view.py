@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.case import Case
+from cases.library.thesis import RUNS
 from cases.runs.comparison import CaseResult
 from cases.runs.request import NOT_SETTLED, Run
 from cases.studies import ACCURACY_CASE
@@ -66,7 +67,7 @@ class View:
                 "label": case_label(case.name) if number else case.title,
                 "title": case.title,
                 "short": str(number or case.name),
-                "group": f"crank {case.mechanism.crank.length / 0.0254:g} in" if number else "",
+                "group": f"crank {RUNS[number].crank_length} in" if number else "",
                 "scene": _scene(case.mechanism),
                 "engines": layouts,
                 "facts": dict(facts),

@@ -19,7 +19,7 @@ function fitted(canvas) {
 
 /** The page's colour of a name, e.g. "ink". */
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-const palette = () => Object.fromEntries(["ink", "soft", "faint", "line", "ground", "quick", "quick-ink"].map((name) => [name, colour(name)]));
+const palette = () => Object.fromEntries(["ink", "soft", "faint", "line", "ground", "quick", "quick-ink", "quick-wash"].map((name) => [name, colour(name)]));
 
 class Stage {
   constructor(canvas, engineColour) {
