@@ -116,7 +116,9 @@ def _fact(run: Run) -> str:
 
 
 def _kept(columns: Mapping[str, Array]) -> dict[str, Array]:
-    return {name: np.asarray(columns[name]) for name in (*_PLACES, *SIGNALS, *SHAPE) if name in columns}
+    """The columns that are drawn; one with a gap is left out."""
+    found = {name: np.asarray(columns[name]) for name in (*_PLACES, *SIGNALS, *SHAPE) if name in columns}
+    return {name: values for name, values in found.items() if np.all(np.isfinite(values))}
 
 
 def _scene(mechanism: Mechanism) -> dict[str, Any]:
