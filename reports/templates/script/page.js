@@ -80,6 +80,7 @@ function show() {
   const run = runOf(state.run), names = drawnOrder();
   const any = motion.engines.length > 0;
   element("nothing").hidden = any;
+  for (const part of document.querySelectorAll(".transport, .signal, .bend, #stage")) part.hidden = !any;
   if (any) {
     state.at = Math.min(state.at, motion.span);
     factor = state.bend === "auto" ? motion.factor(names.length ? names : motion.engines) : Number(state.bend);
