@@ -30,6 +30,9 @@ SAMPLE: Final = 3.4  # sizes of the letters, length of a legend's sample
 POINTS_PER_INCH: Final = 72.0
 
 BLUE: Final = "#0072B2"
+ORANGE: Final = "#E69F00"
+VERMILION: Final = "#D55E00"
+PURPLE: Final = "#CC79A7"
 GREY: Final = "#666666"
 LIGHT: Final = "#EAEAEA"
 BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
