@@ -414,7 +414,7 @@ def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.Monk
     def broken(*arguments: object) -> None:
         raise KeyError("surprise")
 
-    monkeypatch.setattr("cases.case_file.load_case", broken)
+    monkeypatch.setattr("quickreturn.commands.show._document", broken)
     answer = call("show", "small.toml")
     assert answer.code == 3
     assert answer.errors == "quickreturn: unforeseen: KeyError: 'surprise'; please report this\n"

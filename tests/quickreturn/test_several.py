@@ -128,6 +128,6 @@ def test_nothing_is_known_of_a_store_where_none_is_used(capsys: pytest.CaptureFi
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cases.case_file.load_case", interrupted)
+    monkeypatch.setattr("quickreturn.commands.show._document", interrupted)
     assert main(["show", "thesis-24"]) == 130
     assert "nothing is kept" in capsys.readouterr().err
