@@ -3,7 +3,7 @@
 import contextlib
 import csv
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -12,20 +12,19 @@ from cases.benchmark import SCENES, Benchmark, stored
 from cases.case import Case
 from cases.case_file import load_case
 from cases.errors import shortened
-from cases.experiment import load_curves
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.store import words_of
 from cases.jobs.workshop import Workshop
 from cases.judging.matrix import Matrix
 from cases.library import catalogue
 from cases.library.hard import TAG
+from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import CaseResult, cross_validate
-from cases.runs.request import CODE
+from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
 from engines.registry import MAIN
-from reports import recorded
+from reports import long_studies
 from reports.findings.evidence import Evidence, NoEvidence, evidence
-from reports.findings.measured import measured_comparisons
 from reports.findings.runs import of_run, run_number
 from reports.machine import machine_facts
 from reports.output import OutputError, write_file
@@ -52,9 +51,14 @@ class Written:
     tables: tuple[Table, ...]
 
     @property
+    def unusable(self) -> list[tuple[str, Run]]:
+        """Recorded tables that cannot be held against the steady state, with their cases."""
+        return [(result.case.name, run) for result in self.content.results for run in result.recorded.values() if not run.usable]
+
+    @property
     def failed(self) -> bool:
         """Whether an engine did not complete a case. Studies change a case on purpose: what they cannot make is told in the page."""
-        return any(trouble.is_failure for trouble in self.content.troubles)
+        return bool(self.unusable) or any(trouble.is_failure for trouble in self.content.troubles)
 
 
 def check_folder(folder: Path) -> None:
@@ -76,7 +80,13 @@ def check_folder(folder: Path) -> None:
         raise OutputError(f"--output {shortened(str(folder))}: it cannot be written ({reason})") from error
 
 
-def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engines: Sequence[str] = MAIN) -> Written:
+def write_report(
+    cases: Sequence[Case],
+    folder: Path,
+    workshop: Workshop,
+    engines: Sequence[str] = MAIN,
+    tables: Mapping[str, Sequence[RecordedTable]] | None = None,
+) -> Written:
     """Compute what is missing, and write the page and its tables.
 
     Args:
@@ -84,16 +94,19 @@ def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engine
         folder: where it goes; it is created, and found out about before anything runs (see `check_folder`).
         workshop: where results are computed and kept.
         engines: names.
+        tables: case -> what was recorded of it, beside the recordings of the experiment.
 
     Raises:
-        CaseError: a measured curve that breaks its documented form; nothing has been computed then.
+        CaseError: a recorded table that cannot be read or is not of its case; nothing has been computed then.
         OutputError: page or tables cannot be written.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder)
-    curves = load_curves()
+    recorded = {case: [*found] for case, found in (tables or {}).items()}
+    for table in experiment_tables():
+        recorded.setdefault(table.declared["case"], []).append(table)
     studied = _studied(cases)
-    results = cross_validate(cases, workshop, engines, beside=work() if studied else None)
+    results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if studied else None)
     studies = run_studies(workshop) if studied else None
     benchmarks, benchmarks_recorded = _benchmarks(cases, workshop, studied)
     matrix, matrix_recorded = _hard_scenes(workshop) if studied else (None, False)
@@ -105,10 +118,8 @@ def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engine
         studies=studies,
         benchmarks=benchmarks,
         evidence=found,
-        curves=curves,
-        comparisons=measured_comparisons(results, curves),
         hard_scenes=matrix,
-        recorded={study: about for study, taken in of_record.items() if taken and (about := recorded.about(study))},
+        of_record={study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
         verification=stored_verification(workshop.store.folder),
         facts=machine_facts(),
         code=code_fingerprint((*SIMULATION, *CODE)),
@@ -153,7 +164,7 @@ def _benchmarks(cases: Sequence[Case], workshop: Workshop, studied: bool) -> tup
 
     Of these the recorded results are taken where there are no others; the second value says whether any were.
     """
-    known = recorded.benchmarks() if studied else {}
+    known = long_studies.benchmarks() if studied else {}
     found, of_record = [], False
     for case in [load_case(name) for name in SCENES] if studied else cases:
         own = stored(case, workshop)
@@ -167,7 +178,7 @@ def _benchmarks(cases: Sequence[Case], workshop: Workshop, studied: bool) -> tup
 def _hard_scenes(workshop: Workshop) -> tuple[Matrix | None, bool]:
     """The stored matrix of the hard scenes, else the recorded one; the second value says whether it is that."""
     own = stored_matrix(workshop)
-    return (own, False) if own is not None else (recorded.matrix([load_case(entry.name) for entry in catalogue(TAG)]), True)
+    return (own, False) if own is not None else (long_studies.matrix([load_case(entry.name) for entry in catalogue(TAG)]), True)
 
 
 def _earlier_tables(folder: Path) -> set[str]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from reports.page.content import Content
-from reports.page.facts import agreement, methods, own, run_by_run, studies, thesis
+from reports.page.facts import agreement, methods, own, recorded, run_by_run, studies, thesis
 from reports.tables.table import Table
 
 Facts = Mapping[str, Any]
@@ -42,6 +42,7 @@ def tables_in(values: Any) -> Iterator[Table]:
 _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
     ("agreement", "Who agrees with whom", agreement.agreement),
     ("runs", "Every run on every engine", agreement.runs),
+    ("recorded", "Recorded tables", recorded.recorded),
     ("methods", "Which method excels", methods.methods),
     ("thesis", "What the thesis saw", thesis.thesis),
     ("open", "What the thesis leaves open", studies.open_points),

@@ -4,17 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cases.benchmark import Benchmark
-from cases.experiment import MeasuredCurve
 from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
 from cases.studies import Studies
 from reports.findings.axes import AxisComparison, axis_comparisons
 from reports.findings.evidence import Evidence
 from reports.findings.failures import Trouble, troubles
-from reports.findings.measured import MeasuredHalf, statement_values
+from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.runs import thesis_runs
 from reports.findings.verdicts import MODEL, Basis, Verdict, verdicts
-from reports.recorded import About
+from reports.long_studies import About
 from reports.verification import Verification
 
 
@@ -27,10 +26,8 @@ class Content:
         studies: None where the cases that they are about are not all among the results.
         benchmarks: of the scenes on which methods are compared, those that there are.
         evidence: on the thesis' example run; None where that is not among the results.
-        curves: measured curves, of whatever runs.
-        comparisons: of the curves of the runs shown.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
-        recorded: study ("benchmark", "hard scenes") -> about its recorded results, where these stand for the user's own.
+        of_record: study ("benchmark", "hard scenes") -> about its recorded results, where these stand for the user's own.
         verification: of the long verification, if there are results.
         facts: about the machine.
         code: fingerprint of the code that computed the results.
@@ -41,10 +38,8 @@ class Content:
     studies: Studies | None = None
     benchmarks: Sequence[Benchmark] = ()
     evidence: Evidence | None = None
-    curves: Sequence[MeasuredCurve] = ()
-    comparisons: Sequence[MeasuredHalf] = ()
     hard_scenes: Matrix | None = None
-    recorded: Mapping[str, About] = field(default_factory=dict)
+    of_record: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
     facts: Mapping[str, str] = field(default_factory=dict)
     code: str = ""
@@ -54,6 +49,11 @@ class Content:
     def thesis_results(self) -> list[CaseResult]:
         """Those of the runs of the thesis, which is all that its statements are about."""
         return list(thesis_runs(self.results).values())
+
+    @property
+    def comparisons(self) -> list[MeasuredHalf]:
+        """Recorded tables against engines, per half and channel."""
+        return measured_halves(self.results)
 
     @property
     def verdicts(self) -> list[Verdict]:

@@ -91,11 +91,12 @@ class View:
 
 
 def cycles(results: Sequence[CaseResult], engines: Sequence[str]) -> View:
-    """The steady cycles of all cases, from the slider's farthest place to the next."""
-    view = View("crank_angle", engines)
+    """The steady cycles of all cases, from the slider's farthest place to the next; recorded tables stand behind the engines."""
+    view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
     for result in results:
-        motions = {name: run.cycle for name, run in result.runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
-        view.add(result.case, motions, {name: _fact(run) for name, run in result.runs.items()})
+        runs = result.whole.runs
+        motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
+        view.add(result.case, motions, {name: _fact(run) for name, run in runs.items()})
     return view
 
 
@@ -110,7 +111,7 @@ def _fact(run: Run) -> str:
     """A word on a run: peak of the tip acceleration and first-mode frequency, or how it ended."""
     if not run.usable:
         return run.status
-    found = [f"{run.peak('tip_acceleration'):.1f} m/s²"]
+    found = [f"{run.peak('tip_acceleration'):.1f} m/s²"] if "tip_acceleration" in run.cycle else []
     frequency = run.consensus_frequency("post") or run.consensus_frequency("pre")
     return ", ".join(found + ([f"{frequency:.1f} Hz"] if frequency else []))
 

@@ -4,19 +4,18 @@ import dataclasses
 import io
 import warnings
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from cases.experiment import MeasuredCurve, axis_labels
+from cases.experiment import axis_labels
 from cases.runs.comparison import CaseResult
-from reports.plots import cycle, overview, work_precision
+from reports.plots import cycle, overview, recorded, work_precision
 from reports.plots.picture import Picture, picture
 from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.plotted_results import made_up_result
+from tests.reports.plotted_results import made_up_result, with_table
 
 #: Bytes: three pictures are kept in the repository.
 LARGEST = 100_000
@@ -30,21 +29,8 @@ TROUBLES = {
 }
 NOTHING = made_up_result("thesis-24", dict.fromkeys(("thesis", "reference", "exudyn", "mujoco"), "failed"))
 RUNS = [made_up_result(f"thesis-{run:02d}", {"mujoco": "failed"} if run == 5 else None, seed=10 * run) for run in range(1, 25)]
-CURVE = MeasuredCurve(
-    run=24,
-    channel="strain_2",
-    crank_angle=np.pi + 2.0 * np.pi * np.linspace(0.0, 0.995, 200),
-    time=np.linspace(0.0, 0.37, 200),
-    values=2e-4 * np.sin(np.linspace(0.0, 40.0, 200)),
-    crank_speed=16.6,
-    origin="synthetic",
-    source="a sine",
-    declared={"unit": "strain"},
-    path=Path("sine.csv"),
-)
-
 OF_ONE_CASE: dict[str, Callable[[CaseResult], Figure | None]] = {
-    "cycle": lambda result: cycle.draw_cycle(result, _labels(result), ()),
+    "cycle": lambda result: cycle.draw_cycle(result, _labels(result)),
 }
 OF_ALL: dict[str, Callable[[], Figure | None]] = {
     "overview": lambda: overview.draw_overview(RUNS),
@@ -133,19 +119,19 @@ def test_failures_are_named_in_the_overview() -> None:
     assert "mujoco: failed" in _texts(figure)
 
 
-def test_a_synthetic_curve_is_marked_as_such() -> None:
-    figure = cycle.draw_cycle(TROUBLES["settled"], (), [CURVE])
+def test_recorded_tables_are_drawn_over_the_engines_under_their_plain_names() -> None:
+    result = with_table(TROUBLES["settled"], "$a_1$.csv", ("strain_2", "tip_deflection"))
+    figure = recorded.draw_recorded([result])
     _check(figure)
-    assert figure is not None
-    assert any("synthetic" in text for text in _texts(figure))
-    shown = cycle.cycle_figure(TROUBLES["settled"], (), [CURVE])
-    assert shown is not None
-    assert "strain_2 (synthetic)" in shown.alt
+    assert [axes.get_ylabel() for axes in figure.axes] == ["strain 2\n(1)", "tip deflection\n(m)"]
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["thesis", "reference", "exudyn", "mujoco", r"\$a_1\$.csv"]
+    assert recorded.drawn([result], ".svg").startswith(b"<?xml")
 
 
 def test_strain_is_drawn_in_percent_and_acceleration_in_si() -> None:
     result = TROUBLES["settled"]
-    figure = cycle.draw_cycle(result, _labels(result), ())
+    figure = cycle.draw_cycle(result, _labels(result))
     assert figure is not None
     reference = result.runs["reference"]
     for axes, channel, factor in zip(
@@ -158,7 +144,7 @@ def test_strain_is_drawn_in_percent_and_acceleration_in_si() -> None:
 def test_the_printed_range_is_shaded_in_si() -> None:
     """Figure A.24's labels reach from -5000 to 5000 in/s²: ±127 m/s²."""
     result = TROUBLES["settled"]
-    figure = cycle.draw_cycle(result, _labels(result), ())
+    figure = cycle.draw_cycle(result, _labels(result))
     assert figure is not None
     (band,) = figure.axes[0].patches
     corners = band.get_extents().transformed(figure.axes[0].transData.inverted())

@@ -6,12 +6,10 @@ import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 
 from cases.case_file import load_case
-from cases.experiment import load_curves
 from cases.jobs.key import code_fingerprint
 from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
@@ -19,12 +17,12 @@ from cases.jobs.workshop import Workshop
 from cases.runs.comparison import compare
 from cases.studies import Studies
 from reports import report as report_module
-from reports.findings.measured import measured_comparisons
 from reports.machine import machine_facts
 from reports.output import OutputError
 from reports.page.answer import answer_of
 from reports.page.chapters import chapters_of
 from reports.page.content import Content
+from reports.page.render import report_page
 from reports.report import CATALOGUE, check_folder, write, write_report
 from reports.tables.table import Table
 from reports.verification import FILE, PARTS, verification
@@ -33,7 +31,7 @@ from tests.cases.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call
 from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.plotted_results import with_run
+from tests.reports.plotted_results import with_run, with_table
 from tests.reports.reported_results import PageReader, reported_result
 
 BOTH_WAYS = {"engine": "exudyn", "difference": 6e-4, "orbit_start": "periodic orbit of reference", "straight_start": "standard",
@@ -189,18 +187,22 @@ def test_the_answer_follows_from_the_numbers() -> None:
     assert "4 of 4" in told
 
 
-def test_a_synthetic_curve_is_shown_with_this_word(tmp_path: Path) -> None:
-    result = reported_result("thesis-24")
-    cycle = result.runs["reference"].cycle
-    phase = np.linspace(0.0, 1.0, 400)
-    values = np.interp(phase, np.linspace(0.0, 1.0, cycle["strain_2"].size), cycle["strain_2"])
-    header = "# run = 24\n# channel = strain_2\n# unit = strain\n# sign = +1\n# axis = phase\n# origin = synthetic\n# source = made up\n"
-    (tmp_path / "curve.csv").write_text(header + "".join(f"{x}, {y}\n" for x, y in zip(phase, values, strict=True)))
-    curves = load_curves(tmp_path)
-    content = Content(results=[result], curves=curves, comparisons=measured_comparisons([result], curves))
-    read = pages.read(content)
-    assert {row[2][1] for row in read.tables["curve_comparison.csv"]} == {"synthetic"}
-    assert "is synthetic: made up to test" in read.text
+def test_recorded_tables_are_shown_with_what_they_say_of_themselves_as_text() -> None:
+    hostile = "</script><img src=x onerror=alert(1)>.csv"
+    declared = {"origin": "synthetic", "version": "<blink>7", "source": "made up"}
+    result = with_table(reported_result("thesis-24"), hostile, ["strain_2"], declared, of_experiment=True)
+    content = Content(results=[with_table(result, "tool.csv", ["tip_deflection"], {"version": "Tool 7.1"})])
+    page = report_page(content, chapters_of(content))
+    assert hostile not in page
+    read = PageReader(page)
+    assert "img" not in read.tags
+    assert "blink" not in read.tags
+    assert {row[3][1] for row in read.tables["curve_comparison.csv"]} == {"synthetic"}
+    assert "synthetic: made up" in read.text
+    rows = {row[0][0]: [text for text, _ in row] for row in read.tables["engines.csv"]}
+    assert rows[hostile][1:3] == ["a file", "<blink>7"]
+    assert rows["tool.csv"][1:3] == ["a file", "Tool 7.1"]
+    assert rows["reference"][1] == "this project"
 
 
 def test_verification_is_shown_as_long_as_the_code_is_the_same(tmp_path: Path) -> None:
@@ -237,7 +239,7 @@ def test_unknown_cases_and_doubles_are_refused(call: Call) -> None:
     Path("twin.toml").write_text(SCENE.replace('"scene"', '"thesis-24"'))
     code, _, errors = call("report", "thesis-24", "./twin.toml")
     assert code == 2
-    assert "two cases are called" in errors
+    assert "two cases have this name" in errors
 
 
 @pytest.mark.parametrize(("status", "expected"), [("settled", 0), ("inaccurate", 0), ("failed", 3), ("not settled", 3)])

@@ -9,6 +9,7 @@ from cases.experiment import statements
 from cases.experiment.stiffness import stiffness_reading
 from cases.library import inconsistencies
 from cases.measures import CHANNELS
+from engines.registry import OWN
 from reports.findings.agreement import differences, engines_of
 from reports.findings.raw_extremes import Excess, counted_excess
 from reports.findings.verdicts import CANNOT_FOLLOW, MODEL, NOT
@@ -75,20 +76,15 @@ def experiment(content: Content) -> dict[str, Any] | None:
         return None
     ratios: dict[str, dict[str, list[float]]] = {}
     for channel in ("strain", "tip_acceleration"):
-        for engine in engines_of(content.results):
+        for engine in (name for name in engines_of(content.results) if name in OWN):
             found = [ratio for axis in content.axes if axis.channel == channel and (ratio := axis.ratio(engine)) is not None]
             if found:
                 ratios.setdefault(channel, {})[engine] = found
-    shown = {item.curve.run for item in content.comparisons}
     return {
         "model": MODEL,
         "ratios": ratios,
-        "curves": content.curves,
-        "synthetic": sum(curve.origin == "synthetic" for curve in content.curves),
-        "left_out": sorted({curve.run for curve in content.curves} - shown),
+        "recorded": any(item.counts for item in content.comparisons),
         "speeds": experiment_tables.speeds_and_axes(content.results, content.axes),
-        "curve_table": experiment_tables.curves(content.curves),
-        "comparison": experiment_tables.curve_comparison(content.comparisons, engines_of(content.results)),
     }
 
 

@@ -1,0 +1,220 @@
+"""The command `quickreturn`: subcommands, exit codes, and one clear line on standard error instead of a traceback.
+
+Exit codes: 0 good; 1 engines disagree by more than they claim; 2 bad input or usage, or something that the engine cannot model; 3 an
+engine failed, did not settle or did not reach the accuracy asked; 130 Ctrl-C.
+"""
+
+import contextlib
+import difflib
+import errno
+import math
+import os
+import re
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from importlib import import_module
+from types import FrameType
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from cases.errors import as_written, shortened
+from quickreturn.commands.options import QUIET, WORKSHOP
+
+if TYPE_CHECKING:
+    from cases.jobs.workshop import Workshop
+
+#: In the order of `--help`; each is a module of `quickreturn.commands`.
+COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "compare", "report", "benchmark", "plot", "animate")
+
+GOOD: Final = 0
+CLAIMS_BROKEN: Final = 1
+BAD_INPUT: Final = 2
+ENGINE_TROUBLE: Final = 3
+INTERRUPTED: Final = 130
+
+#: Environment variable by which a shell asks for completions, see `quickreturn --help`.
+COMPLETION: Final = "_QUICKRETURN_COMPLETE"
+
+#: What the system says when there is no room for what is written.
+FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
+PATIENCE: Final = 3.0  # s: cleaning up takes a fraction of a second; if it hangs, another Ctrl-C is heard after this
+
+LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's megabyte argument
+
+
+class CommandGroup(click.Group):
+    """Finds subcommands in `quickreturn.commands` when they are asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the subcommands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The subcommand, or None if there is none of this name."""
+        if cmd_name not in COMMANDS:
+            return None
+        command = import_module(f"quickreturn.commands.{cmd_name}").command
+        assert isinstance(command, click.Command)
+        if not any(each.name == "quiet" for each in command.params):
+            command.params.append(_quiet_option())
+        return command
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+        """The subcommand that the arguments begin with; UsageError with the nearest name if there is none."""
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            near = difflib.get_close_matches(args[0], COMMANDS, n=1)
+            hint = f" (perhaps {near[0]} is meant)" if near else ""
+            raise click.UsageError(f"{as_written(args[0])}: no such command{hint}; accepted: {', '.join(COMMANDS)}", ctx)
+        return super().resolve_command(ctx, args)
+
+
+def _quiet_option() -> click.Option:
+    """Of every command: what is on its way is not told."""
+
+    def keep(context: click.Context, option: click.Parameter, given: bool) -> None:
+        context.meta[QUIET] = given or context.meta.get(QUIET)
+
+    told = "Do not tell how far things are; what is wrong is told all the same."
+    return click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
+
+
+@click.group(name="quickreturn", cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]}, params=[_quiet_option()])
+@click.version_option(package_name="quickreturn", message="%(prog)s %(version)s")
+def quickreturn() -> None:
+    """Cross-validate flexible-multibody engines on a quick-return mechanism with a flexible follower.
+
+    A CASE is the name of a library case, a pattern such as 'thesis-2*', or the path of a case file.
+
+    Completion for bash: eval "$(_QUICKRETURN_COMPLETE=bash_source quickreturn)"; zsh_source and fish_source do it for these.
+    """
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        argv: arguments without the program's name; None: those of the process.
+
+    Returns:
+        The exit code. No exception leaves this function.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else it is to be ignored, or somebody else's
+        signal.signal(signal.SIGINT, _Interrupts())
+    for stream in (sys.stdout, sys.stderr):  # a terminal that lacks a sign gets an escape in its place
+        with contextlib.suppress(AttributeError):
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    try:
+        if instruction := os.environ.get(COMPLETION):  # the shell asks what could be typed next
+            from click.shell_completion import shell_complete
+
+            return shell_complete(quickreturn, {}, "quickreturn", COMPLETION, instruction)
+        code = _run(arguments or ["--help"])
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader (`head`) has enough
+        _drop_output()
+        return GOOD
+    except (KeyboardInterrupt, click.Abort):
+        return _interrupted(None)
+    except click.ClickException as error:
+        return _told(_with_help(error), BAD_INPUT)
+    except Exception as error:  # the last line of defence: a sentence, whatever happened
+        if isinstance(error, OSError) and error.filename is None and error.errno in FULL:  # files have names, and sentences of their own
+            _drop_output()
+            return _told(f"standard output cannot be written ({os.strerror(error.errno).lower()})", BAD_INPUT)
+        return _told_of(error)
+    return code
+
+
+class _Interrupts:
+    """Ctrl-C interrupts once; what comes soon after, from an impatient finger, must not disturb the cleaning up."""
+
+    def __init__(self) -> None:
+        self._last = -math.inf
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        now = time.monotonic()
+        if now - self._last > PATIENCE:
+            self._last = now
+            raise KeyboardInterrupt
+
+
+def _drop_output() -> None:
+    """Have what is still to be printed go nowhere, so that it does not fail again at exit."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _run(arguments: list[str]) -> int:
+    try:
+        with quickreturn.make_context("quickreturn", arguments) as context:
+            try:
+                result = quickreturn.invoke(context)
+            except (KeyboardInterrupt, click.Abort):
+                return _interrupted(context.meta.get(WORKSHOP))
+    except click.exceptions.Exit as leaving:  # --help
+        return leaving.exit_code
+    return result if isinstance(result, int) else GOOD
+
+
+def _interrupted(workshop: "Workshop | None") -> int:
+    """Say what is kept and how to go on."""
+    with contextlib.suppress(ValueError):  # not the main thread
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all that is left to do is to leave
+    if workshop is None:
+        return _told("interrupted; nothing is kept, the same command begins anew", INTERRUPTED)
+    count, folder = workshop.store.written, workshop.store.folder
+    kept = f"{count} result{'s' * (count > 1)} of this call" if count else "no result was finished; those of earlier calls"
+    return _told(f"interrupted; {kept} {'is' if count == 1 else 'are'} kept in {folder}; the same command goes on from there", INTERRUPTED)
+
+
+def _with_help(error: click.ClickException) -> str:
+    """The message; click's own ones, which begin with a capital, tell what is wrong and not what is accepted."""
+    message, context = error.format_message(), getattr(error, "ctx", None)
+    if isinstance(error, click.NoSuchOption):
+        near = f" (perhaps {error.possibilities[0]} is meant)" if error.possibilities else ""
+        message = f"No such option: {shortened(error.option_name)}{near}"
+    if context is None or not message[:1].isupper():
+        return message
+    return f"{message.rstrip('.')}; see {context.command_path} --help"
+
+
+def _told_of(error: Exception) -> int:
+    """Print what is wrong and choose the exit code. The classes are imported here, for importing them takes a moment."""
+    from cases.errors import CaseError
+    from cases.jobs.store import StoreError
+    from engines.base import EngineFailure, Refusal
+    from engines.registry import UnknownEngine
+    from engines.settings import SettingError
+    from quickreturn.questions import EngineDied
+    from quickreturn.solution import UnknownColumn
+    from reference_model.mechanism import ImpossibleMechanism
+    from reports.output import OutputError
+
+    if isinstance(error, UnknownEngine):
+        return _told(f"--engine {error}", BAD_INPUT)
+    if isinstance(error, SettingError):
+        return _told(f"--set {error}", BAD_INPUT)
+    if isinstance(error, (CaseError, Refusal, StoreError, ImpossibleMechanism, OutputError, UnknownColumn)):
+        return _told(str(error), BAD_INPUT)
+    if isinstance(error, (EngineFailure, EngineDied)):
+        return _told(str(error), ENGINE_TROUBLE)
+    return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ENGINE_TROUBLE)
+
+
+def _told(sentence: str, code: int) -> int:
+    with contextlib.suppress(OSError):  # nobody listens, or the disk is full that it goes to
+        print(f"quickreturn: {one_line(sentence)}", file=sys.stderr)
+    return code
+
+
+def one_line(sentence: str) -> str:
+    """The sentence on one line of bearable length, without characters that would command the terminal."""
+    joined = re.sub(r"\s*[\r\n]\s*", " ", sentence.strip())  # blanks within a line stay: a value is shown as it was given
+    text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
+    half = LONGEST_MESSAGE // 2
+    return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"

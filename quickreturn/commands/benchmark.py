@@ -1,0 +1,127 @@
+"""`quickreturn benchmark`: error against solve time over each engine's settings."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from quickreturn.commands.options import (
+    WholeNumber,
+    announce,
+    cases_argument,
+    json_option,
+    load_all,
+    memory_limit_option,
+    opened_workshop,
+    read_assignments,
+    refuse_engine_settings,
+    set_option,
+    single_option,
+    tag_option,
+    tell,
+    time_limit_option,
+)
+
+if TYPE_CHECKING:
+    from cases.benchmark import Benchmark
+    from cases.benchmark.findings import Point
+
+
+@click.command(name="benchmark")
+@cases_argument
+@tag_option
+@click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all eight of ours.")
+@single_option(
+    "--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Repetitions at most, interleaved."
+)
+@set_option
+@time_limit_option
+@memory_limit_option
+@json_option
+def command(
+    cases: Sequence[str],
+    tag: str | None,
+    engines: Sequence[str],
+    repetitions: int,
+    assignments: Sequence[str],
+    time_limit: str | None,
+    memory_limit: str | None,
+    as_json: bool,
+) -> int:
+    """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
+
+    Without a CASE: the scenes that the report compares methods on. The report shows a measurement of all eight engines in which none was
+    left out. They share one process: the time limit stands for the sum of all of them.
+
+    Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;
+    the others are measured all the same. Settings with which an engine says that it cannot go on are listed and no error.
+    """
+    from cases.benchmark import SCENES, measure
+    from cases.benchmark.scenes import ENGINES
+    from engines.base import EngineFailure
+    from engines.registry import engine, usable_engine
+    from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from reports.output import print_json
+
+    overrides, settings = read_assignments(assignments)
+    refuse_engine_settings(settings)
+    loaded = load_all(cases or ([] if tag else SCENES), tag, overrides)
+    names = list(dict.fromkeys(engines)) or list(ENGINES)
+    for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
+        usable_engine(name) if engines else engine(name)
+    _ = [case.mechanism for case in loaded]  # and so is a scene without crank
+    workshop, tables = opened_workshop(None, time_limit, memory_limit), []
+    announce(loaded, names, workshop)
+    failed = False
+    for case in loaded:
+        try:
+            tables.append(measure(case, workshop, names, repetitions))
+        except EngineFailure as failure:  # of the solution to measure against; the other cases have their own
+            tell(f"{case.name}: {failure}")
+            failed = True
+            continue
+        if not as_json:
+            _print(tables[-1])
+    if as_json:
+        print_json({"benchmarks": [vars(table) | {"points": [_as_document(point) for point in table.points]} for table in tables]})
+    for table in tables:
+        for name, reason in table.failures.items():
+            tell(f"{table.case}: engine {name} was left out: {reason}")
+    if failed or any(table.failures for table in tables):
+        return ENGINE_TROUBLE
+    return BAD_INPUT if workshop.store.lost else GOOD
+
+
+def _print(table: "Benchmark") -> None:
+    from cases.benchmark import pareto_front
+    from reports.output import print_table
+    from reports.words import settings_words
+
+    confirmation = table.confirmation
+    if "differences" in confirmation:
+        difference = confirmation["differences"]["tip_deflection"]
+        agreed = "nothing bends" if difference is None else f"{confirmation['engine']} agrees to {difference:.1e} in the tip deflection"
+    else:
+        agreed = f"not confirmed: {confirmation['failure']}"
+    click.echo(f"{table.case}: errors against {table.truth['engine']} ({settings_words(table.truth['settings'])}); {agreed}")
+    front = pareto_front(table.points)
+    heads = ("", "method", "settings", "dof", "solve s", "largest s", "deflection", "acceleration", "strain", "force", "remark")
+    print_table([_row(point, point in front) for point in table.points], heads)
+    click.echo("* on the Pareto front of solve time and error of the tip deflection")
+
+
+def _as_document(point: "Point") -> dict[str, Any]:
+    """A point with what was measured of it, where something was."""
+    about = {name: value for name, value in vars(point).items() if name != "measured"}
+    return about | (vars(point.measured) if point.measured else {})
+
+
+def _row(point: "Point", best: bool) -> tuple[str, ...]:
+    from reports.words import settings_words
+
+    head, measured = ("*" if best else "", point.method, settings_words(point.changing)), point.measured
+    if measured is None:
+        return (*head, *[""] * 7, point.status)
+    shown = [point.error(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
+    times = (f"{measured.solve_seconds:.4f}", f"{measured.solve_seconds_largest:.4f}")
+    return (*head, str(measured.degrees_of_freedom), *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")

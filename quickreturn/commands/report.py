@@ -1,0 +1,116 @@
+"""`quickreturn report`: everything on one page, with its tables as CSV files beside it."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from cases.errors import as_written
+from quickreturn.commands.options import (
+    announce,
+    cases_argument,
+    jobs_option,
+    load_all,
+    main_engines_option,
+    memory_limit_option,
+    opened_workshop,
+    path_given,
+    single_option,
+    tag_option,
+    tell,
+    time_limit_option,
+)
+
+if TYPE_CHECKING:
+    from cases.runs.comparison import CaseResult
+    from reports.report import Written
+
+
+#: Endings of files. A folder of such a name would be created where somebody expects the page.
+_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
+
+
+def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:
+    """The path as given; UsageError if it looks like that of a file and is no folder yet."""
+    folder = Path(path_given(context, option, text))
+    if folder.suffix.lower() in _OF_FILES and not os.path.isdir(folder):
+        accepted = "give a folder, the page in it is index.html"
+        raise click.UsageError(f'--output {as_written(text)}: the ending "{folder.suffix}" is that of a file; {accepted}')
+    return text
+
+
+@click.command(name="report")
+@cases_argument
+@tag_option
+@main_engines_option
+@single_option(
+    "--output",
+    metavar="DIR",
+    default="reports/output",
+    show_default=True,
+    callback=_folder_given,
+    help="Folder of the page and its tables.",
+)
+@jobs_option
+@time_limit_option
+@memory_limit_option
+def command(
+    cases: Sequence[str],
+    tag: str | None,
+    engines: Sequence[str],
+    output: str,
+    jobs: int | None,
+    time_limit: str | None,
+    memory_limit: str | None,
+) -> int:
+    """Write the report on each CASE; without one, on the 24 runs of the thesis.
+
+    Exit code 0 once the page is written and every engine completed: where engines disagree is shown in the page. Exit code 3: an engine
+    failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
+    as they come: an interrupted report continues where it stopped.
+    """
+    from cases.recorded import tables_of
+    from engines.registry import MAIN
+    from quickreturn.catalogue import apart
+    from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from quickreturn.questions import check_engines
+
+    loaded, (names, paths) = load_all(cases, tag, {}, otherwise="thesis"), apart(engines or MAIN)
+    check_engines(names if engines else ())
+    tables = tables_of(paths, [case.name for case in loaded])
+    workshop = opened_workshop(jobs, time_limit, memory_limit)
+    announce(loaded, names, workshop)
+    from reports.report import write_report
+
+    written = write_report(loaded, Path(output), workshop, names, tables)
+    _print(written)
+    for trouble in written.content.troubles:
+        if trouble.is_failure:
+            tell(f"{trouble.case}: engine {trouble.engine} {trouble.status}: {trouble.remark}")
+    for case, run in written.unusable:
+        tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
+    if written.failed:
+        return ENGINE_TROUBLE
+    return BAD_INPUT if workshop.store.lost else GOOD
+
+
+def _print(written: "Written") -> None:
+    content = written.content
+    runs = sum(len(result.runs) for result in content.results)
+    failures = [trouble for trouble in content.troubles if trouble.is_failure]
+    click.echo(str(written.page))
+    cases = "1 case" if len(content.results) == 1 else f"{len(content.results)} cases"
+    click.echo(f"{cases}, {runs} simulations: {runs - len(content.troubles)} settled, {len(failures)} did not complete")
+    click.echo(_verdict(content.results))
+    click.echo(f"{len(written.tables)} tables as CSV beside the page")
+
+
+def _verdict(results: Sequence["CaseResult"]) -> str:
+    """In how many comparisons engines differ by more than they claim, or why there are none."""
+    checks = [check for result in results for check in result.whole.checks]
+    if not checks:
+        return f"nothing could be judged: {'; '.join(dict.fromkeys(result.reason for result in results))}"
+    beyond = sum(not check.passed for check in checks)
+    return f"engines differ by more than they claim in {beyond or 'none'} of {len(checks)} comparisons"

@@ -1,0 +1,135 @@
+"""`quickreturn run`: engines on cases in their steady state, measured, compared and held to what they claim."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from quickreturn.commands.options import (
+    accuracy_option,
+    announce,
+    cases_argument,
+    jobs_option,
+    json_option,
+    load_all,
+    main_engines_option,
+    memory_limit_option,
+    opened_workshop,
+    read_assignments,
+    set_option,
+    settings_of,
+    tag_option,
+    tell,
+    time_limit_option,
+)
+
+if TYPE_CHECKING:
+    from cases.jobs.workshop import Workshop
+    from cases.runs.comparison import CaseResult
+    from cases.runs.request import Run
+
+
+@click.command(name="run")
+@cases_argument
+@tag_option
+@main_engines_option
+@accuracy_option
+@set_option
+@jobs_option
+@time_limit_option
+@memory_limit_option
+@json_option
+def command(
+    cases: Sequence[str],
+    tag: str | None,
+    engines: Sequence[str],
+    accuracy: float | None,
+    assignments: Sequence[str],
+    jobs: int | None,
+    time_limit: str | None,
+    memory_limit: str | None,
+    as_json: bool,
+) -> int:
+    """Bring engines to their steady state on each CASE, measure, compare.
+
+    Two engines may differ by what both claim: their own error estimates and the uncertainty of what is measured. Exit code 1: some differ
+    by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is not
+    installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
+    interrupted run continues.
+    """
+    from quickreturn.catalogue import apart
+    from quickreturn.questions import check_engines, check_settings
+    from reports.output import print_json
+
+    overrides, settings = read_assignments(assignments)
+    loaded, (names, paths) = load_all(cases, tag, overrides), apart(engines)
+    check_engines(names if engines else ())
+    texts = settings_of(settings, names)
+    check_settings(loaded, names, texts)
+    workshop = opened_workshop(jobs, time_limit, memory_limit)
+    announce(loaded, names, workshop)
+    from cases.runs.request import REFUSED
+    from quickreturn.cross_validation import run
+    from quickreturn.verdict_text import text_of
+
+    found = run(loaded, [*names, *paths], accuracy=accuracy, settings=texts, workshop=workshop)
+    results = found.results
+    if as_json:
+        print_json(as_document(results, found.notices))
+    else:
+        for result in results:
+            if not all(each.status == REFUSED for each in result.runs.values()):  # else there is nothing to show
+                click.echo(text_of(result))
+    return exit_code(results, workshop, engines)
+
+
+def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Sequence[str]) -> int:
+    """Tell on standard error what did not come to a result; `engines` are those that were asked for by name."""
+    from cases.runs.request import REFUSED
+    from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
+
+    results = [result.whole for result in results]
+    for result in results:
+        for each in result.failures:
+            tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
+    refused = [(result.case.name, each) for result in results for each in result.runs.values() if engines and each.status == REFUSED]
+    for name, each in refused:
+        tell(f"{name}: engine {each.engine}: {each.remark}")
+    if refused:
+        return BAD_INPUT
+    if any(result.failures for result in results):
+        return ENGINE_TROUBLE
+    if workshop.store.lost:
+        return BAD_INPUT
+    return CLAIMS_BROKEN if any(result.missed for result in results) else GOOD
+
+
+def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
+    """The JSON document of `run` and `compare`: recorded tables stand behind the engines."""
+    results = [result.whole for result in results]
+    return {
+        "cases": [
+            {
+                "case": result.case.name,
+                "turn": result.turn,
+                "passed": result.passed,
+                "reason": result.reason,
+                "notes": list(result.case.notes),
+                "engines": [_as_document(run) | {"accuracy_class": result.accuracy_class(name)} for name, run in result.runs.items()],
+                "checks": [check.as_dict() for check in result.checks],
+            }
+            for result in results
+        ],
+        "failures": [
+            {"case": result.case.name, "engine": run.engine, "status": run.status, "remark": run.remark}
+            for result in results
+            for run in result.failures
+        ],
+        "notices": list(notices),
+    }
+
+
+def _as_document(run: "Run") -> dict[str, Any]:
+    """All that is known of a run but its cycle."""
+    known = {name: value for name, value in vars(run).items() if name != "cycle"}
+    return known | {"settling": run.settling and {**vars(run.settling), "sentence": run.settling.sentence()}}

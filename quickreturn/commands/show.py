@@ -1,0 +1,151 @@
+"""`quickreturn show`: a scene in SI, and what each engine makes of it."""
+
+import itertools
+import re
+import shlex
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from quickreturn.commands.options import (
+    cases_argument,
+    json_option,
+    load_all,
+    read_assignments,
+    refuse_engine_settings,
+    set_option,
+    tag_option,
+)
+
+if TYPE_CHECKING:
+    from cases.case import Case
+    from reference_model.mechanism import Scene
+
+
+@click.command(name="show")
+@cases_argument
+@tag_option
+@set_option
+@click.option("--for-other-tools", "for_others", is_flag=True, help="Print what is needed to build the scene in another tool instead.")
+@json_option
+def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
+    """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.
+
+    With several cases the JSON document is a list.
+    """
+    from cases.jobs.processes import get_ready
+    from quickreturn.questions import TELLING
+    from reports.output import print_json
+
+    overrides, settings = read_assignments(assignments)
+    refuse_engine_settings(settings)
+    if for_others:
+        if as_json:
+            raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
+        _print_for_others(load_all(cases, tag, overrides), assignments)
+        return
+    get_ready(TELLING)
+    documents = [_document(case) for case in load_all(cases, tag, overrides)]
+    if as_json:
+        print_json(documents[0] if len(documents) == 1 else documents)
+        return
+    for number, document in enumerate(documents):
+        click.echo("\n" * (number > 0), nl=False)
+        _print(document)
+
+
+def _print_for_others(cases: "Sequence[Case]", assignments: Sequence[str]) -> None:
+    from reports.other_tools import for_other_tools
+
+    changes = [part for text in assignments for part in ("--set", text)]
+    given = [case.name if case.source == "library" else case.source for case in cases]
+    click.echo("\n\n".join(for_other_tools(case, shlex.join([name, *changes])) for case, name in zip(cases, given, strict=True)))
+
+
+def _document(loaded: "Case") -> dict[str, Any]:
+    from cases.document import values_in_si
+    from cases.keys import SECTIONS
+
+    return {
+        "name": loaded.name,
+        "title": loaded.title,
+        "tags": loaded.tags,
+        "source": loaded.source,
+        "notes": loaded.notes,
+        "scene": values_in_si(loaded),
+        "derived": _derived(loaded.scene),
+        "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
+        "engines": _models(loaded.scene),
+    }
+
+
+def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
+    """What follows from the follower's numbers: name -> value, unit and meaning."""
+    import numpy as np
+
+    from reference_model.mechanism import Mechanism
+    from reference_model.natural_modes import clamped_modes, frozen_crank_modes
+
+    follower = scene.follower
+    found = {
+        "mass": (follower.mass, "kg", "of the follower"),
+        "slenderness": (follower.slenderness, "", "length over thickness"),
+    }
+    if isinstance(scene, Mechanism) and not follower.is_rigid:
+        angles = np.linspace(0.0, np.pi, 25)
+        lowest = min(frozen_crank_modes(scene, angle, 1).frequencies[0] for angle in angles)
+        found["first_bending_frequency"] = (float(lowest), "Hz", "crank held, the least over its turn")
+    elif not isinstance(scene, Mechanism):
+        found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")
+    return {name: {"value": value, "unit": unit, "meaning": meaning} for name, (value, unit, meaning) in found.items()}
+
+
+def _models(scene: Any) -> list[dict[str, Any]]:
+    """Per engine what it builds, or in "refused" why it does not."""
+    from engines.registry import OWN
+    from quickreturn.questions import asked_of_all, model
+
+    found = []
+    for outcome in asked_of_all(model, (scene,), "models", OWN - {"exudyn", "mujoco"}):
+        built = vars(outcome.value) if outcome.value else {}
+        found.append({"engine": outcome.job.name, "refused": str(outcome.error or "") or outcome.failure or None, **built})
+    return found
+
+
+def _print(document: dict[str, Any]) -> None:
+    from reports.output import print_table
+
+    click.echo(f"{document['name']}: {document['title']}")
+    for note in document["notes"]:
+        click.echo(f"note: {note}")
+    units = document["units"]
+    for section, values in document["scene"].items():
+        click.echo(f"\n{section}")
+        print_table([(f"  {key}", _text(value), units[section][key]) for key, value in values.items()])
+    click.echo("\nwhat follows")
+    print_table([(f"  {name}", _text(of["value"]), of["unit"], of["meaning"]) for name, of in document["derived"].items()])
+    for model in document["engines"]:
+        if model["refused"]:
+            click.echo(f"\n{model['engine']}: {model['refused']}")
+            continue
+        click.echo(f"\n{model['engine']}: {model['degrees_of_freedom']} degrees of freedom")
+        lines = [("  body", body) for body in grouped(model["bodies"])] + [("  joint", joint) for joint in grouped(model["joints"])]
+        print_table(lines or [("", "")])
+
+
+def grouped(texts: Sequence[str]) -> list[str]:
+    """Neighbours that differ in their numbers alone as one line: "link 1: rod", "link 2: rod" become "link 1 to 2: rod"."""
+    lines = []
+    for _, group in itertools.groupby(texts, lambda text: re.sub(r"\d+", "#", text)):
+        members = list(group)
+        first, last = re.search(r"\d+", members[0]), re.search(r"\d+", members[-1])
+        if len(members) > 1 and first and last:
+            lines.append(f"{members[0][: first.end()]} to {last[0]}{members[0][first.end() :]}")
+        else:
+            lines += members
+    return lines
+
+
+def _text(value: Any) -> str:
+    return ", ".join(map(_text, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"

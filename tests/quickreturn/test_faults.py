@@ -1,0 +1,381 @@
+"""What a user sees of a fault: one sentence that names it, an exit code, and all that the fault has not touched.
+
+| fault | seen on standard error | exit code | kept |
+|---|---|---|---|
+| an engine raises, returns NaN, returns what cannot be stored | engine X failed: what it did | 3 | all other engines' results |
+| an engine hangs | engine X failed: stopped at the time limit of S s | 3 | likewise |
+| an engine allocates without end | engine X failed: ran out of memory (limit M MiB), or a native library's last words | 3 | likewise |
+| an engine dies of SIGSEGV, is killed, quits, cuts its pipe | engine X failed: killed by SIGSEGV, ... | 3 | likewise |
+| an engine's library is not installed | engine X unavailable: why; asked for by name: --engine X: why | 3; 2 | likewise |
+| ... in a benchmark | engine X was left out: why | 3 | the others are measured |
+| the runner is killed | nothing; workers end with it, the next run continues | - | every result stored before |
+| the fork server is killed | nothing; the run goes on | 0 | everything |
+| two runs on one store | nothing | 0 | one whole entry per result |
+| a stored result is truncated or edited | stored result FILE is truncated or was edited; it is computed anew | 0 | all others |
+| the disk is full | results cannot be written (why); they are computed anew next time | 2 | results are shown, earlier entries stay |
+| ... where `--output` goes | --output FILE: it cannot be written (why) | 2 | the file that was there before |
+| ... where standard output goes | standard output cannot be written (why) | 2 | stored results |
+| a file where a folder should be, or none can be made | store folder F: ... ; --output F: ... (before anything runs) | 2 | everything |
+| Ctrl-C, once or again and again | interrupted; what is kept and how to go on | 130 | every result stored before; no half file |
+"""
+
+import contextlib
+import dataclasses
+import json
+import os
+import resource
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cases.benchmark.scenes import tried
+from cases.case_file import load_case
+from cases.jobs.job import Limits
+from cases.jobs.processes import LocalProcesses
+from reports.report import write_report
+from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
+from tests.quickreturn.conftest import Answer, Call
+from tests.quickreturn.program import descendants, running, started, wait_until
+from tests.quickreturn.scene_file import SCENE
+from tests.reports.made_up_benchmark import made_up_benchmark
+
+#: Engine -> what is said of it.
+FAULTS = {
+    "raises": "failed at t = 0 s: the engine raised ZeroDivisionError: a bug; report this to the author of the engine",
+    "returns-nan": "failed at t = 0.0008 s: strain_2 is no longer a finite number; try finer settings",
+    "hangs": "stopped at the time limit of 12 s",
+    "hoards": "ran out of memory (limit 1024 MiB)",
+    "hoards-in-c": 'killed by SIGABRT (its last words: "fatal error: cannot allocate memory")',
+    "segfaults": "killed by SIGSEGV",
+    "is-killed": "killed by SIGKILL (by the user, or by the system for lack of memory)",
+    "quits": "ended without a result (exit code 0)",
+    "cuts-the-line": "cut its connection to the runner",
+    "fills-the-disk": "raised OSError: [Errno 28] No space left on device",
+    "says-nonsense": "its result cannot be stored: Out of range float values are not JSON compliant",
+}
+
+
+def prepared(folder: Path) -> Path:
+    """A folder with a small case and the faulty engines."""
+    install_faulty_engines(folder)
+    (folder / "small.toml").write_text(SCENE)
+    return folder
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where the program is started or called."""
+    prepared(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path / "packages")
+    return tmp_path
+
+
+def engines(*names: str) -> list[str]:
+    return [word for name in names for word in ("--engine", name)]
+
+
+def answer_of(program: "subprocess.Popen[str]") -> Answer:
+    output, errors = program.communicate(timeout=300.0)
+    return Answer(program.returncode, output, errors)
+
+
+def run(folder: Path, *names: str, **more: Any) -> "subprocess.Popen[str]":
+    """A run of these engines, started."""
+    return started("run", "--quiet", "small.toml", *engines(*names), "--json", folder=folder, **more)
+
+
+def stored(folder: Path) -> list[Path]:
+    """Results of engines; the periodic state in which they begin is no engine's."""
+    return sorted(file for file in (folder / ".quickreturn").glob("*.result") if b'"engine"' in file.read_bytes())
+
+
+def simulations(folder: Path) -> list[str]:
+    """The engines that were asked to simulate, each once per simulation."""
+    diary = folder / DIARY
+    return diary.read_text().split() if diary.exists() else []
+
+
+def nothing_half_done(folder: Path) -> bool:
+    return not [file for file in folder.rglob("*.part") if "packages" not in file.parts]
+
+
+# --- engines that misbehave ------------------------------------------------------------------------------------------------------
+
+
+class Campaign:
+    """One run of all faulty engines between two sound ones."""
+
+    def __init__(self, folder: Path) -> None:
+        limits = ("--time-limit", "12 s", "--memory-limit", "1", "--jobs", "3")
+        program = started(
+            "run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder)
+        )
+        self.folder = folder
+        self.answer = answer_of(program)
+        self.document = json.loads(self.answer.output)
+        self.engines = {engine["engine"]: engine for engine in self.document["cases"][0]["engines"]}
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
+    return Campaign(tmp_path_factory.mktemp("campaign"))
+
+
+@pytest.mark.parametrize("engine", FAULTS)
+def test_an_engine_is_named_for_what_it_did(campaign: Campaign, engine: str) -> None:
+    found = campaign.engines[engine]
+    assert (found["status"], found["remark"]) == ("failed", FAULTS[engine])
+    assert {"case": "small", "engine": engine, "status": "failed", "remark": FAULTS[engine]} in campaign.document["failures"]
+    assert f"quickreturn: small: engine {engine} failed: {FAULTS[engine]}\n" in campaign.answer.errors
+
+
+def test_the_engines_beside_them_complete(campaign: Campaign) -> None:
+    assert campaign.answer.code == 3
+    for engine in ("sound", "also-sound"):
+        assert campaign.engines[engine]["status"] == "settled"
+        assert len(campaign.engines[engine]["measures"]) > 0
+    assert len(campaign.answer.errors.splitlines()) == len(FAULTS)
+
+
+def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> None:
+    # An engine's own failure would come out again and is kept beside the two results; the other faults may be gone the next time.
+    assert len(stored(campaign.folder)) == len(["sound", "also-sound", "raises", "returns-nan"])
+    assert nothing_half_done(campaign.folder)
+
+
+def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("sound", "segfaults", "not-installed")
+    monkeypatch.setattr("reports.report.write_report", partial(write_report, engines=names))
+    code, output, errors = call("report", "small.toml")
+    assert code == 3
+    assert output.splitlines()[1:] == [
+        "1 case, 3 simulations: 1 settled, 2 did not complete",
+        "nothing could be judged: nothing to compare with; segfaults: failed; not-installed: unavailable; sound: alone with its claims",
+        output.splitlines()[-1],
+    ]  # fmt: skip
+    reason = "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')"
+    assert errors.splitlines() == [
+        "quickreturn: small: engine segfaults failed: killed by SIGSEGV",
+        f"quickreturn: small: engine not-installed unavailable: {reason}",
+    ]
+    page = (place / "reports/output/index.html").read_text("utf-8")
+    assert "killed by SIGSEGV" in page
+    assert "no_such_library" in page
+
+
+def test_an_engine_that_is_not_installed_is_refused_by_name_and_passed_over_as_one_of_the_main_ones(
+    place: Path, call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reason = "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')"
+    for arguments in (("run", "small.toml", "--engine", "sound"), ("simulate", "small.toml", "--output", "out.csv")):
+        code, output, errors = call(*arguments, "--engine", "not-installed")
+        assert (code, output) == (2, "")
+        assert errors.startswith("quickreturn: ")
+        assert "not-installed" in errors
+        assert errors.endswith(f"{reason}\n")
+    assert simulations(place) == []
+    monkeypatch.setattr("engines.registry.MAIN", ("sound", "not-installed"))
+    code, output, errors = call("run", "small.toml", "--json")
+    assert code == 3
+    assert [engine["status"] for engine in json.loads(output)["cases"][0]["engines"]] == ["settled", "unavailable"]
+    assert errors == f"quickreturn: small: engine not-installed unavailable: {reason}\n"
+    assert len(stored(place)) == 1, "an engine may be installed tomorrow"
+
+
+def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, call: Call) -> None:
+    words = {"hangs": "stopped at the time limit of 1.5 s", "hoards": "ran out of memory (limit 512 MiB)"}
+    for engine, said in words.items():
+        limits = ("--time-limit", "1.5" if engine == "hangs" else "1 min", "--memory-limit", "0.5")
+        code, _, errors = call("simulate", "small.toml", "--engine", engine, "--output", "out.csv", *limits)
+        assert code == 3
+        assert f"engine {engine}: {said}" in errors
+        assert errors.endswith("there is nothing to keep\n")
+        assert not (place / "out.csv").exists()
+
+
+def test_a_benchmark_leaves_out_what_would_take_the_others_with_it(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("sound", "raises", "segfaults", "not-installed")  # what raises says so itself, and stays in the table
+    found = tried(load_case(str(place / "small.toml")), LocalProcesses(limits=Limits(seconds=300.0)), names)
+    assert found == {
+        "segfaults": "killed by SIGSEGV",
+        "not-installed": "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')",
+    }
+    monkeypatch.setattr("cases.benchmark.measure", lambda *_, **__: dataclasses.replace(made_up_benchmark("small"), failures=found))
+    code, output, errors = call("benchmark", "small.toml", "--json")
+    assert code == 3
+    assert json.loads(output)["benchmarks"][0]["failures"] == found
+    assert errors.splitlines() == [f"quickreturn: small: engine {name} was left out: {reason}" for name, reason in found.items()]
+    assert call("benchmark", "small.toml", "--engine", "not-installed").code == 2
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("--time-limit", "0", "give a positive number of seconds or a time"),
+        ("--time-limit", "nan", "seconds"),
+        ("--time-limit", "inf", "seconds"),
+        ("--time-limit", "2 in", "a time is needed"),
+        ("--memory-limit", "-1", "give a positive number of GiB"),
+        ("--memory-limit", "much", "give a positive number of GiB"),
+        ("--memory-limit", "8 GiB", "give a positive number of GiB"),
+    ],
+)
+@pytest.mark.usefixtures("place")
+def test_limits_that_are_none_are_refused(call: Call, option: str, value: str, words: str) -> None:
+    for arguments in (("run",), ("report",), ("simulate", "--engine", "sound", "--output", "out.csv")):
+        code, output, errors = call(*arguments, "small.toml", option, value)
+        assert (code, output) == (2, "")
+        assert option in errors
+        assert words in errors
+        assert errors.count("\n") == 1
+
+
+# --- the runner is killed or interrupted -----------------------------------------------------------------------------------------
+
+
+def test_a_killed_run_takes_its_workers_with_it_and_the_next_one_continues(place: Path, call: Call) -> None:
+    program = run(place, "sound", "also-sound", "waits")
+    wait_until(lambda: len(stored(place)) == 2 and "waits" in simulations(place), program)
+    below = descendants(program.pid)
+    assert len(below) >= 2, "a fork server with the worker that waits"
+    before = simulations(place)
+    entries = {file: file.read_bytes() for file in stored(place)}
+    program.kill()
+    program.communicate()
+    wait_until(lambda: not any(map(running, below)))
+    (place / SIGNAL).touch()
+    code, output, errors = call("run", "small.toml", *engines("sound", "also-sound", "waits"), "--json")
+    assert (code, errors) == (0, "")
+    assert [engine["status"] for engine in json.loads(output)["cases"][0]["engines"]] == ["settled"] * 3
+    assert set(simulations(place)[len(before) :]) == {"waits"}, "what was stored is not computed again"
+    assert len(stored(place)) == 3
+    assert {file: file.read_bytes() for file in entries} == entries
+    assert nothing_half_done(place)
+
+
+def test_an_interrupted_run_ends_at_once_and_keeps_what_it_has(place: Path) -> None:
+    program = run(place, "sound", "hangs", process_group=0)
+    wait_until(lambda: len(stored(place)) == 1 and "hangs" in simulations(place), program)
+    below = descendants(program.pid)
+    for _ in range(20):  # an impatient user; a terminal sends it to the whole group
+        os.killpg(program.pid, signal.SIGINT)
+        time.sleep(0.005)
+    assert answer_of(program) == Answer(
+        130, "", "quickreturn: interrupted; 2 results of this call are kept in .quickreturn; the same command goes on from there\n"
+    )
+    wait_until(lambda: not any(map(running, below)))
+    assert len(stored(place)) == 1
+    assert nothing_half_done(place)
+
+
+# --- the store ---------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_damaged_result_is_computed_anew_and_said_in_one_sentence(place: Path, call: Call) -> None:
+    arguments = ("run", "small.toml", *engines("sound", "also-sound"), "--json")
+    first = call(*arguments)
+    assert (first.code, first.errors) == (0, "")
+    simulated = simulations(place)
+    assert set(simulated) == {"sound", "also-sound"}
+    whole = {file: file.read_bytes() for file in stored(place)}
+    damaged, edited = stored(place)
+    damaged.write_bytes(whole[damaged][:-100])
+    edited.write_bytes(whole[edited].replace(b"settled", b"sattled", 1))
+    code, output, errors = call(*arguments)
+    said = [f"stored result .quickreturn/{file.name} is truncated or was edited; it is computed anew" for file in (damaged, edited)]
+    assert sorted(errors.splitlines()) == sorted(f"quickreturn: {sentence}" for sentence in said)
+    assert (code, sorted(json.loads(output)["notices"])) == (0, sorted(said))
+    assert sorted(simulations(place)) == sorted(simulated * 2)
+    second = json.loads(output)["cases"][0]["engines"]
+    assert [engine["measures"] for engine in second] == [engine["measures"] for engine in json.loads(first.output)["cases"][0]["engines"]]
+    third = call(*arguments)
+    assert (third.code, third.errors) == (0, "")
+    assert len(simulations(place)) == 2 * len(simulated)
+
+
+def test_two_runs_on_one_store_do_not_disturb_each_other(place: Path, call: Call) -> None:
+    names = ("sound", "also-sound", "waits")
+    one = run(place, *names)
+    wait_until(lambda: "waits" in simulations(place), one)
+
+    def let_both_go_on() -> None:
+        wait_until(lambda: simulations(place).count("waits") == 2)
+        (place / SIGNAL).touch()
+
+    watch = threading.Thread(target=let_both_go_on)
+    watch.start()
+    other = call("run", "small.toml", *engines(*names), "--json")
+    watch.join()
+    assert [(answer.code, answer.errors) for answer in (answer_of(one), other)] == [(0, "")] * 2
+    assert len(stored(place)) == 3
+    assert nothing_half_done(place)
+    simulated = simulations(place)
+    assert call("run", "small.toml", *engines(*names)).errors == ""
+    assert simulations(place) == simulated, "what either of them stored is good"
+
+
+@contextlib.contextmanager
+def no_file_larger_than(size: int) -> Iterator[None]:
+    """A limit on the size of files stands for a full disk: it holds for root too."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_costs_no_result_that_is_shown_and_none_that_was_stored(place: Path, call: Call) -> None:
+    assert call("run", "small.toml", *engines("also-sound")).code == 0
+    (entry,) = stored(place)
+    before = entry.read_bytes()
+    with no_file_larger_than(50_000):  # a result takes some 90 kB
+        code, output, errors = call("run", "small.toml", *engines("sound", "also-sound"), "--json")
+    sentence = "store folder .quickreturn: results cannot be written (file too large); they are computed anew next time"
+    assert (code, errors) == (2, f"quickreturn: {sentence}\n")
+    document = json.loads(output)
+    assert document["notices"] == [sentence]
+    assert [engine["status"] for engine in document["cases"][0]["engines"]] == ["settled", "settled"]
+    assert stored(place) == [entry]
+    assert entry.read_bytes() == before
+    assert nothing_half_done(place)
+
+
+def test_an_output_file_on_a_full_disk_stays_as_it_was(place: Path, call: Call) -> None:
+    (place / "out.csv").write_text("old")
+    with no_file_larger_than(5_000):  # the trajectory takes some 15 kB
+        answer = call("simulate", "small.toml", "--engine", "sound", "--output", "out.csv")
+    assert answer == Answer(2, "", "quickreturn: --output out.csv: it cannot be written (file too large)\n")
+    assert (place / "out.csv").read_text() == "old"
+    assert nothing_half_done(place)
+
+
+def test_standard_output_on_a_full_disk_is_one_sentence(place: Path) -> None:
+    with open("/dev/full", "w") as full:
+        program = started("cases", folder=place, stdout=full)
+        assert answer_of(program)[::2] == (2, "quickreturn: standard output cannot be written (no space left on device)\n")
+
+
+@pytest.mark.parametrize("folder", ["file", "file/below", "/proc/nowhere", "/dev/null"])
+def test_a_folder_that_cannot_be_is_told_before_anything_runs(
+    place: Path, call: Call, monkeypatch: pytest.MonkeyPatch, folder: str
+) -> None:
+    (place / "file").write_text("not a folder")
+    code, output, errors = call("report", "small.toml", "--output", folder)
+    assert (code, output, errors.count("\n")) == (2, "", 1)
+    assert f"--output {folder}" in errors.replace("'", "")
+    monkeypatch.setenv("QUICKRETURN_STORE", folder)
+    for arguments in (("run", "small.toml", *engines("sound")), ("report", "small.toml")):
+        code, output, errors = call(*arguments)
+        assert (code, output, errors.count("\n")) == (2, "", 1)
+        assert errors.startswith(f"quickreturn: store folder {folder}: it cannot be created or written (")
+        assert "set QUICKRETURN_STORE to a folder that can be written" in errors
+    assert (place / "file").read_text() == "not a folder"
+    assert simulations(place) == []

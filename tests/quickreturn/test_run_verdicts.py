@@ -1,0 +1,119 @@
+"""What `run` says of engines that agree, depart, cannot be judged or refuse: exit codes, JSON and terminal.
+
+The engines are made up (`tests.engines.faulty_engines`), so that what they are off by is known.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.engines.faulty_engines import install_faulty_engines
+from tests.quickreturn.conftest import Answer, Call
+from tests.quickreturn.scene_file import SCENE
+
+HEAVY = ("--set", "slider.mass=1 kg")  # which the made-up engines refuse, all but one
+
+
+@pytest.fixture(autouse=True)
+def _place(tmp_path: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    install_faulty_engines(tmp_path)
+    (tmp_path / "small.toml").write_text(SCENE)
+
+
+def run(call: Call, *names: str, more: tuple[str, ...] = ()) -> tuple[Answer, dict[str, Any]]:
+    """The answer in words, and the case of the JSON document, which must go with the same exit code and messages."""
+    arguments = ("run", "small.toml", *(word for name in names for word in ("--engine", name)), *more)
+    answer, document = call(*arguments), call(*arguments, "--json")
+    assert (answer.code, answer.errors) == (document.code, document.errors)
+    (case,) = json.loads(document.output)["cases"]
+    return answer, case
+
+
+def test_engines_that_are_right_agree(call: Call) -> None:
+    answer, case = run(call, "sound", "also-sound")
+    assert (answer.code, case["passed"], case["reason"]) == (0, True, "")
+    assert len(case["checks"]) >= 4
+    assert "also-sound: within what is claimed of sound in all" in answer.output
+    for engine in case["engines"]:
+        assert (engine["start"], engine["accuracy_class"], engine["unestimated"]) == ("periodic orbit of reference", "0.1 %", "")
+
+
+def test_an_engine_that_is_coarse_and_says_so_agrees_in_a_class_of_its_own(call: Call) -> None:
+    answer, case = run(call, "sound", "coarse")
+    assert (answer.code, case["passed"]) == (0, True)
+    assert [engine["accuracy_class"] for engine in case["engines"]] == ["0.1 %", "3 %"]
+    (check,) = (check for check in case["checks"] if (check["channel"], check["half"], check["quantity"]) == ("strain_1", "pre", "minimum"))
+    assert abs(check["difference"]) > 0.9 * 0.02 * 1e-3  # 2 % of the strain's amplitude, less what `sound` is off
+    assert check["estimate"] == pytest.approx(0.02 * 1e-3, rel=0.01)
+
+
+def test_an_engine_that_claims_too_much_departs(call: Call) -> None:
+    answer, case = run(call, "sound", "overclaims")
+    assert (answer.code, case["passed"]) == (1, False)
+    assert case["reason"] == "overclaims and sound disagree by more than they claim"
+    missed = [check for check in case["checks"] if not check["passed"]]
+    assert {(check["engine"], check["other"], check["channel"]) for check in missed} == {("overclaims", "sound", "strain_1")}
+    for check in missed:
+        assert abs(check["difference"]) > check["tolerance"]
+        parts = ("estimate", "other_estimate", "uncertainty", "other_uncertainty")
+        assert check["tolerance"] == pytest.approx(sum(check[part] for part in parts))
+    # pair, quantity, by how much, and what both claim
+    line = next(line for line in answer.output.splitlines() if "minimum, pre-return, strain_1" in line)
+    assert "differ by 5e-05" in line
+    assert "by overclaims" in line
+    assert "by sound" in line
+    assert answer.errors == ""
+
+
+def test_an_engine_alone_is_not_judged(call: Call) -> None:
+    answer, case = run(call, "sound")
+    assert (answer.code, case["passed"], case["reason"]) == (0, None, "nothing to compare with: one engine alone")
+    assert "not judged: nothing to compare with: one engine alone" in answer.output
+    assert "0 of 0" not in answer.output
+
+
+def test_an_engine_with_equations_of_its_own_is_shown_and_not_judged(call: Call) -> None:
+    answer, case = run(call, "sound", "own-equations")
+    assert (answer.code, case["passed"], case["checks"]) == (0, None, [])
+    assert "own-equations: its estimate is of the integration alone, not of its model" in case["reason"]
+    (own,) = (engine for engine in case["engines"] if engine["engine"] == "own-equations")
+    assert (own["estimate_of"], own["accuracy_class"], own["unestimated"] != "") == ("integration", None, True)
+    assert "within" not in answer.output
+
+
+def test_nothing_to_judge_because_an_engine_did_not_deliver_is_no_success(call: Call) -> None:
+    answer, case = run(call, "sound", "returns-nan")
+    assert (answer.code, case["passed"]) == (3, None)
+    assert "returns-nan: failed" in case["reason"]
+
+
+def test_an_engine_that_fails_beside_two_that_agree_is_told(call: Call) -> None:
+    answer, case = run(call, "sound", "returns-nan", "also-sound")
+    assert (answer.code, case["passed"], case["reason"]) == (3, False, "returns-nan did not deliver: failed")
+    assert all(check["passed"] for check in case["checks"])
+
+
+def test_an_engine_asked_for_by_name_that_refuses_costs_the_others_nothing(call: Call) -> None:
+    answer, case = run(call, "sound", "carries", more=HEAVY)
+    assert answer.code == 2
+    assert answer.errors == "quickreturn: small: engine sound: slider.mass: engine fake models a massless slider only\n"
+    found = {engine["engine"]: engine for engine in case["engines"]}
+    assert (found["sound"]["status"], found["sound"]["remark"]) == ("refused", "slider.mass: engine fake models a massless slider only")
+    assert found["carries"]["status"] == "settled"
+    assert len(found["carries"]["measures"]) == 8
+    assert (case["passed"], "sound: refused" in case["reason"]) == (None, True)
+
+
+def test_engines_that_all_refuse_leave_a_document_and_no_table(call: Call) -> None:
+    answer, case = run(call, "sound", more=HEAVY)
+    assert (answer.code, answer.output) == (2, "")
+    assert "slider.mass" in answer.errors
+    assert [engine["status"] for engine in case["engines"]] == ["refused"]
+
+
+def test_of_the_main_engines_one_may_refuse(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("engines.registry.MAIN", ("sound", "carries"))
+    answer, case = run(call, more=HEAVY)
+    assert (answer.code, answer.errors, case["passed"]) == (0, "", None)

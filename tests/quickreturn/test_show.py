@@ -1,0 +1,40 @@
+"""`show` says what follows from the numbers of a scene, and which of them can hardly be meant."""
+
+import json
+
+import pytest
+
+from tests.quickreturn.conftest import Call
+
+
+def test_what_follows_from_the_follower_is_shown(call: Call) -> None:
+    derived = json.loads(call("show", "thesis-24", "--json").output)["derived"]
+    # 4.75987e-5 lbf s²/in² over 25 in; 25 in over 1/8 in
+    assert derived["mass"]["value"] == pytest.approx(4.75987e-5 * 175.126835 * 25.0, rel=1e-8)
+    assert derived["slenderness"]["value"] == pytest.approx(200.0, rel=1e-12)
+    # the lowest over the turn is that with the slider nearest to the pivot, 10.925 Hz to the digits of an independent solution
+    assert derived["first_bending_frequency"] == {
+        "value": pytest.approx(10.925, abs=5e-4),
+        "unit": "Hz",
+        "meaning": derived["first_bending_frequency"]["meaning"],
+    }
+
+
+def test_a_follower_alone_has_the_frequency_of_its_cantilever(call: Call) -> None:
+    derived = json.loads(call("show", "spin-up", "--json").output)["derived"]
+    # 1.8751² sqrt(EI / rho A) / L² / 2 pi
+    assert derived["first_bending_frequency"]["value"] == pytest.approx(1.87510407**2 * (14e3 / 1.2) ** 0.5 / 100.0 / 6.283185307, rel=1e-6)
+
+
+def test_material_and_section_make_stiffness_and_mass(call: Call) -> None:
+    shown = json.loads(call("show", "hard-shaper-steel", "--set", "follower.thickness=20 mm", "--json").output)
+    assert shown["scene"]["follower"]["bending_stiffness"] == pytest.approx(13440.0 / 8.0, rel=1e-12)
+    shown = json.loads(call("show", "hard-shaper-steel", "--json").output)
+    assert shown["scene"]["follower"]["bending_stiffness"] == pytest.approx(210e9 * 0.012 * 0.04**3 / 12.0, rel=1e-12)
+    assert shown["scene"]["follower"]["mass_per_length"] == pytest.approx(7850.0 * 0.012 * 0.04, rel=1e-12)
+
+
+def test_a_length_in_metres_in_place_of_millimetres_is_said(call: Call) -> None:
+    answer = call("show", "hard-shaper-steel", "--set", "follower.length=602.7 m")
+    assert answer.code == 0
+    assert "follower.length is 602.7 m" in answer.output
