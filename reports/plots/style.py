@@ -29,10 +29,10 @@ SMALL: Final = 8.0  # pt, ticks and notes
 SAMPLE: Final = 3.4  # sizes of the letters, length of a legend's sample
 POINTS_PER_INCH: Final = 72.0
 
-BLUE: Final = "#0072B2"
 ORANGE: Final = "#E69F00"
 VERMILION: Final = "#D55E00"
 PURPLE: Final = "#CC79A7"
+VIOLET: Final = "#7A3B8F"
 GREY: Final = "#666666"
 LIGHT: Final = "#EAEAEA"
 BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
@@ -66,7 +66,7 @@ _MARKERS: Final = {
 }  # fmt: skip
 #: Points for a CSS pixel of a line on the page; dashes are in widths of the line.
 SCALE: Final = 0.5
-MEASURED: Final = Look(BLUE, "-", 0.9, ".", 2.6)
+MEASURED: Final = Look(VIOLET, "-", 0.9, ".", 2.6)
 
 
 def look(engine: str) -> Look:
