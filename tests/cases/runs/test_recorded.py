@@ -114,6 +114,11 @@ def test_neither_are_few_digits_and_another_sampling(transient: pd.DataFrame, in
     assert result.passed is True, result.missed
 
 
+def test_where_no_column_tells_the_start_the_way_to_the_steady_state_does(transient: pd.DataFrame, recorded: Recorded) -> None:
+    assert recorded(transient[["time", "crank_angle", "tip_acceleration"]]).turn == 5
+    assert recorded(transient[["time", "crank_angle", "tip_acceleration"]][:400]).turn is None  # a single turn is taken to repeat
+
+
 def test_a_table_that_settles_is_held_against_the_steady_state(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     run = recorded(settled)
     assert (run.status, run.turn) == (SETTLED, None)
