@@ -11,15 +11,16 @@ from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.library import CatalogueLine
-from cases.recorded import is_table, tables_of
+from cases.recorded import tables_of
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import Run
-from engines.base import AnyEngine, Engine, Refusal
-from engines.registry import MAIN, engine
-from engines.settings import SettingError, as_texts
+from engines.base import AnyEngine
+from engines.registry import MAIN
+from engines.settings import as_texts
 from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
-from quickreturn.catalogue import loaded
+from quickreturn.catalogue import apart, loaded
+from quickreturn.questions import check_settings
 from quickreturn.solution import framed, known_column
 from reference_model.columns import COLUMNS
 
@@ -113,6 +114,8 @@ def run(
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, Any]] | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
     workshop: Workshop | None = None,
 ) -> CrossValidation:
     """Bring engines to their steady state on cases, each in a process of its own, measure and compare. Results are kept as they come.
@@ -123,7 +126,9 @@ def run(
             stand among them.
         accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
         settings: of an engine, by its name: {"mujoco": {"links": 16}}.
-        workshop: where it is computed and kept; None: see `opened`.
+        jobs: how many processes at a time; None: one per core.
+        quiet: whether nothing is shown on standard error meanwhile.
+        workshop: where it is computed and kept; None: here, in `.quickreturn` or what `QUICKRETURN_STORE` names.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be; nothing has run then.
@@ -134,7 +139,7 @@ def run(
     texts = {name: as_texts(values) for name, values in (settings or {}).items()}
     check_settings(chosen, names, texts)
     tables = tables_of(paths, [case.name for case in chosen])
-    place = workshop or opened()
+    place = workshop or opened(jobs, quiet)
     results = cross_validate(chosen, place, names, checked(accuracy), texts, tables)
     return CrossValidation(results, place.store.notices)
 
@@ -144,7 +149,8 @@ def report(
     folder: "str | os.PathLike[str]" = "reports/output",
     engines: "str | AnyEngine | Iterable[str | AnyEngine]" = MAIN,
     *,
-    workshop: Workshop | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
 ) -> Path:
     """Write the report on cases: a page, and its tables as CSV beside it. Results are kept as they come.
 
@@ -152,7 +158,8 @@ def report(
         cases: as of `run`.
         folder: is created where it is missing.
         engines: as of `run`.
-        workshop: as of `run`.
+        jobs: likewise.
+        quiet: likewise.
 
     Returns:
         The page.
@@ -165,70 +172,9 @@ def report(
 
     chosen, (names, paths) = loaded(cases), apart(engines)
     tables = tables_of(paths, [case.name for case in chosen])
-    return write_report(chosen, Path(folder), workshop or opened(), names, tables).page
+    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables).page
 
 
-def opened(jobs: int | None = None, *, quiet: bool = False) -> Workshop:
-    """The store of results and the processes of this machine.
-
-    Args:
-        jobs: how many processes at a time; None: one per core.
-        quiet: whether nothing is shown on standard error meanwhile.
-
-    Raises:
-        StoreError: the folder of results, `.quickreturn` or what `QUICKRETURN_STORE` names, cannot be used.
-    """
+def opened(jobs: int | None, quiet: bool) -> Workshop:
+    """The store of results and the processes of this machine. StoreError: see there."""
     return Workshop(Store(), LocalProcesses(jobs, quiet=quiet))
-
-
-def apart(engines: "str | AnyEngine | Iterable[str | AnyEngine]") -> tuple[list[str], list[str]]:
-    """Names of engines, and paths of recorded tables that stand among them; the four main engines where there are tables alone.
-
-    Raises:
-        UnknownEngine: see `engine_names`.
-    """
-    each = [engines] if isinstance(engines, (str, Engine)) else list(engines)
-    paths = [one for one in each if isinstance(one, str) and is_table(one)]
-    return engine_names([one for one in each if one not in paths] or MAIN), list(dict.fromkeys(paths))
-
-
-def engine_names(engines: "str | AnyEngine | Iterable[str | AnyEngine]") -> list[str]:
-    """Names of engines that are installed, each once.
-
-    Raises:
-        UnknownEngine: there is none of this name; also of an engine that no other process could find.
-    """
-    each = [engines] if isinstance(engines, (str, Engine)) else engines
-    names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in each))
-    for name in names:
-        engine(name)
-    return names
-
-
-def check_settings(cases: Sequence[Case], names: Sequence[str], settings: Mapping[str, Mapping[str, str]]) -> None:
-    """Find out before anything runs whether settings can be.
-
-    Raises:
-        SettingError: an engine that is not among those that run, or a setting that it does not have or take.
-    """
-    for name, texts in settings.items():
-        if name not in names:
-            key = next(iter(texts), "")
-            raise SettingError(f"{name}.{key}: engine {name} is not among those that run; these are {', '.join(names)}")
-        for case in cases if texts else ():
-            chosen = engine(name)
-            try:
-                chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(texts))
-            except SettingError as error:  # several engines may share the settings, and one of them may lack one
-                raise SettingError(f"{error} (engine {name})" if len(names) > 1 else str(error)) from error
-
-
-def check_engines(names: Iterable[str]) -> None:
-    """Find out before anything runs whether engines can be used here.
-
-    Raises:
-        UnknownEngine, Refusal: one cannot.
-    """
-    for name in names:
-        if reason := engine(name).unavailable():
-            raise Refusal(f"--engine {name}: {reason}")

@@ -8,6 +8,7 @@ import click
 
 from quickreturn.commands.options import (
     accuracy_option,
+    announce,
     jobs_option,
     json_option,
     load,
@@ -68,7 +69,7 @@ def command(
     from cases.runs.comparison import hold_against_engines
     from engines.registry import MAIN
     from quickreturn.commands.run import as_document, exit_code
-    from quickreturn.cross_validation import check_engines, check_settings
+    from quickreturn.questions import check_engines, check_settings
     from reports.output import check_writable, print_json
 
     overrides, settings = read_assignments(assignments)
@@ -82,6 +83,7 @@ def command(
     tables = [read_table(file) for file in dict.fromkeys(files)]
     refuse_equal_tables([table.name for table in tables])
     workshop = opened_workshop(jobs, time_limit, memory_limit)
+    announce([loaded], names, workshop)
     results = hold_against_engines(loaded, tables, workshop, names, accuracy, texts)
     if as_json:
         document = as_document(results, workshop.store.notices)

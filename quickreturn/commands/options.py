@@ -300,6 +300,14 @@ def opened_workshop(
     return workshop
 
 
+def announce(cases: "Sequence[Case]", engines: Sequence[str], workshop: "Workshop") -> None:
+    """Say on standard error what begins, before what takes a while is imported."""
+    if not quiet():
+        what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
+        with contextlib.suppress(OSError):  # nobody listens
+            click.echo(f"  {what} on {', '.join(engines)}; results are kept in {workshop.store.folder}", err=True)
+
+
 def tell(sentence: str) -> None:
     """Say something on standard error, on one line."""
     from quickreturn.command_line import one_line

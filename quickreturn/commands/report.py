@@ -9,6 +9,7 @@ import click
 
 from cases.errors import as_written
 from quickreturn.commands.options import (
+    announce,
     cases_argument,
     jobs_option,
     load_all,
@@ -72,14 +73,17 @@ def command(
     """
     from cases.recorded import tables_of
     from engines.registry import MAIN
+    from quickreturn.catalogue import apart
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
-    from quickreturn.cross_validation import apart, check_engines
-    from reports.report import write_report
+    from quickreturn.questions import check_engines
 
     loaded, (names, paths) = load_all(cases, tag, {}, otherwise="thesis"), apart(engines or MAIN)
     check_engines(names if engines else ())
     tables = tables_of(paths, [case.name for case in loaded])
     workshop = opened_workshop(jobs, time_limit, memory_limit)
+    announce(loaded, names, workshop)
+    from reports.report import write_report
+
     written = write_report(loaded, Path(output), workshop, names, tables)
     _print(written)
     for trouble in written.content.troubles:

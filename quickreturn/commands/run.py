@@ -7,6 +7,7 @@ import click
 
 from quickreturn.commands.options import (
     accuracy_option,
+    announce,
     cases_argument,
     jobs_option,
     json_option,
@@ -56,16 +57,21 @@ def command(
     installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
     interrupted run continues.
     """
-    from cases.runs.request import REFUSED
-    from quickreturn.cross_validation import apart, check_engines, run
-    from quickreturn.verdict_text import text_of
+    from quickreturn.catalogue import apart
+    from quickreturn.questions import check_engines, check_settings
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
     loaded, (names, paths) = load_all(cases, tag, overrides), apart(engines)
     check_engines(names if engines else ())
     texts = settings_of(settings, names)
+    check_settings(loaded, names, texts)
     workshop = opened_workshop(jobs, time_limit, memory_limit)
+    announce(loaded, names, workshop)
+    from cases.runs.request import REFUSED
+    from quickreturn.cross_validation import run
+    from quickreturn.verdict_text import text_of
+
     found = run(loaded, [*names, *paths], accuracy=accuracy, settings=texts, workshop=workshop)
     results = found.results
     if as_json:
