@@ -102,11 +102,11 @@ def write_report(
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder)
-    given = {case: [*found] for case, found in (tables or {}).items()}
+    on_record = {case: [*found] for case, found in (tables or {}).items()}
     for table in experiment_tables():
-        given.setdefault(table.declared["case"], []).append(table)
+        on_record.setdefault(table.declared["case"], []).append(table)
     studied = _studied(cases)
-    results = cross_validate(cases, workshop, engines, tables=given, beside=work() if studied else None)
+    results = cross_validate(cases, workshop, engines, tables=on_record, beside=work() if studied else None)
     studies = run_studies(workshop) if studied else None
     benchmarks, benchmarks_recorded = _benchmarks(cases, workshop, studied)
     matrix, matrix_recorded = _hard_scenes(workshop) if studied else (None, False)
