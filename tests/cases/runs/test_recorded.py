@@ -175,8 +175,9 @@ def test_rows_too_far_apart_for_the_first_mode(transient: pd.DataFrame, recorded
     assert "rows lie up to" in found.reason
 
 
-def test_encoders_with_steps_and_noise(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
-    step = np.radians(1.5)  # more than the crank turns in a millisecond
+@pytest.mark.parametrize("degrees", [1.5, 3.0])  # the crank turns 0.95 in a millisecond
+def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, degrees: float) -> None:
+    step = np.radians(degrees)
     run = recorded(transient, crank_angle=step * np.floor(transient["crank_angle"] / step))
     ours = run.measure("pre", "tip_acceleration")
     assert ours is not None
