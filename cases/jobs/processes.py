@@ -147,7 +147,7 @@ def _fork_server(preload: Sequence[str]) -> Any:
 @contextlib.contextmanager
 def _hidden_main(job: Job[Any]) -> Iterator[None]:
     """Have a worker not run the caller's script unless it is needed: what a script does at its top it would do again."""
-    if job.function.__module__ == "__main__":
+    if getattr(job.function, "__module__", None) == "__main__":
         yield
         return
     main = sys.modules["__main__"]

@@ -6,6 +6,7 @@ from typing import Final
 
 import click
 
+from cases.errors import as_written
 from cases.units import plain_number
 from quickreturn.commands.options import (
     accuracy_option,
@@ -25,7 +26,7 @@ ENDINGS: Final = (".webp",)
 def _factor(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
     value = None if text is None else plain_number(text)
     if text is not None and (value is None or not 0.0 < value <= 1e6):
-        raise click.UsageError(f"--magnify {text}: give a positive number, e.g. 5")
+        raise click.UsageError(f"--magnify {as_written(text)}: give a positive number, e.g. 5")
     return value
 
 

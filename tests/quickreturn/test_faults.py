@@ -115,7 +115,7 @@ class Campaign:
 
     def __init__(self, folder: Path) -> None:
         limits = ("--time-limit", "12 s", "--memory-limit", "1", "--jobs", "3")
-        program = started("run", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder))
+        program = started("run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder))
         self.folder = folder
         self.answer = answer_of(program)
         self.document = json.loads(self.answer.output)
@@ -268,7 +268,7 @@ def test_an_interrupted_run_ends_at_once_and_keeps_what_it_has(place: Path) -> N
         os.killpg(program.pid, signal.SIGINT)
         time.sleep(0.005)
     assert answer_of(program) == Answer(
-        130, "", "quickreturn: interrupted; 1 result of this call is kept in .quickreturn; the same command goes on from there\n"
+        130, "", "quickreturn: interrupted; 2 results of this call are kept in .quickreturn; the same command goes on from there\n"
     )
     wait_until(lambda: not any(map(running, below)))
     assert len(stored(place)) == 1
