@@ -7,7 +7,8 @@ from typing import Any, Final
 from cases.benchmark.measurement import LONG, REPETITIONS, Benchmark, last_at_work, pinned
 from cases.benchmark.methods import methods
 from cases.case import Case
-from cases.jobs.job import Executor, Job, Limits, answers
+from cases.jobs.display import answers
+from cases.jobs.job import Executor, Job, Limits
 from cases.jobs.workshop import Workshop
 from engines.accurate import run_once
 from engines.base import EngineFailure, Refusal

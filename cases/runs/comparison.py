@@ -164,7 +164,7 @@ def cross_validate(
     workshop: Workshop,
     engines: Sequence[str] = MAIN,
     accuracy: float | None = None,
-    settings: Mapping[str, str] | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
     beside: Work | None = None,
 ) -> list[CaseResult]:
     """Bring every engine to its steady state on every case and compare.
@@ -174,7 +174,7 @@ def cross_validate(
         workshop: where.
         engines: names.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
-        settings: engine settings as text, the same for all engines.
+        settings: of an engine, by its name: setting -> value as text.
         beside: what else is computed with them and stored.
 
     Raises:
@@ -182,11 +182,13 @@ def cross_validate(
         ValueError: two of the cases, or of the engines, have one name.
         UnknownEngine: see there.
     """
-    texts = dict(settings or {})
+    texts = {engine: dict((settings or {}).get(engine, {})) for engine in engines}
     requests = {
-        (case.name, engine): RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=texts)
+        (case.name, name): RunRequest(
+            mechanism=case.mechanism, duration=case.duration, engine=name, accuracy=accuracy, settings=texts[name]
+        )
         for case in cases
-        for engine in engines
+        for name in engines
     }
     if len(requests) < len(cases) * len(engines):
         raise ValueError("two cases or two engines have one name")

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from tests.engines.faulty_engines import install_faulty_engines
-from tests.reports.conftest import Answer, Call
-from tests.reports.scene_file import SCENE
+from tests.quickreturn.conftest import Answer, Call
+from tests.quickreturn.scene_file import SCENE
 
 HEAVY = ("--set", "slider.mass=1 kg")  # which the made-up engines refuse, all but one
 

@@ -15,12 +15,12 @@ import click
 import pytest
 
 from cases.reading import parse_case
-from reports.command_line import COMMANDS
-from reports.commands.options import SingleOption
-from tests.reports import mistakes
-from tests.reports.conftest import Answer, Call
-from tests.reports.mistakes import scene, with_value, written
-from tests.reports.program import started
+from quickreturn.command_line import COMMANDS
+from quickreturn.commands.options import SingleOption
+from tests.quickreturn import mistakes
+from tests.quickreturn.conftest import Answer, Call
+from tests.quickreturn.mistakes import scene, with_value, written
+from tests.quickreturn.program import started
 
 LONGEST = 400  # characters: five lines of a terminal
 MODES = "modes small.toml --engine fake --crank-angle 90"
@@ -116,11 +116,12 @@ NUMBERS = {
     "--duration": (SIMULATE, ("0", "-1", "1e9", "1e-9", "0.0005", "1 ns", "0 s", "1s", "1 h", "1 m", "s")),
     "--output-step": (SIMULATE, ("0", "-1", "1e-12", "3", "7 ms", "1e-60 s", "1 Hz")),
     "--accuracy": (SIMULATE, ("0", "1", "-1e-3", "0.06", "1e-5", "0.0501", "9.9e-5")),
-    "--crank-angle": (MODES, ("1e7", "north", "90 deg", "pi")),
+    "--crank-angle": (MODES, ("1e7", "north", "90 deg", "pi", "0:360", "0:360:0", "0:360:-10", "0:1:2:3", "0:360:1e-9", "0::10")),
     "--count": (MODES, ("0", "-1", "2.5", "101", "1e1", "1000000000")),
     "--repetitions": ("benchmark small.toml --engine fake", ("0", "-2", "1.5", "101")),
     "--time-limit": (SIMULATE, ("0", "-1 s", "1 m", "1 kg")),
     "--memory-limit": (SIMULATE, ("0", "-1", "1e9", "4 GiB")),
+    "--magnify": ("animate small.toml --engine fake --output out.webp", ("0", "-1", "1e9")),
     "--jobs": ("run small.toml --engine fake", ("0", "-2", "1.5", "1000000000000")),
     "--set": (MODES, ("crank", "=", "=1 in", "engine", "crank.length", "crank.length=", "length=4 in", "crank.length==4 in", "x=1", "name=x",
                       "crank.lenght=4 in", "crank.length=4", "crank.length=4,5 in", "crank.length=4 in;5 in", "engine.stp=1", "engine.=1",
@@ -150,7 +151,18 @@ NO_CASES = ("", " ", "-", ".", "/", "thesis-25", "thesis", "24", "missing.toml",
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(
-    "command", ["show -", MODES, SIMULATE, "run - --engine fake", "report -", "benchmark - --engine fake"], ids=lambda text: text.split()[0]
+    "command",
+    [
+        "show -",
+        MODES,
+        SIMULATE,
+        "run - --engine fake",
+        "report -",
+        "benchmark - --engine fake",
+        "plot - --output out.png",
+        "animate - --engine fake --output out.webp",
+    ],
+    ids=lambda text: text.split()[0],
 )
 def test_whatever_is_no_case_is_told_with_its_name(call: Call, tmp_path: Path, command: str) -> None:
     subcommand, _, *options = command.split()
@@ -213,14 +225,25 @@ TYPED = [
     ("show twice.toml", 'twice.toml: line 3: "length = \\"5 in\\"" repeats a key or section that is there already; give each of them once'),
     ("show", "Missing argument 'CASE'; see quickreturn show --help"),
     ("show small.toml --jason", "No such option: --jason (perhaps --json is meant); see quickreturn show --help"),
-    ("shaw small.toml", '"shaw": no such command (perhaps show is meant); accepted: engines, cases, show, simulate, modes, run, report, benchmark'),
+    ("shaw small.toml", '"shaw": no such command (perhaps show is meant); accepted: engines, cases, show, simulate, modes, run, report, benchmark, plot, animate'),
     ("cases --tag thesys", '--tag "thesys": no case has this tag; accepted: '),
     (f"{MODES} --count 0", '--count "0": give a whole number from 1 to 100'),
     (f"{MODES} --set crank.lenght='4 in'", '--set: crank.lenght: "4 in" belongs to an unknown key; the nearest known one is crank.length'),
     (f"{MODES} --set crank.length", '--set "crank.length": give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32'),
     (f"{MODES} --set engine.step=x", '--set engine.step: "x" is not accepted; give a plain number from 0.0001 to 1 s'),
     (f"{MODES} --set engine.links=8", "--set engine.links: no such setting of this engine; accepted: engine.step, engine.behaviour"),
-    ("run small.toml ./small.toml --engine fake", 'two cases are called "scene"; give each a name of its own'),
+    ("run small.toml ./small.toml --engine fake", "scene: two cases have this name; give each a name of its own"),
+    ("run 'thesis-9*'", '"thesis-9*": no case of the library and no case file matches; such as thesis-2* or my/*.toml'),
+    ("run small.toml --engine fake --set mujoco.links=16", "--set mujoco.links: engine mujoco does not run here; those that do are fake"),
+    (f"{SIMULATE} --engine reference", "--output out.csv: several engines would write the same file; put {engine} into its name"),
+    (f"{OUTPUT} x.parquet", '--output x.parquet: ".parquet" is no known format; accepted: .csv, such as x.csv'),
+    ("plot small.toml --output x.gif", '--output x.gif: ".gif" is no known format; accepted: .png, .svg, .pdf, .webp, such as x.png'),
+    ("plot small.toml --column tip_x --output x.png", "--column: without --engine nothing is simulated; give --engine as well"),
+    ("plot small.toml --engine fake --column tip_z --output x.png", '"tip_z": no such column; the nearest known one is tip_x'),
+    ("plot missing.csv --output x.png", "missing.csv: cannot be read (no such file or directory)"),
+    ("animate small.toml --engine fake --output x.gif", '--output x.gif: ".gif" is no known format; accepted: .webp'),
+    ("animate small.toml --engine fake --output x.webp", '"shape_01": this trajectory does not tell the shape of the follower'),
+    ("report --output x.parquet",'--output "x.parquet": the ending ".parquet" is that of a file; give a folder, the page in it is index.html'),
     ("run example --engine reference --engine mujoco --set engine.tolerance=1e-6", "--set engine.tolerance: no such setting of this engine; accepted: engine.links, engine.step, engine.armature (engine mujoco)"),
     ("modes small.toml --engine mujco --crank-angle 0", f'--engine "mujco": no such engine (perhaps mujoco is meant); accepted: {ENGINES}'),
     ("modes small.toml --engine fake --crank-angle north", '--crank-angle "north": give a plain number of degrees, from -1000000 to 1000000, e.g. 180'),
@@ -234,7 +257,7 @@ TYPED = [
     (f"{OUTPUT} x", "--output x: no ending tells the format; accepted: .csv, such as x.csv"),
     (f"{OUTPUT} x.csv.gz", '--output x.csv.gz: ".gz" is no known format; accepted: .csv'),
     ("report small.toml --output page.html", '--output "page.html": the ending ".html" is that of a file; give a folder, the page in it is index.html'),
-    (f"{MODES} --engine reference", '--engine: "fake" and "reference" are both given; give one of them'),
+    (f"{MODES} --count 2 --count 3", '--count: "2" and "3" are both given; give one of them'),
     (f"{SIMULATE} --output x.csv --output y.csv", '--output: "out.csv" and "x.csv" and "y.csv" are all given; give one of them'),
 ]  # fmt: skip
 
@@ -255,7 +278,7 @@ def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, answer:
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) -> None:
-    for option in import_module(f"reports.commands.{name}").command.params:
+    for option in import_module(f"quickreturn.commands.{name}").command.params:
         if isinstance(option, click.Option) and not option.is_flag and not option.multiple:
             assert isinstance(option, SingleOption), option.name
 

@@ -7,29 +7,52 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.commands.options import case_argument, json_option, load, read_assignments, refuse_engine_settings, set_option
+from quickreturn.commands.options import (
+    cases_argument,
+    json_option,
+    load_all,
+    read_assignments,
+    refuse_engine_settings,
+    set_option,
+    tag_option,
+)
 
 if TYPE_CHECKING:
+    from cases.case import Case
     from reference_model.mechanism import Scene
 
 
 @click.command(name="show")
-@case_argument
+@cases_argument
+@tag_option
 @set_option
 @json_option
-def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
-    """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds."""
-    from cases.document import values_in_si
+def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], as_json: bool) -> None:
+    """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.
+
+    With several cases the JSON document is a list.
+    """
     from cases.jobs.processes import get_ready
-    from cases.keys import SECTIONS
+    from quickreturn.questions import TELLING
     from reports.output import print_json
-    from reports.questions import TELLING
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
     get_ready(TELLING)
-    loaded = load(case, overrides)
-    document = {
+    documents = [_document(case) for case in load_all(cases, tag, overrides)]
+    if as_json:
+        print_json(documents[0] if len(documents) == 1 else documents)
+        return
+    for number, document in enumerate(documents):
+        click.echo("\n" * (number > 0), nl=False)
+        _print(document)
+
+
+def _document(loaded: "Case") -> dict[str, Any]:
+    from cases.document import values_in_si
+    from cases.keys import SECTIONS
+
+    return {
         "name": loaded.name,
         "title": loaded.title,
         "tags": loaded.tags,
@@ -40,10 +63,6 @@ def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
         "engines": _models(loaded.scene),
     }
-    if as_json:
-        print_json(document)
-    else:
-        _print(document)
 
 
 def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
@@ -70,7 +89,7 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
 def _models(scene: Any) -> list[dict[str, Any]]:
     """Per engine what it builds, or in "refused" why it does not."""
     from engines.registry import OWN
-    from reports.questions import asked_of_all, model
+    from quickreturn.questions import asked_of_all, model
 
     found = []
     for outcome in asked_of_all(model, (scene,), "models", OWN - {"exudyn", "mujoco"}):

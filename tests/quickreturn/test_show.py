@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.reports.conftest import Call
+from tests.quickreturn.conftest import Call
 
 
 def test_what_follows_from_the_follower_is_shown(call: Call) -> None:

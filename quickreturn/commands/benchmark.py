@@ -5,17 +5,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.commands.options import (
+from quickreturn.commands.options import (
     WholeNumber,
+    cases_argument,
     json_option,
-    load,
+    load_all,
     memory_limit_option,
     opened_workshop,
     read_assignments,
     refuse_engine_settings,
-    refuse_equal_names,
     set_option,
     single_option,
+    tag_option,
     tell,
     time_limit_option,
 )
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
 
 
 @click.command(name="benchmark")
-@click.argument("cases", metavar="[CASE]...", nargs=-1)
+@cases_argument
+@tag_option
 @click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all eight of ours.")
 @single_option(
     "--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Repetitions at most, interleaved."
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 @json_option
 def command(
     cases: Sequence[str],
+    tag: str | None,
     engines: Sequence[str],
     repetitions: int,
     assignments: Sequence[str],
@@ -56,13 +59,12 @@ def command(
     from cases.benchmark.scenes import ENGINES
     from engines.base import EngineFailure
     from engines.registry import engine, usable_engine
-    from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
-    loaded = [load(case, overrides) for case in dict.fromkeys(cases or SCENES)]
-    refuse_equal_names(loaded)
+    loaded = load_all(cases or ([] if tag else SCENES), tag, overrides)
     names = list(dict.fromkeys(engines)) or list(ENGINES)
     for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
         usable_engine(name) if engines else engine(name)

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from cases.errors import as_written
-from reports.commands.options import (
+from quickreturn.commands.options import (
+    cases_argument,
     jobs_option,
-    load,
+    load_all,
     memory_limit_option,
     opened_workshop,
     path_given,
-    refuse_equal_names,
     single_option,
+    tag_option,
     tell,
     time_limit_option,
 )
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 
 #: Endings of files. A folder of such a name would be created where somebody expects the page.
-_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip")
+_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
 
 
 def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:
@@ -39,7 +40,8 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
 
 
 @click.command(name="report")
-@click.argument("cases", metavar="[CASE]...", nargs=-1)
+@cases_argument
+@tag_option
 @single_option(
     "--output",
     metavar="DIR",
@@ -51,20 +53,19 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
 @jobs_option
 @time_limit_option
 @memory_limit_option
-def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str | None, memory_limit: str | None) -> int:
+def command(cases: Sequence[str], tag: str | None, output: str, jobs: int | None, time_limit: str | None, memory_limit: str | None) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
 
     Exit code 0 once the page is written and every engine completed: where engines disagree is shown in the page. Exit code 3: an engine
     failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
     as they come: an interrupted report continues where it stopped.
     """
-    from cases.library import catalogue
-    from reports.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from quickreturn.cross_validation import DRAWING
     from reports.report import write_report
 
-    loaded = [load(case, {}) for case in dict.fromkeys(cases or [entry.name for entry in catalogue("thesis")])]
-    refuse_equal_names(loaded)
-    workshop = opened_workshop(jobs, time_limit, memory_limit, ("reports.pictures", "matplotlib.figure"))
+    loaded = load_all(cases, tag, {}, otherwise="thesis")
+    workshop = opened_workshop(jobs, time_limit, memory_limit, DRAWING)
     written = write_report(loaded, Path(output), workshop)
     _print(written)
     for trouble in written.content.troubles:

@@ -1,0 +1,42 @@
+"""`quickreturn engines`: which engines there are, which can be used here, and what can be set."""
+
+import click
+
+from quickreturn.commands.options import json_option
+
+
+@click.command(name="engines")
+@click.argument("engine", required=False)
+@json_option
+def command(engine: str | None, as_json: bool) -> None:
+    """List the engines: name, version, method, available or why not; of one ENGINE also the settings and the default accuracy."""
+    if engine is None:
+        _list(as_json)
+    else:
+        _describe(engine, as_json)
+
+
+def _list(as_json: bool) -> None:
+    from quickreturn.catalogue import engines
+    from reports.output import print_json
+
+    found = engines()
+    if as_json:
+        print_json(found)
+    else:
+        click.echo(repr(found))
+
+
+def _describe(name: str, as_json: bool) -> None:
+    from cases.jobs.job import Job
+    from quickreturn.questions import answer_of, settings
+    from reports.output import print_json, print_table
+
+    found = answer_of(Job(name, settings, (name,)))
+    if as_json:
+        print_json(found)
+        return
+    click.echo(f"{name}: {found.method}; {found.version or f'not available: {found.reason}'}")
+    click.echo(f"estimates: {found.estimate}")
+    click.echo(f"finds settings for the accuracy asked, {found.default_accuracy:g} unless --accuracy says otherwise; --set fixes them:")
+    print_table([(row.name, row.accepted, row.meaning) for row in found.settings], ("SETTING", "ACCEPTED", "MEANING"))

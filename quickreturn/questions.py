@@ -1,0 +1,187 @@
+"""What the command line asks of engines, each question that may load a library in a process of its own.
+
+A library that crashes, prints or holds on to the interpreter then costs no more than its own answer: Ctrl-C works at once, and
+nothing but the command's own words gets to standard output. What an engine computed comes back through a pipe and is written here,
+so that a worker which is killed leaves no half file behind.
+"""
+
+import dataclasses
+from collections.abc import Callable, Container, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from cases.jobs.display import answers
+from cases.jobs.job import Job, Limits, Outcome, T
+from cases.jobs.processes import LocalProcesses
+
+if TYPE_CHECKING:
+    from engines.base import ModelDescription
+    from reference_model.mechanism import Scene
+
+
+class EngineDied(Exception):
+    """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
+
+    def __init__(self, sentence: str, outcome: Outcome[Any]) -> None:
+        super().__init__(sentence)
+        self.outcome = outcome
+
+
+#: What processes import that tell of engines, and those that compute.
+TELLING: Final = ("cases.jobs.worker", "engines.registry")
+COMPUTING: Final = (*TELLING, "engines.accurate", "engines.own.simulation")
+
+
+def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
+    """How each of the jobs ended; `limits` None: `cases.jobs.job.default_limits`. What they import is decided by `get_ready`."""
+    return answers(LocalProcesses(limits=limits, preload=TELLING, quiet=quiet), jobs, title)
+
+
+def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:
+    """How each engine answers `question(name, *arguments)`, in their order.
+
+    Args:
+        question: see above.
+        arguments: those behind the name.
+        title: of them all, for the person who waits.
+        here: engines that answer without loading a library: they are asked in this process.
+    """
+    from engines.registry import engine_names
+
+    jobs = [Job(name, question, (name, *arguments)) for name in engine_names()]
+    elsewhere = iter(asked([job for job in jobs if job.name not in here], title))
+    return [_asked_here(job) if job.name in here else next(elsewhere) for job in jobs]
+
+
+def _asked_here(job: Job[T]) -> Outcome[T]:
+    try:
+        return Outcome(job, job.function(*job.arguments))
+    except Exception as error:
+        return Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error)
+
+
+def answer_of(job: Job[T], limits: Limits | None = None, quiet: bool = True) -> T:
+    """The job's value; `limits` and `quiet`: see `asked`. Raises as `value_of`."""
+    (outcome,) = asked([job], job.name, limits, quiet)
+    return value_of(outcome)
+
+
+def value_of(outcome: Outcome[T]) -> T:
+    """What a job came to.
+
+    Raises:
+        Refusal, SettingError, UnknownEngine, EngineFailure: as raised in the job.
+        EngineDied: it ended in any other way.
+    """
+    if outcome.value is not None:
+        return outcome.value
+    from engines.base import EngineFailure, Refusal
+    from engines.registry import UnknownEngine
+    from engines.settings import SettingError
+
+    if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure)):
+        raise outcome.error
+    raise EngineDied(f"engine {outcome.job.name}: {outcome.explanation}", outcome)
+
+
+def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
+    """Find out before anything runs what can be known of an engine without loading a library.
+
+    Raises:
+        UnknownEngine: there is none of this name.
+        Refusal, SettingError: one of this project's engines does not take the scene or the settings.
+    """
+    from engines.registry import OWN, engine, engine_names
+    from reference_model.mechanism import FollowerAlone
+
+    if name in engine_names() and name not in OWN:
+        return
+    found = engine(name)
+    found.settings_type().with_texts(dict(settings))
+    if isinstance(scene, FollowerAlone):
+        found.follower_alone().check(scene)
+    else:
+        found.check(scene)
+
+
+@dataclass(frozen=True, kw_only=True)
+class About:
+    """An engine: what its error estimate is of, and whether it can be used here or why not."""
+
+    name: str
+    method: str
+    version: str | None = None
+    estimate_of: str | None = None
+    available: bool
+    reason: str | None
+
+    @property
+    def estimate(self) -> str:
+        """What its error estimate is of, in words."""
+        from reports.words import ESTIMATE
+
+        if self.estimate_of is None:
+            return "-"
+        name, beside = ESTIMATE[self.estimate_of]
+        return f"{name.removesuffix(' estimate')}{beside and '; '}{beside}"
+
+
+def about(name: str) -> About:
+    """What an engine says of itself."""
+    from engines.registry import engine
+
+    found = engine(name)
+    if reason := found.unavailable():
+        return About(name=name, method=found.method, available=False, reason=reason)
+    return About(name=name, method=found.method, version=found.version(), estimate_of=found.estimates, available=True, reason=None)
+
+
+def about_all() -> list[About]:
+    """What all engines say of themselves."""
+    from engines.registry import OWN
+
+    rows = []
+    for outcome in asked_of_all(about, (), "engines", OWN):
+        broken = About(name=outcome.job.name, method="unknown", available=False, reason=f"asked about itself, it {outcome.failure}")
+        rows.append(outcome.value or broken)
+    return rows
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A setting of an engine: name for `--set`, what is accepted, meaning."""
+
+    name: str
+    accepted: str
+    meaning: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class AboutSettings(About):
+    """Besides, the accuracy that the engine works to unless asked, and its settings."""
+
+    default_accuracy: float
+    settings: tuple[Setting, ...]
+
+
+def settings(name: str) -> AboutSettings:
+    """What an engine says of itself and its settings."""
+    from engines.registry import engine
+
+    def accepted(field: "dataclasses.Field[Any]") -> str:
+        about = field.metadata
+        if about["choices"]:
+            return ", ".join(about["choices"])
+        return "true or false" if isinstance(field.default, bool) else f"{about['low']:g} to {about['high']:g} {about['unit']}".strip()
+
+    found = engine(name)
+    rows = [Setting(f"engine.{each.name}", accepted(each), each.metadata["meaning"]) for each in dataclasses.fields(found.settings_type)]
+    return AboutSettings(**vars(about(name)), default_accuracy=found.default_accuracy, settings=tuple(rows))
+
+
+def model(name: str, scene: "Scene") -> "ModelDescription":
+    """What the engine builds for a scene with its default settings. Raises Refusal if it cannot."""
+    from engines.registry import usable_engine
+    from engines.scene import describe_scene
+
+    return describe_scene(usable_engine(name), scene)
