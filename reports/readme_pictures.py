@@ -1,4 +1,4 @@
-"""The README's pictures, from the same results as the report: `python -m reports.readme_pictures`.
+"""The pictures of the documents, from the same results as the report: `python -m reports.readme_pictures`.
 
 After `make report`, and after `quickreturn benchmark` on a machine that does nothing else.
 """
@@ -20,7 +20,7 @@ from reports.plots.overview import overview_figure
 from reports.plots.picture import Picture
 from reports.plots.work_precision import work_precision_figure
 
-FOLDER = Path(__file__).parent / "readme"
+FOLDER = Path(__file__).parents[1] / "docs/pictures"
 COLOURS = 64  # of the palette: flat colours and their soft edges need no more
 
 
