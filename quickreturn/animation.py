@@ -13,7 +13,7 @@ from PIL import Image
 from cases.case import Case
 from engines.trajectory import Trajectory
 from quickreturn.curves import drawing
-from quickreturn.drawing import Motion, Scenery, engines_legend, factor_for, motion_of
+from quickreturn.drawing import Motion, Scenery, factor_for, legend, motion_of
 from reports.plots.style import FONT_SIZE
 
 FRAMES: Final = 72
@@ -21,6 +21,25 @@ WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
 SLOWED: Final = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # how many times slower it may be shown
 TURN: Final = 4.0  # s that a turn is shown for, at least
 COLOURS: Final = 64  # lines and their smoothed edges need no more, and every further one makes the file larger
+
+
+def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magnify: float | None = None) -> bytes:
+    """A file's content: the moving picture, or a page with it that opens from disk.
+
+    Args:
+        case: what was simulated.
+        trajectories: of the engines by name, on one output grid.
+        ending: ".webp" or ".html".
+        magnify: see `webp`; a page does not take it.
+
+    Raises:
+        UnknownColumn, CaseError: see `webp`; a page needs a crank.
+    """
+    if ending == ".webp":
+        return webp(case, trajectories, magnify)
+    from reports.page.render import animation_page
+
+    return animation_page(case, trajectories).encode()
 
 
 def webp(case: Case, trajectories: Mapping[str, Trajectory], magnify: float | None = None) -> bytes:
@@ -63,7 +82,7 @@ def _frames(case: Case, motions: Mapping[str, Motion], factor: float, slowed: in
     scenery = Scenery(axes, case, motions, factor)
     speed = "" if slowed == 1 else f"; shown {slowed} times slower"
     figure.suptitle(f"{case.name}: {case.title}{speed}", fontsize=FONT_SIZE)
-    figure.legend(handles=engines_legend(motions, factor), loc="outside lower center", ncols=5, fontsize=FONT_SIZE - 1.0, frameon=False)
+    figure.legend(handles=legend(motions, factor), loc="outside lower center", ncols=5, fontsize=FONT_SIZE - 1.0, frameon=False)
     figure.set_dpi(DENSITY)
     canvas, found = FigureCanvasAgg(figure), []
     first = next(iter(motions.values()))

@@ -12,6 +12,7 @@ from cases.errors import CaseError, as_written
 from cases.library import CatalogueLine, case_names, catalogue
 
 if TYPE_CHECKING:
+    from engines.base import AnyEngine
     from quickreturn.questions import About
 
 T = TypeVar("T")
@@ -107,3 +108,21 @@ def loaded(
         if called.count(one) > 1:
             raise CaseError(one, None, None, "two cases have this name", "give each a name of its own")
     return chosen
+
+
+def apart(engines: "str | AnyEngine | Iterable[str | AnyEngine]") -> tuple[list[str], list[str]]:
+    """Names of engines, and paths of recorded tables that stand among them; the four main engines where there are tables alone.
+
+    Raises:
+        UnknownEngine: there is none of this name; also of an engine that no other process could find.
+    """
+    from cases.recorded import is_table
+    from engines.base import Engine
+    from engines.registry import MAIN, engine
+
+    each = [engines] if isinstance(engines, (str, Engine)) else list(engines)
+    paths = list(dict.fromkeys(one for one in each if isinstance(one, str) and is_table(one)))
+    names = [one.name if isinstance(one, Engine) else one for one in each if one not in paths]
+    for name in names:
+        engine(name)
+    return list(dict.fromkeys(names or MAIN)), paths

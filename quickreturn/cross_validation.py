@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 from cases.case import Case
 from cases.errors import as_written, nearest_or_all
-from cases.jobs.processes import PRELOAD, LocalProcesses
+from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.library import CatalogueLine
+from cases.recorded import tables_of
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import Run
-from engines.base import AnyEngine, Engine, Refusal
-from engines.registry import MAIN, engine
-from engines.settings import SettingError, as_texts
+from engines.base import AnyEngine
+from engines.registry import MAIN
+from engines.settings import as_texts
 from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
-from quickreturn.catalogue import loaded
+from quickreturn.catalogue import apart, loaded
+from quickreturn.questions import check_settings
 from quickreturn.solution import framed, known_column
 from reference_model.columns import COLUMNS
 
@@ -47,7 +49,7 @@ class CrossValidation:
     @property
     def passed(self) -> bool | None:
         """Whether no engine departs from another by more than both claim, and all delivered; None if nothing could be judged."""
-        judged = [result.passed for result in self.results if result.passed is not None]
+        judged = [passed for result in self.results if (passed := result.whole.passed) is not None]
         return all(judged) if judged else None
 
     def __getitem__(self, place: tuple[str, str]) -> Run:
@@ -112,39 +114,52 @@ def run(
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, Any]] | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
     workshop: Workshop | None = None,
 ) -> CrossValidation:
     """Bring engines to their steady state on cases, each in a process of its own, measure and compare. Results are kept as they come.
 
     Args:
         cases: names, paths, patterns ("thesis-2*") or `Case`s, one or several.
-        engines: names, or engines that are installed, one or several; default: the four main ones.
+        engines: names, or engines that are installed, one or several; default: the four main ones. Paths of recorded tables (.csv) may
+            stand among them.
         accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
         settings: of an engine, by its name: {"mujoco": {"links": 16}}.
-        workshop: where it is computed and kept; None: see `opened`.
+        jobs: how many processes at a time; None: one per core.
+        quiet: whether nothing is shown on standard error meanwhile.
+        workshop: where it is computed and kept; None: here, in `.quickreturn` or what `QUICKRETURN_STORE` names.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be; nothing has run then.
         StoreError: the folder of results cannot be used.
         KeyboardInterrupt: Ctrl-C; what was computed is kept.
     """
-    chosen, names = loaded(cases), engine_names(engines)
+    chosen, (names, paths) = loaded(cases), apart(engines)
     texts = {name: as_texts(values) for name, values in (settings or {}).items()}
     check_settings(chosen, names, texts)
-    place = workshop or opened()
-    results = cross_validate(chosen, place, names, checked(accuracy), texts)
+    tables = tables_of(paths, [case.name for case in chosen])
+    place = workshop or opened(jobs, quiet)
+    results = cross_validate(chosen, place, names, checked(accuracy), texts, tables)
     return CrossValidation(results, place.store.notices)
 
 
 def report(
-    cases: AnyCase | Iterable[AnyCase], folder: "str | os.PathLike[str]" = "reports/output", *, workshop: Workshop | None = None
+    cases: AnyCase | Iterable[AnyCase],
+    folder: "str | os.PathLike[str]" = "reports/output",
+    engines: "str | AnyEngine | Iterable[str | AnyEngine]" = MAIN,
+    *,
+    jobs: int | None = None,
+    quiet: bool = False,
 ) -> Path:
     """Write the report on cases: a page, and its tables as CSV beside it. Results are kept as they come.
 
     Args:
         cases: as of `run`.
         folder: is created where it is missing.
-        workshop: as of `run`.
+        engines: as of `run`.
+        jobs: likewise.
+        quiet: likewise.
 
     Returns:
         The page.
@@ -155,64 +170,11 @@ def report(
     """
     from reports.report import write_report
 
-    return write_report(loaded(cases), Path(folder), workshop or opened(preload=DRAWING)).page
+    chosen, (names, paths) = loaded(cases), apart(engines)
+    tables = tables_of(paths, [case.name for case in chosen])
+    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables).page
 
 
-#: What workers need besides where pictures are drawn.
-DRAWING = ("reports.pictures", "matplotlib.figure")
-
-
-def opened(jobs: int | None = None, *, quiet: bool = False, preload: Sequence[str] = ()) -> Workshop:
-    """The store of results and the processes of this machine.
-
-    Args:
-        jobs: how many processes at a time; None: one per core.
-        quiet: whether nothing is shown on standard error meanwhile.
-        preload: modules that workers need besides.
-
-    Raises:
-        StoreError: the folder of results, `.quickreturn` or what `QUICKRETURN_STORE` names, cannot be used.
-    """
-    return Workshop(Store(), LocalProcesses(jobs, preload=(*PRELOAD, *preload), quiet=quiet))
-
-
-def engine_names(engines: "str | AnyEngine | Iterable[str | AnyEngine]") -> list[str]:
-    """Names of engines that are installed, each once.
-
-    Raises:
-        UnknownEngine: there is none of this name; also of an engine that no other process could find.
-    """
-    each = [engines] if isinstance(engines, (str, Engine)) else engines
-    names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in each))
-    for name in names:
-        engine(name)
-    return names
-
-
-def check_settings(cases: Sequence[Case], names: Sequence[str], settings: Mapping[str, Mapping[str, str]]) -> None:
-    """Find out before anything runs whether settings can be.
-
-    Raises:
-        SettingError: an engine that is not among those that run, or a setting that it does not have or take.
-    """
-    for name, texts in settings.items():
-        if name not in names:
-            key = next(iter(texts), "")
-            raise SettingError(f"{name}.{key}: engine {name} is not among those that run; these are {', '.join(names)}")
-        for case in cases if texts else ():
-            chosen = engine(name)
-            try:
-                chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(texts))
-            except SettingError as error:  # several engines may share the settings, and one of them may lack one
-                raise SettingError(f"{error} (engine {name})" if len(names) > 1 else str(error)) from error
-
-
-def check_engines(names: Iterable[str]) -> None:
-    """Find out before anything runs whether engines can be used here.
-
-    Raises:
-        UnknownEngine, Refusal: one cannot.
-    """
-    for name in names:
-        if reason := engine(name).unavailable():
-            raise Refusal(f"--engine {name}: {reason}")
+def opened(jobs: int | None, quiet: bool) -> Workshop:
+    """The store of results and the processes of this machine. StoreError: see there."""
+    return Workshop(Store(), LocalProcesses(jobs, quiet=quiet))

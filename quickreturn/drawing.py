@@ -26,7 +26,8 @@ SHOWN: Final = 0.15  # of the follower's length: the magnified deflection is at 
 STRAIGHT: Final = 1e-6  # of the follower's length: less is no bending
 STEPS: Final = (1.0, 2.0, 5.0)  # of the factor, times powers of ten
 POINTS: Final = 61  # along the follower
-_BESIDE: Final = {"crank": (-6.0, 9.0), "slider": (8.0, 9.0), "follower": (4.0, 8.0), "tip": (6.0, 8.0)}  # points, of a name
+_CENTRED: Final[Any] = {"ha": "center", "va": "center"}
+BESIDE: Final = np.array([18.0, 11.0])  # points: how far a name is from what it names, to the side and up
 CLEAR: Final = math.radians(120.0)  # a crank angle at which nothing covers anything
 MARGIN: Final = 0.07  # of the follower's length, around everything
 
@@ -115,13 +116,26 @@ class Scenery:
         self._fixed(axes, case)
         looks = {label: look(label) for label in motions}
         self._followers = {label: axes.plot([], [], **(one.of_line | {"linewidth": 2.2 * one.width}))[0] for label, one in looks.items()}
-        self._tips = {label: axes.plot([], [], "o", color=one.colour, markersize=6.0, zorder=3.5)[0] for label, one in looks.items()}
+        self._tips = {
+            label: axes.plot([], [], "o", color=one.colour, markeredgecolor="black", markersize=7.0, zorder=3.5)[0]
+            for label, one in looks.items()
+        }
         self._straight = axes.plot([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.6)[0]
         self._crank = axes.plot([], [], color="black", linewidth=3.0, solid_capstyle="round", zorder=4.0)[0]
         self._slider = axes.plot([], [], "s", color=VERMILION, markeredgecolor="black", markersize=7.0, zorder=6.0)[0]
         self._said = axes.text(0.012, 0.02, "", transform=axes.transAxes, fontsize=FONT_SIZE, family="monospace", va="bottom")
         self._names = {
-            name: axes.annotate(name, (0.0, 0.0), _BESIDE[name], textcoords="offset points", fontsize=SMALL, color="#333333", zorder=7.0)
+            name: axes.annotate(
+                name,
+                (0.0, 0.0),
+                (0.0, 10.0),
+                textcoords="offset points",
+                fontsize=SMALL,
+                color="#333333",
+                zorder=7.0,
+                ha="center",
+                va="center",
+            )
             for name in (*(("crank", "slider") if self._crank_length else ()), "follower", *(("tip",) if self._has_tip else ()))
         }
 
@@ -146,8 +160,6 @@ class Scenery:
             limit = math.acos(min(LA / d, 1.0))
             back = np.linspace(-limit, limit, 61)
             axes.plot(LA * np.cos(back), LA * np.sin(back), color=VERMILION, linewidth=2.0, alpha=0.6, zorder=1.1)
-            place = {"fontsize": SMALL, "color": VERMILION, "ha": "left", "va": "center"}
-            axes.annotate("quick\nreturn", (LA, 0.0), (6.0, 0.0), textcoords="offset points", **place)  # type: ignore[arg-type]
             axes.plot(0.0, 0.0, "o", color="black", markersize=5.0, zorder=5.0)
             axes.annotate("O", (0.0, 0.0), (0.0, -14.0), textcoords="offset points", fontsize=FONT_SIZE, ha="center")
         axes.plot(*self._pivot, "^", color="black", markersize=8.0, zorder=5.0)
@@ -170,16 +182,26 @@ class Scenery:
             self._crank.set_data([0.0, slider[0]], [0.0, slider[1]])
             self._slider.set_data(slider[:1], slider[1:])
             where |= {"crank": 0.5 * slider, "slider": slider}
+            # the crank's name on the side that is away from the follower, the slider's on the other side of that
+            across = np.array([-along[1], along[0]])
+            away = across if slider @ across < 0.0 else -across  # from the follower to O
+            beside_crank = np.array([-slider[1], slider[0]]) / self._crank_length
+            sides = {"crank": beside_crank if beside_crank @ away > 0.0 else -beside_crank, "slider": -away}
+            for name, side in sides.items():
+                self._names[name].xyann = tuple(side * BESIDE)
         for name, text in self._names.items():
             text.xy = (float(where[name][0]), float(where[name][1]))
         self._said.set_text(said)
 
 
-def engines_legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
-    """Samples of the engines' lines, and by how much the deflection is magnified."""
+def legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
+    """Samples of the engines' lines and of the quick return, and by how much the deflection is magnified."""
     said = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
     samples = [Line2D([], [], label=label, **look(label).of_sample) for label in motions]
-    return [*samples, Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {said}")]
+    samples.append(Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {said}"))
+    if any(motion.crank_angle is not None for motion in motions.values()):
+        samples.append(Line2D([], [], color=VERMILION, linewidth=2.0, alpha=0.6, label="quick return"))
+    return samples
 
 
 def mechanisms(cases: Sequence[Case]) -> Drawing:
@@ -190,4 +212,5 @@ def mechanisms(cases: Sequence[Case]) -> Drawing:
         angle = "" if motion.crank_angle is None else f"crank at {math.degrees(float(motion.crank_angle[0])):g}°"
         Scenery(axes, case, {"reference": motion}, 1.0).show(0, angle)
         axes.set_title(f"{case.name}: {case.title}", fontsize=FONT_SIZE, loc="left")
+    figure.legend(handles=legend({"follower": motions[0]}, 1.0)[2:], loc="outside lower center", fontsize=SMALL, frameon=False)
     return figure

@@ -6,7 +6,7 @@ so that a worker which is killed leaves no half file behind.
 """
 
 import dataclasses
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,6 +15,7 @@ from cases.jobs.job import Job, Limits, Outcome, T
 from cases.jobs.processes import LocalProcesses
 
 if TYPE_CHECKING:
+    from cases.case import Case
     from engines.base import ModelDescription
     from reference_model.mechanism import Scene
 
@@ -27,7 +28,7 @@ class EngineDied(Exception):
         self.outcome = outcome
 
 
-#: What processes import that tell of engines, and those that compute.
+#: What processes import that tell of engines, those that compute.
 TELLING: Final = ("cases.jobs.worker", "engines.registry")
 COMPUTING: Final = (*TELLING, "engines.accurate", "engines.own.simulation")
 
@@ -102,6 +103,41 @@ def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
         found.follower_alone().check(scene)
     else:
         found.check(scene)
+
+
+def check_settings(cases: "Sequence[Case]", names: Sequence[str], settings: Mapping[str, Mapping[str, str]]) -> None:
+    """Find out before anything runs whether settings can be.
+
+    Raises:
+        SettingError: an engine that is not among those that run, or a setting that it does not have or take.
+    """
+    from engines.registry import engine
+    from engines.settings import SettingError
+
+    for name, texts in settings.items():
+        if name not in names:
+            key = next(iter(texts), "")
+            raise SettingError(f"{name}.{key}: engine {name} is not among those that run; these are {', '.join(names)}")
+        for case in cases if texts else ():
+            chosen = engine(name)
+            try:
+                chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(texts))
+            except SettingError as error:  # several engines may share the settings, and one of them may lack one
+                raise SettingError(f"{error} (engine {name})" if len(names) > 1 else str(error)) from error
+
+
+def check_engines(names: Iterable[str]) -> None:
+    """Find out before anything runs whether engines can be used here.
+
+    Raises:
+        UnknownEngine, Refusal: one cannot.
+    """
+    from engines.base import Refusal
+    from engines.registry import engine
+
+    for name in names:
+        if reason := engine(name).unavailable():
+            raise Refusal(f"--engine {name}: {reason}")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,9 +1,11 @@
 """One trajectory of one engine on one case, from the standard start, with what can be said of its errors."""
 
+import os
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cases.case import Case
@@ -90,6 +92,24 @@ class Solution:
         from quickreturn.curves import curves
 
         return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}")
+
+    def animate(self, path: "str | os.PathLike[str]", magnify: float | None = None) -> None:
+        """Write the mechanism moving to a file .webp, its last turn, or .html, a page of its own.
+
+        Args:
+            path: of the file.
+            magnify: factor of the deflection in a .webp; None: a round one that shows it.
+
+        Raises:
+            OutputError: another ending, or it cannot be written.
+            UnknownColumn, CaseError: the engine does not tell the follower's shape; a page needs a crank.
+        """
+        from quickreturn.animation import moving
+        from reports.output import check_writable, write_file
+
+        place = Path(path)
+        check_writable(place, "", ".webp", ".html")
+        write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
 
     def rows(self, kept: str = "") -> Iterator[tuple[str, str]]:
         """What there is to say, a name and a text each; `kept`: where the rows are."""

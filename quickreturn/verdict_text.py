@@ -16,11 +16,13 @@ _HEADS: Final = (
 
 
 def text_of(result: CaseResult) -> str:
-    """A table of the engines, their remarks, and what was judged."""
-    rows = [_row(run, result.accuracy_class(name)) for name, run in result.runs.items()]
-    remarks = [f"  {run.engine}: {run.remark}" for run in result.runs.values() if run.remark]
-    judged = [f"  {line}" for line in _verdict(result)]
-    return "\n".join([f"{result.case.name}: {result.case.title}", table_text(rows, _HEADS), *remarks, *judged])
+    """A table of the engines and recorded tables, their remarks, and what was judged."""
+    whole = result.whole
+    rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
+    remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
+    judged = [f"  {line}" for line in _verdict(whole)]
+    state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
+    return "\n".join([f"{result.case.name}: {result.case.title}{state}", table_text(rows, _HEADS), *remarks, *judged])
 
 
 def _verdict(result: CaseResult) -> list[str]:
@@ -37,7 +39,8 @@ def _verdict(result: CaseResult) -> list[str]:
         lines.append(f"not judged: {result.reason}")
     elif not result.missed:
         names = ", ".join(dict.fromkeys(check.engine for check in result.checks))
-        lines.append(f"{names}: within what is claimed of {result.checks[0].other} in all {len(result.checks)} comparisons")
+        others = " and ".join(dict.fromkeys(check.other for check in result.checks))
+        lines.append(f"{names}: within what is claimed of {others} in all {len(result.checks)} comparisons")
     reference = result.runs.get(REFERENCE)
     for name, run in result.runs.items():
         if reference is not None and reference.usable and run.usable and name != REFERENCE and (why := not_judged(run)):
@@ -57,7 +60,8 @@ def _row(run: Run, accuracy_class: str | None) -> tuple[str, ...]:
     def number(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
 
-    peaks = ("-", "-") if not run.usable else (f"{run.peak('tip_acceleration'):.2f}", f"{run.peak('strain_2'):.3e}")
+    forms = {"tip_acceleration": ".2f", "strain_2": ".3e"}
+    peaks = [number(run.peak(name) if run.usable and name in run.cycle else None, form) for name, form in forms.items()]
     return (
         run.engine,
         run.status,

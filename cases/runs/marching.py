@@ -158,6 +158,6 @@ def columns_of(cycle: Cycle) -> Columns:
     return {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
 
 
-def channels_of(cycle: Columns) -> Cycle:
-    """What is measured of a cycle, without its other columns."""
-    return Cycle(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS})
+def channels_of(cycle: Columns, names: Iterable[str] = CHANNELS) -> Cycle:
+    """Some columns of a cycle; unless named those in which vibration is measured."""
+    return Cycle(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in names})

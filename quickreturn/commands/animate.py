@@ -20,7 +20,7 @@ from quickreturn.commands.options import (
     single_option,
 )
 
-ENDINGS: Final = (".webp",)
+ENDINGS: Final = (".webp", ".html")
 
 
 def _factor(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
@@ -47,18 +47,24 @@ def command(
     assignments: Sequence[str],
     output: str,
 ) -> int:
-    """Simulate CASE from the standard start and draw it moving: its last turn, slowed down, engines over each other."""
+    """Simulate CASE from the standard start and draw it moving, engines over each other.
+
+    A .webp is a picture of the last turn, slowed down. A .html is a page that opens from disk, to be played, stopped and slowed down;
+    there the deflection is magnified as the reader likes.
+    """
     from quickreturn.commands.simulate import trajectories
     from reports.output import check_writable, write_file
 
     overrides, settings = read_assignments(assignments)
     names = list(dict.fromkeys(engines))
     texts = settings_of(settings, names)
+    if magnify is not None and output.lower().endswith(".html"):
+        raise click.UsageError("--magnify: in a page (.html) it is chosen with a slider; leave it out")
     loaded = load(case, overrides, duration)
     check_writable(Path(output), "", *ENDINGS)
     found = {name: trajectory for (_, name), trajectory in trajectories([loaded], names, texts, accuracy).items()}
-    from quickreturn.animation import webp
+    from quickreturn.animation import moving
 
-    write_file(Path(output), webp(loaded, found, magnify))
+    write_file(Path(output), moving(loaded, found, Path(output).suffix.lower(), magnify))
     click.echo(output)
     return 0

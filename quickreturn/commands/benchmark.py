@@ -7,6 +7,7 @@ import click
 
 from quickreturn.commands.options import (
     WholeNumber,
+    announce,
     cases_argument,
     json_option,
     load_all,
@@ -70,6 +71,7 @@ def command(
         usable_engine(name) if engines else engine(name)
     _ = [case.mechanism for case in loaded]  # and so is a scene without crank
     workshop, tables = opened_workshop(None, time_limit, memory_limit), []
+    announce(loaded, names, workshop)
     failed = False
     for case in loaded:
         try:

@@ -123,7 +123,9 @@ _engines_option: Final = functools.partial(
 )
 engines_option: Final = _engines_option(required=True, help="Engine, see `quickreturn engines`; may be given again.")
 engines_option_if_any: Final = _engines_option(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
-main_engines_option: Final = _engines_option(help="Engine to run; may be given again. Default: the four main ones.")
+main_engines_option: Final = _engines_option(
+    help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines."
+)
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 accuracy_option: Final = single_option(
     "--accuracy",
@@ -296,6 +298,14 @@ def opened_workshop(
     workshop = Workshop(Store(tell=tell), LocalProcesses(jobs, allowed, (*PRELOAD, *preload), quiet()))
     click.get_current_context().meta[WORKSHOP] = workshop
     return workshop
+
+
+def announce(cases: "Sequence[Case]", engines: Sequence[str], workshop: "Workshop") -> None:
+    """Say on standard error what begins, before what takes a while is imported."""
+    if not quiet():
+        what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
+        with contextlib.suppress(OSError):  # nobody listens
+            click.echo(f"  {what} on {', '.join(engines)}; results are kept in {workshop.store.folder}", err=True)
 
 
 def tell(sentence: str) -> None:

@@ -48,15 +48,17 @@ def command(
 ) -> int:
     """Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time.
 
-    A FILE is a trajectory as `simulate` writes it (its name ends in .csv): its columns are drawn, over those of others.
+    A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv): its columns are drawn, over those of
+    others.
     """
+    from cases.recorded import is_table
     from quickreturn.commands.simulate import trajectories
     from reports.output import check_writable, write_file
 
     overrides, settings = read_assignments(assignments)
     names = list(dict.fromkeys(engines))
     texts = settings_of(settings, names)
-    files, cases = ([each for each in sources if (each.lower().endswith(".csv")) is wanted] for wanted in (True, False))
+    files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
     loaded = load_all(cases, tag, overrides, duration) if cases or tag or not files else []
     if files and loaded and not names:
         raise click.UsageError("a case beside a file: give --engine, so that it has a trajectory as well")
@@ -69,9 +71,10 @@ def command(
 
         figure = mechanisms(loaded)
     else:
+        from cases.recorded import read_table
         from quickreturn.curves import curves
 
-        shown = {Path(file).stem: read_trajectory(file) for file in files}
+        shown: dict[str, Columns] = {Path(file).stem: read_table(file).columns for file in files}
         solved = trajectories(loaded, names, texts, accuracy) if loaded else {}
         shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
         figure = curves(shown, columns, title=_title(loaded))
@@ -84,29 +87,3 @@ def command(
 
 def _title(cases: "Sequence[Case]") -> str:
     return f"{cases[0].name}: {cases[0].title}" if len(cases) == 1 else ""
-
-
-def read_trajectory(path: str) -> "Columns":
-    """Columns of a trajectory as `simulate` writes it. CaseError: it is none."""
-    import pandas as pd
-
-    from cases.errors import CaseError, path_shown
-    from cases.jobs.store import words_of
-    from reference_model.columns import COLUMNS
-
-    shown, accepted = path_shown(path), "one as `simulate` writes it is accepted"
-    try:
-        table = pd.read_csv(path)
-    except OSError as error:
-        raise CaseError(shown, None, None, f"cannot be read ({words_of(error)})") from None
-    except (ValueError, pd.errors.ParserError) as error:
-        raise CaseError(
-            shown, None, None, f"is no table ({str(error).splitlines()[0]})", "one as `simulate` writes it is accepted"
-        ) from None
-    known = [name for name in COLUMNS if name in table.columns]
-    if "time" not in known or len(known) < 2:
-        raise CaseError(shown, None, None, "has no column time and another one of a trajectory", accepted)
-    for name in known:
-        if table[name].dtype.kind not in "fi" or not table[name].notna().all():
-            raise CaseError(shown, name, None, "is not all numbers", accepted)
-    return {name: table[name].to_numpy(dtype=float) for name in known}

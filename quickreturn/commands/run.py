@@ -7,6 +7,7 @@ import click
 
 from quickreturn.commands.options import (
     accuracy_option,
+    announce,
     cases_argument,
     jobs_option,
     json_option,
@@ -23,6 +24,7 @@ from quickreturn.commands.options import (
 )
 
 if TYPE_CHECKING:
+    from cases.jobs.workshop import Workshop
     from cases.runs.comparison import CaseResult
     from cases.runs.request import Run
 
@@ -55,19 +57,22 @@ def command(
     installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
     interrupted run continues.
     """
-    from cases.runs.request import REFUSED
-    from engines.registry import MAIN
-    from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
-    from quickreturn.cross_validation import check_engines, run
-    from quickreturn.verdict_text import text_of
+    from quickreturn.catalogue import apart
+    from quickreturn.questions import check_engines, check_settings
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
-    loaded, names = load_all(cases, tag, overrides), list(dict.fromkeys(engines)) or list(MAIN)
-    check_engines(engines)
+    loaded, (names, paths) = load_all(cases, tag, overrides), apart(engines)
+    check_engines(names if engines else ())
     texts = settings_of(settings, names)
+    check_settings(loaded, names, texts)
     workshop = opened_workshop(jobs, time_limit, memory_limit)
-    found = run(loaded, names, accuracy=accuracy, settings=texts, workshop=workshop)
+    announce(loaded, names, workshop)
+    from cases.runs.request import REFUSED
+    from quickreturn.cross_validation import run
+    from quickreturn.verdict_text import text_of
+
+    found = run(loaded, [*names, *paths], accuracy=accuracy, settings=texts, workshop=workshop)
     results = found.results
     if as_json:
         print_json(as_document(results, found.notices))
@@ -75,9 +80,18 @@ def command(
         for result in results:
             if not all(each.status == REFUSED for each in result.runs.values()):  # else there is nothing to show
                 click.echo(text_of(result))
+    return exit_code(results, workshop, engines)
+
+
+def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Sequence[str]) -> int:
+    """Tell on standard error what did not come to a result; `engines` are those that were asked for by name."""
+    from cases.runs.request import REFUSED
+    from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
+
+    results = [result.whole for result in results]
     for result in results:
         for each in result.failures:
-            tell(f"{result.case.name}: engine {each.engine} {each.status}: {each.remark}")
+            tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
     refused = [(result.case.name, each) for result in results for each in result.runs.values() if engines and each.status == REFUSED]
     for name, each in refused:
         tell(f"{name}: engine {each.engine}: {each.remark}")
@@ -91,11 +105,13 @@ def command(
 
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
-    """The JSON document of `run`."""
+    """The JSON document of `run` and `compare`: recorded tables stand behind the engines."""
+    results = [result.whole for result in results]
     return {
         "cases": [
             {
                 "case": result.case.name,
+                "turn": result.turn,
                 "passed": result.passed,
                 "reason": result.reason,
                 "notes": list(result.case.notes),

@@ -2,6 +2,7 @@
 
 import itertools
 import re
+import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -26,8 +27,9 @@ if TYPE_CHECKING:
 @cases_argument
 @tag_option
 @set_option
+@click.option("--for-other-tools", "for_others", is_flag=True, help="Print what is needed to build the scene in another tool instead.")
 @json_option
-def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], as_json: bool) -> None:
+def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
     """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.
 
     With several cases the JSON document is a list.
@@ -38,6 +40,11 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], a
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
+    if for_others:
+        if as_json:
+            raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
+        _print_for_others(load_all(cases, tag, overrides), assignments)
+        return
     get_ready(TELLING)
     documents = [_document(case) for case in load_all(cases, tag, overrides)]
     if as_json:
@@ -46,6 +53,14 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], a
     for number, document in enumerate(documents):
         click.echo("\n" * (number > 0), nl=False)
         _print(document)
+
+
+def _print_for_others(cases: "Sequence[Case]", assignments: Sequence[str]) -> None:
+    from reports.other_tools import for_other_tools
+
+    changes = [part for text in assignments for part in ("--set", text)]
+    given = [case.name if case.source == "library" else case.source for case in cases]
+    click.echo("\n\n".join(for_other_tools(case, shlex.join([name, *changes])) for case, name in zip(cases, given, strict=True)))
 
 
 def _document(loaded: "Case") -> dict[str, Any]:

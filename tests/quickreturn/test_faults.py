@@ -39,7 +39,6 @@ from cases.benchmark.scenes import tried
 from cases.case_file import load_case
 from cases.jobs.job import Limits
 from cases.jobs.processes import LocalProcesses
-from reports.pictures import Pictures
 from reports.report import write_report
 from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
 from tests.quickreturn.conftest import Answer, Call
@@ -115,7 +114,9 @@ class Campaign:
 
     def __init__(self, folder: Path) -> None:
         limits = ("--time-limit", "12 s", "--memory-limit", "1", "--jobs", "3")
-        program = started("run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder))
+        program = started(
+            "run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder)
+        )
         self.folder = folder
         self.answer = answer_of(program)
         self.document = json.loads(self.answer.output)
@@ -152,7 +153,6 @@ def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> No
 def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("sound", "segfaults", "not-installed")
     monkeypatch.setattr("reports.report.write_report", partial(write_report, engines=names))
-    monkeypatch.setattr("reports.report.draw_pictures", lambda *_: Pictures())
     code, output, errors = call("report", "small.toml")
     assert code == 3
     assert output.splitlines()[1:] == [
