@@ -11,7 +11,7 @@ PARALLEL ?= 2
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test verify lint clean
+.PHONY: report test verify record lint clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
@@ -24,6 +24,10 @@ test: $(TEST) lint
 verify: $(VERIFY)
 	$(BIN)/quickreturn benchmark
 	$(BIN)/pytest -n $(PARALLEL) -m verify --keep-outcome
+
+# For the project itself: results of the long studies as tables that the report shows where the user's own are missing.
+record: $(READY)
+	$(BIN)/python -m reports.recorded
 
 lint: $(TEST)
 	$(BIN)/ruff check .

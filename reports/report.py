@@ -8,19 +8,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from cases.benchmark import SCENES, Benchmark, measure, stored
+from cases.benchmark import SCENES, Benchmark, stored
 from cases.case import Case
 from cases.case_file import load_case
 from cases.errors import shortened
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.store import words_of
 from cases.jobs.workshop import Workshop
+from cases.judging.matrix import Matrix
+from cases.library import catalogue
+from cases.library.hard import TAG
 from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
-from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN
+from reports import recorded
 from reports.findings.evidence import Evidence, NoEvidence, evidence
 from reports.findings.runs import of_run, run_number
 from reports.machine import machine_facts
@@ -33,8 +36,6 @@ from reports.tables.table import Table
 from reports.verification import verification as stored_verification
 
 PAGE: Final = "index.html"
-#: Solve time (s) beyond which a report that must measure methods itself does not try finer settings.
-QUICK: Final = 1.0
 #: The list of all CSV files, by which the next report in the same folder knows which files are an earlier report's.
 CATALOGUE: Final = "tables.csv"
 #: The run that the thesis shows as its example.
@@ -101,13 +102,15 @@ def write_report(
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder)
-    recorded = {case: [*found] for case, found in (tables or {}).items()}
+    on_record = {case: [*found] for case, found in (tables or {}).items()}
     for table in experiment_tables():
-        recorded.setdefault(table.declared["case"], []).append(table)
+        on_record.setdefault(table.declared["case"], []).append(table)
     studied = _studied(cases)
-    results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if studied else None)
+    results = cross_validate(cases, workshop, engines, tables=on_record, beside=work() if studied else None)
     studies = run_studies(workshop) if studied else None
-    benchmarks = _benchmarks(cases, workshop, measured=studies is not None)
+    benchmarks, benchmarks_recorded = _benchmarks(cases, workshop, studied)
+    matrix, matrix_recorded = _hard_scenes(workshop) if studied else (None, False)
+    of_record = {"benchmark": benchmarks_recorded, "hard scenes": matrix_recorded}
     example = of_run(results, EXAMPLE) if EXAMPLE else None
     found, missing = _evidence(example, workshop)
     content = Content(
@@ -115,7 +118,8 @@ def write_report(
         studies=studies,
         benchmarks=benchmarks,
         evidence=found,
-        hard_scenes=stored_matrix(workshop) if studies is not None else None,
+        hard_scenes=matrix,
+        recorded={study: about for study, taken in of_record.items() if taken and (about := recorded.about(study))},
         verification=stored_verification(workshop.store.folder),
         facts=machine_facts(),
         code=code_fingerprint((*SIMULATION, *CODE)),
@@ -155,20 +159,26 @@ def _studied(cases: Sequence[Case]) -> bool:
     return {ACCURACY_CASE, *OPEN_RUNS} <= {case.name for case in cases if case.source == "library"}
 
 
-def _benchmarks(cases: Sequence[Case], workshop: Workshop, *, measured: bool) -> list[Benchmark]:
-    """What was measured last of each scene: those on which methods are compared, or the cases shown.
+def _benchmarks(cases: Sequence[Case], workshop: Workshop, studied: bool) -> tuple[list[Benchmark], bool]:
+    """What was measured last of the cases shown, or with `studied` of the scenes on which methods are compared.
 
-    With `measured` the first scene is measured now, once, if it never was.
+    Of these the recorded results are taken where there are no others; the second value says whether any were.
     """
-    found = []
-    for case in [load_case(name) for name in SCENES] if measured else cases:
-        table = stored(case, workshop)
-        if table is None and measured and case.name == SCENES[0]:
-            with contextlib.suppress(EngineFailure, Refusal):  # the chapter says what is missing
-                table = measure(case, workshop, repetitions=1, longest=QUICK)
+    known = recorded.benchmarks() if studied else {}
+    found, of_record = [], False
+    for case in [load_case(name) for name in SCENES] if studied else cases:
+        own = stored(case, workshop)
+        table = own or known.get(case.name)
         if table is not None:
             found.append(table)
-    return found
+            of_record |= own is None
+    return found, of_record
+
+
+def _hard_scenes(workshop: Workshop) -> tuple[Matrix | None, bool]:
+    """The stored matrix of the hard scenes, else the recorded one; the second value says whether it is that."""
+    own = stored_matrix(workshop)
+    return (own, False) if own is not None else (recorded.matrix([load_case(entry.name) for entry in catalogue(TAG)]), True)
 
 
 def _earlier_tables(folder: Path) -> set[str]:

@@ -92,7 +92,7 @@ def answer_of(content: Content) -> Answer:
         frequency=found["frequency"],
         amplitude=found["amplitude"],
         extreme=found["extreme"],
-        cubic=_cubic(content.thesis_results),
+        cubic=_cubic(results),
         fastest=_fastest(content),
     )
 

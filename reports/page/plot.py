@@ -41,7 +41,8 @@ class Plot:
         series: what is drawn, later ones on top.
         log: which axes are logarithmic: "", "x", "y" or "xy".
         below: values on the vertical axis below this mean nothing: the range is marked.
-        categories: the horizontal axis' texts, where it has no numbers.
+        categories: texts of one axis, where it has no numbers: it is then drawn upright.
+        legend: corner of the legend of series that are no engine's.
     """
 
     file: str
@@ -51,6 +52,7 @@ class Plot:
     log: str = ""
     below: float | None = None
     categories: Sequence[str] = ()
+    legend: str = "top_right"
 
     @property
     def document(self) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.case import Case
+from cases.library.thesis import RUNS
 from cases.runs.comparison import CaseResult
 from cases.runs.request import NOT_SETTLED, Run
 from cases.studies import ACCURACY_CASE
@@ -66,7 +67,7 @@ class View:
                 "label": case_label(case.name) if number else case.title,
                 "title": case.title,
                 "short": str(number or case.name),
-                "group": f"crank {case.mechanism.crank.length / 0.0254:g} in" if number else "",
+                "group": f"crank {RUNS[number].crank_length} in" if number else "",
                 "scene": _scene(case.mechanism),
                 "engines": layouts,
                 "facts": dict(facts),
@@ -116,7 +117,9 @@ def _fact(run: Run) -> str:
 
 
 def _kept(columns: Mapping[str, Array]) -> dict[str, Array]:
-    return {name: np.asarray(columns[name]) for name in (*_PLACES, *SIGNALS, *SHAPE) if name in columns}
+    """The columns that are drawn; one with a gap is left out."""
+    found = {name: np.asarray(columns[name]) for name in (*_PLACES, *SIGNALS, *SHAPE) if name in columns}
+    return {name: values for name, values in found.items() if np.all(np.isfinite(values))}
 
 
 def _scene(mechanism: Mechanism) -> dict[str, Any]:

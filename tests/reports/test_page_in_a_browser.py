@@ -12,10 +12,14 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from engines.trajectory import Trajectory
+from reference_model.columns import SHAPE
 from reports.machine import machine_facts
 from reports.page.content import Content
+from reports.page.render import animation_page
 from reports.report import write
 from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.plotted_results import made_up_result
 from tests.reports.reported_results import reported_result
 from tests.reports.test_report import studies
 
@@ -154,7 +158,7 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
 
 def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
     page = opened("#at=100&chapter=agreement")
-    page.locator("#table-map tbody a").nth(4).click()
+    page.locator("#table-map tbody tr").nth(1).locator("a").last.click()
     page.wait_for_function("document.querySelector('#run-buttons [aria-pressed=true]').value === 'thesis-06'")
     assert "failed" in page.locator("#engines label", has_text="exudyn").inner_text()
     assert page.evaluate("scrollY") == 0
@@ -219,6 +223,44 @@ def test_a_hostile_title_stays_text(opened: Open, tmp_path: Path) -> None:
     assert page.title() == f"{HOSTILE} – quickreturn"
     assert HOSTILE in page.inner_text("#caption")
     assert page.locator("main img").count() == 0
+
+
+@pytest.mark.parametrize("kind", ["rigid", "backwards", "not settled", "all failed", "without shape"])
+def test_whatever_became_of_the_runs_there_is_a_page(opened: Open, tmp_path: Path, kind: str) -> None:
+    result = {
+        "rigid": made_up_result("rigid"),
+        "backwards": made_up_result("thesis-06", turning=-1),
+        "not settled": made_up_result("example", {"reference": "not settled"}),
+        "all failed": made_up_result("example", dict.fromkeys(("thesis", "reference", "exudyn", "mujoco"), "failed")),
+        "without shape": made_up_result("example"),
+    }[kind]
+    if kind == "without shape":
+        for run in result.runs.values():
+            for name in SHAPE:
+                del run.cycle[name]
+    write(Content(results=[result], facts=machine_facts()), tmp_path)
+    page = opened("#at=100&chapter=each", (tmp_path / "index.html").as_uri())
+    page.wait_for_timeout(300)
+    assert page.locator("#nothing").is_visible() == (kind == "all failed")
+    if kind != "all failed":
+        assert drawn(page, "stage")
+        assert drawn(page, "curve")
+        turned = {"backwards": "80°", "rigid": "280°"}.get(kind, "280°")
+        assert page.inner_text("#values .where") == turned
+        page.get_by_role("button", name="Play").click()
+        page.wait_for_timeout(200)
+        assert cursor(page) != 100.0
+
+
+def test_an_animation_of_its_own_runs_over_time(opened: Open, tmp_path: Path) -> None:
+    run = RESULTS[0].runs["reference"]
+    motions = {name: Trajectory(RESULTS[0].runs[name].cycle, 0.0) for name in ("thesis", "reference")}
+    (tmp_path / "run.html").write_text(animation_page(RESULTS[0].case, motions), "utf-8")
+    page = opened("#at=0.1&engines=reference", (tmp_path / "run.html").as_uri())
+    assert page.inner_text("#values .where") == "0.1 s"
+    assert float(page.get_attribute("#at", "max") or "nan") == pytest.approx(run.cycle["time"][-1] - run.cycle["time"][0], rel=1e-6)
+    assert drawn(page, "stage")
+    assert page.locator("details").count() == 0
 
 
 def test_on_paper_there_are_stills_and_no_buttons(opened: Open) -> None:

@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from typing import Any
 
-from cases.runs.comparison import HALVES, REFERENCE, CaseResult, not_judged
+from cases.runs.comparison import REFERENCE, CaseResult, not_judged
 from reports.findings.agreement import differences, engines_of, resolvable
 from reports.findings.verdicts import MODEL
 from reports.page.answer import answer_of
 from reports.page.content import Content
 from reports.tables import claims, engines
 from reports.tables.table import Cell, Column, Mark, Table, TableBuilder
-from reports.words import case_label, percent
+from reports.words import case_label
 
 
 def agreement(content: Content) -> dict[str, Any] | None:
@@ -41,20 +41,22 @@ def _why(results: Sequence[CaseResult], name: str) -> str:
 
 
 def run_map(results: Sequence[CaseResult]) -> Table:
-    """A row per case, a column per engine: how far its first-mode frequency is from the reference's, and whether it departs."""
+    """A row per case: of each engine how far it is from the reference, and in how many numbers they differ by more than they claim."""
     names = [name for name in engines_of(results) if name != REFERENCE]
     builder = TableBuilder(
         "map",
-        f"Larger of the differences to {REFERENCE} in first-mode frequency (consensus of the channels) before and after the return, and in"
-        " how many numbers the two differ by more than they claim. A cell opens its run.",
+        f"Differences to {REFERENCE}: the larger of first-mode frequency (consensus of the channels) before and after the return, the"
+        " largest of the extremes (relative to the channel's largest magnitude), and in how many numbers the two differ by more than they"
+        " claim (✗). A cell opens its run.",
         (
             Column("case", "run"),
             *(
                 column
                 for name in names
                 for column in (
-                    Column(f"{name}_frequency_difference", name, "1", "+.2f", "%", 100.0),
-                    Column(f"{name}_beyond", f"{name} beyond", form="d", in_page=False),
+                    Column(f"{name}_frequency_difference", "f₁", "1", "+.2f", "%", 100.0, group=name),
+                    Column(f"{name}_extreme_difference", "peaks", "1", "+.2f", "%", 100.0, group=name),
+                    Column(f"{name}_beyond", "beyond", form="d", group=name),
                 )
             ),
         ),
@@ -63,22 +65,23 @@ def run_map(results: Sequence[CaseResult]) -> Table:
         cells: dict[str, Any] = {"case": Cell(result.case.name, case_label(result.case.name), run=result.case.name)}
         for name in names:
             if name in result.runs:
-                beyond = sum(not check.passed for check in result.checks if check.engine == name)
-                cells[f"{name}_frequency_difference"] = _map_cell(result, name, beyond)
-                cells[f"{name}_beyond"] = beyond
+                cells |= _map_cells(result, name)
         builder.add(**cells)
     return builder.table()
 
 
-def _map_cell(result: CaseResult, name: str, beyond: int) -> Cell:
-    run = result.runs[name]
+def _map_cells(result: CaseResult, name: str) -> dict[str, Cell]:
+    run, opens = result.runs[name], result.case.name
     if not run.usable:
-        return Cell(None, run.status, run.remark, "failed", result.case.name)
-    found = [found.relative for half in HALVES for found in differences([result], name, "frequency", half=half)]
-    largest = max(found, key=abs, default=None)
-    mark: Mark = "missed" if beyond else "open" if not_judged(run) else "good"
-    text = "n. r." if largest is None else percent(largest, "+.2f")
-    return Cell(largest, f"{text} ({beyond} beyond)" if beyond else text, not_judged(run), mark, result.case.name)
+        return {f"{name}_frequency_difference": Cell(None, run.status, run.remark, "failed", opens)}
+    why, beyond = not_judged(run), sum(not check.passed for check in result.checks if check.engine == name)
+    mark: Mark = "missed" if beyond else "open" if why else "good"
+    cells = {}
+    for kind in ("frequency", "extreme"):
+        found = [found.relative for found in differences([result], name, kind)]
+        largest = max(found, key=abs, default=None)
+        cells[f"{name}_{kind}_difference"] = Cell(largest, "n. r." if largest is None else "", why, "open" if why else "good", opens)
+    return cells | {f"{name}_beyond": Cell(None, "–", why, mark, opens) if why else Cell(beyond, mark=mark, run=opens)}
 
 
 def runs(content: Content) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from reports.page.plot import Plot, Series
 from reports.tables import studies as tables
 from reports.tables.orbits import GONE_AT, SETTLED_AT, both_ways, orbits
 from reports.tables.table import Table
-from reports.words import HALF, size
+from reports.words import HALF, case_label, size
 
 #: What two solutions may differ by to confirm each other.
 CONFIRMED: Final = 5e-4
@@ -49,8 +49,15 @@ def _sensitivity(frame: pd.DataFrame) -> Plot:
     for (run, half), group in known.groupby(["run", "half"], sort=False):
         changes, moved = [str(change) for change in group["change"]], [100.0 * float(value) for value in group["relative_change"]]
         texts = [f"{change}: {size(value / 100.0)}" for change, value in zip(changes, moved, strict=True)]
-        series.append(Series(f"{run}, {HALF[str(half)]}", "", changes, moved, texts, line=False))
-    return Plot("sensitivity.csv", "", "change of the first-mode frequency [%]", series, categories=list(dict.fromkeys(known["change"])))
+        series.append(Series(f"{case_label(str(run))}, {HALF[str(half)]}", "", changes, moved, texts, line=False))
+    return Plot(
+        "sensitivity.csv",
+        "",
+        "change of the first-mode frequency [%]",
+        series,
+        categories=list(dict.fromkeys(known["change"])),
+        legend="bottom_left",
+    )
 
 
 def accuracy(content: Content) -> dict[str, Any] | None:

@@ -84,9 +84,7 @@ class Curve {
     const { quick } = motion.scene;
     if (quick !== null && motion.cyclic) {
       const [a, b] = [180 - quick * 180 / Math.PI, 180 + quick * 180 / Math.PI];
-      pen.fillStyle = colour("quick-wash"); pen.fillRect(x(a), above, x(b) - x(a), height - above - below);
-      pen.font = "600 12px system-ui, sans-serif"; pen.fillStyle = colours["quick-ink"]; pen.textAlign = "left"; pen.textBaseline = "bottom";
-      pen.fillText("quick return", Math.max(x(a), left) + 5, height - below - 4);
+      pen.fillStyle = colours["quick-wash"]; pen.fillRect(x(a), above, x(b) - x(a), height - above - below);
     }
     if (this.drag && this.hover !== null && this.drag[1] !== "touch") {
       pen.globalAlpha = 0.15; pen.fillStyle = colours.ink;
@@ -105,6 +103,12 @@ class Curve {
           pen.lineTo(x(cursor[k]), y(values[k]));
         }
       }, "butt", dash);
+    }
+    if (quick !== null && motion.cyclic) {
+      const place = [Math.max(x(180 - quick * 180 / Math.PI), left) + 5, height - below - 4];
+      pen.font = "600 12px system-ui, sans-serif"; pen.textAlign = "left"; pen.textBaseline = "bottom";
+      pen.strokeStyle = colours["quick-wash"]; pen.lineWidth = 5; pen.strokeText("quick return", ...place);
+      pen.fillStyle = colours["quick-ink"]; pen.fillText("quick return", ...place);
     }
     stroke(pen, colours.ink, 1.3, () => { pen.moveTo(x(at), above); pen.lineTo(x(at), height - below); }, "butt");
     if (this.hover !== null) stroke(pen, colours.soft, 1, () => { pen.moveTo(x(this.hover), above); pen.lineTo(x(this.hover), height - below); }, "butt", [3, 3]);

@@ -109,6 +109,7 @@ class Motion {
 
   /** A round factor by which the largest deflection is well seen; 1 where nothing bends. */
   factor(engines) {
+    if (this.scene.rigid) return 1;
     let largest = 0;
     for (const engine of engines.filter((name) => this.hasShape(name)))
       for (const at of this.instants()) for (const [, across] of this.chordwise(engine, at).points) largest = Math.max(largest, Math.abs(across));

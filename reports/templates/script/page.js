@@ -8,7 +8,7 @@ const state = { run: DATA.start, engines: DATA.engines.map((engine) => engine.na
 const still = window.matchMedia("(prefers-reduced-motion: reduce)");
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 const listeners = [];  // of plots in the chapters: called with the state when engines or run change
-let motion = null, playing = false, before = 0, factor = 1, loading = 0;
+let motion = null, playing = false, before = 0, factor = 1, loading = 0, writing = 0;
 
 const isDark = () => (document.documentElement.dataset.theme ?? (dark.matches ? "dark" : "light")) === "dark";
 const engineColour = (name) => looks[name] ? looks[name][isDark() ? "dark" : "light"] : colour("soft");
@@ -34,7 +34,13 @@ function readAddress() {
   return { wanted, at: given.has("at") };
 }
 
+/** Browsers take only some changes of the address in a time. */
 function writeAddress() {
+  clearTimeout(writing);
+  writing = setTimeout(writeNow, 100);
+}
+
+function writeNow() {
   const told = new URLSearchParams({ run: state.run, engines: state.engines.join(","), at: String(Number(state.at.toFixed(3))), signal: state.signal });
   if (state.bend !== "auto") told.set("bend", state.bend);
   if (state.chapter) told.set("chapter", state.chapter);
@@ -74,11 +80,13 @@ function show() {
   const run = runOf(state.run), names = drawnOrder();
   const any = motion.engines.length > 0;
   element("nothing").hidden = any;
+  for (const part of document.querySelectorAll(".transport, .signal, .bend, #stage")) part.hidden = !any;
   if (any) {
     state.at = Math.min(state.at, motion.span);
     factor = state.bend === "auto" ? motion.factor(names.length ? names : motion.engines) : Number(state.bend);
     stage.show(motion, names, factor, looks);
     curve.show(motion, names, looks, signalOf(state.signal));
+    layOutValues();
     element("at").max = motion.span;
   }
   element("bend").options[0].textContent = state.bend === "auto" ? `automatic: × ${written(factor)}` : "automatic";
@@ -126,21 +134,24 @@ function moveTo(at) {
   if (!playing) writeAddress();
 }
 
-function readOut() {
-  const shown = curve.hover ?? state.at, { unit, factor: scale } = DATA.signals[state.signal];
-  const where = curve.cursorText(Number(shown.toFixed(motion.cyclic ? 1 : 4)));
-  element("values").replaceChildren(textOf("span", where, "where"), ...curve.engines.map((name) => {
-    const value = scale * motion.value(name, state.signal, shown), item = textOf("span", "", "value");
-    const mark = textOf("i", "");
+/** What stands above the curve: places for the cursor and each engine's value, filled by `readOut`. */
+function layOutValues() {
+  element("values").replaceChildren(textOf("span", "", "where"), ...curve.engines.map((name) => {
+    const item = textOf("span", "", "value"), mark = textOf("i", "");
     mark.style.background = engineColour(name);
-    item.append(mark, `${name} `, textOf("b", written(value, 4)));
+    item.append(mark, `${name} `, textOf("b", ""));
     return item;
-  }), textOf("span", unit));
-  const range = element("at");
+  }), textOf("span", DATA.signals[state.signal].unit));
+}
+
+function readOut() {
+  const shown = curve.hover ?? state.at, scale = DATA.signals[state.signal].factor, [where, ...items] = element("values").children;
+  where.textContent = curve.cursorText(Number(shown.toFixed(motion.cyclic ? 1 : 4)));
+  curve.engines.forEach((name, k) => { items[k].lastChild.textContent = written(scale * motion.value(name, state.signal, shown), 4); });
+  const range = element("at"), told = `${motion.cyclic ? `crank ${written(Math.round(motion.begin + motion.turning * state.at))}°, ` : ""}${written(Math.round(1000 * motion.timeAt(state.at)))} ms`;
   range.value = state.at;
-  const told = `${motion.cyclic ? `crank ${written(Math.round(motion.begin + motion.turning * state.at))}°, ` : ""}${written(Math.round(1000 * motion.timeAt(state.at)))} ms`;
-  range.setAttribute("aria-valuetext", told);
   element("where").textContent = told;
+  if (!playing) range.setAttribute("aria-valuetext", told);
 }
 
 function textOf(tag, text, kind = "") {
@@ -189,14 +200,15 @@ function save(name, text, type = "text/csv") {
   URL.revokeObjectURL(link.href);
 }
 
-/** The curve that is shown, each engine at its own instants, in SI units. */
-function curveTable() {
-  const column = state.signal, head = ["engine", "time [s]", `crank_angle [${DATA.units.crank_angle}]`, `${column} [${DATA.units[column]}]`];
-  const rows = curve.engines.flatMap((name) => {
-    const { time, crank_angle: angle, [column]: values } = motion.tables[name];
-    return Array.from(time, (t, k) => [name, t - time[0], angle[k], values[k]].join(","));
+/** Signals of the engines that are shown, each at its own instants, in SI units; what an engine does not have stays empty. */
+function signalTable(signals) {
+  const columns = ["time", "crank_angle", ...signals], quoted = (text) => `"${text.replaceAll('"', '""')}"`;
+  const rows = drawnOrder().flatMap((name) => {
+    const table = motion.tables[name], start = table.time?.[0] ?? 0;
+    const value = (column, k) => !table[column] ? "" : column === "time" ? table.time[k] - start : table[column][k];
+    return Array.from(motion.cursors[name], (_, k) => [quoted(name), ...columns.map((column) => value(column, k))].join(","));
   });
-  return [head.join(","), ...rows].join("\n") + "\n";
+  return [["engine", ...columns.map((column) => `${column} [${DATA.units[column]}]`)].join(","), ...rows].join("\n") + "\n";
 }
 
 // ---- chapters
@@ -221,10 +233,10 @@ element("bend").addEventListener("change", (event) => change({ bend: event.targe
 element("speed").append(...SPEEDS.map((times) => new Option(times === 1 ? "as it is" : `1/${times}`, times)));
 element("zoom-in").addEventListener("click", () => curve.zoomBy(0.5, state.at));
 element("zoom-out").addEventListener("click", () => curve.zoomBy(2, state.at));
-element("csv").addEventListener("click", () => save(`${state.run}-${state.signal}.csv`, curveTable()));
+element("csv").addEventListener("click", () => save(`${state.run}-${state.signal}.csv`, signalTable([state.signal])));
 element("theme").addEventListener("click", () => { document.documentElement.dataset.theme = isDark() ? "light" : "dark"; show(); });
 element("copy").addEventListener("click", async () => {
-  writeAddress();
+  writeNow();
   try { await navigator.clipboard.writeText(location.href); element("copy").textContent = "Copied"; } catch { element("copy").textContent = "Copy the address"; }
   setTimeout(() => { element("copy").textContent = "Copy link"; }, 1500);
 });

@@ -2,6 +2,8 @@
 
 const TEXT = "14px system-ui, sans-serif", BOLD = "600 14px system-ui, sans-serif", SMALL = "12px system-ui, sans-serif";
 
+const ARROW = -2.35;  // where on the crank's circle the way of turning stands, rad
+
 /** A canvas made sharp for the screen; its context in CSS pixels, with width and height. */
 function fitted(canvas) {
   const ratio = Math.max(1, window.devicePixelRatio || 1);
@@ -19,7 +21,7 @@ function fitted(canvas) {
 
 /** The page's colour of a name, e.g. "ink". */
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-const palette = () => Object.fromEntries(["ink", "soft", "faint", "line", "ground", "quick", "quick-ink"].map((name) => [name, colour(name)]));
+const palette = () => Object.fromEntries(["ink", "soft", "faint", "line", "ground", "quick", "quick-ink", "quick-wash"].map((name) => [name, colour(name)]));
 
 class Stage {
   constructor(canvas, engineColour) {
@@ -80,7 +82,7 @@ class Stage {
 
   /** The way of turning, on the crank's circle. */
   arrow(pen, [x, y], radius, turning) {
-    const angle = -2.35, [tx, ty] = [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
+    const angle = ARROW, [tx, ty] = [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
     pen.save();
     pen.translate(tx, ty);
     pen.rotate(angle + (turning > 0 ? -Math.PI / 2 : Math.PI / 2));
@@ -141,49 +143,45 @@ class Stage {
 
   /** Names, each at the first of its places where it covers nothing; it stays there as long as it can. */
   labels(pen, { O, P, C, radius, quick, lines, width, height, compact }) {
-    const { colours, motion } = this;
-    const middle = lines.length ? lines[lines.length - 1] : [P, C];
-    const nose = middle[middle.length - 1];
-    const crankMiddle = [(O[0] + C[0]) / 2, (O[1] + C[1]) / 2];
-    const half = compact ? 22 : 27;
-    const around = ([x, y], away) => [[0, -away], [0, away], [away, -away], [-away, -away], [away, away], [-away, away], [1.7 * away, 0], [-1.7 * away, 0]].map(([dx, dy]) => [x + dx, y + dy]);
-    const along = (part) => {
-      const k = Math.min(middle.length - 2, Math.floor(part * (middle.length - 1)));
-      return middle[k];
-    };
-    const wanted = [
-      ["O", "O", BOLD, [[O[0] - 18, O[1] + 2], [O[0], O[1] + 26], [O[0] - 18, O[1] + 20], [O[0] + 20, O[1] + 14]]],
-      ["P", "P", BOLD, [[P[0] + 18, P[1] + 4], [P[0], P[1] + 28]]],
-      ["tip", "tip", BOLD, [[nose[0], nose[1] - 28], [nose[0], nose[1] + 30], [nose[0] - 26, nose[1]], [nose[0] + 30, nose[1] - 20]]],
-      ["slider", "slider", TEXT, around(C, half)],
-      ["crank", "crank", TEXT, around(crankMiddle, compact ? 16 : 20)],
-      ["follower", compact ? "follower" : "flexible follower", TEXT, [0.25, 0.33, 0.16, 0.42].flatMap((part) => { const [x, y] = along(part); return [[x, y - 20], [x, y + 22], [x, y - 34], [x, y + 36]]; })],
+    const { colours } = this, middle = lines.length ? lines[lines.length - 1] : [P, C], [before, nose] = middle.slice(-2);
+    const chord = direction(P, C), arm = direction(O, C), end = direction(before, nose), across = ([x, y]) => [-y, x], back = ([x, y]) => [-x, -y];
+    const sides = (point, normal, gap) => [[point, normal, gap], [point, back(normal), gap]];
+    const between = (from, to, part) => [from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])];
+    const [down, up, right, left] = [[0, 1], [0, -1], [1, 0], [-1, 0]], diagonal = [[0.7, -0.7], [-0.7, -0.7], [-0.7, 0.7], [0.7, 0.7]];
+    const wanted = [  // name, font, and places: a point, a direction away from it, and the gap
+      ["O", BOLD, [[O, down, 18], [O, left, 12], ...diagonal.map((way) => [O, way, 12]), [O, right, 13], [O, up, 8]]],
+      ["P", BOLD, [[P, down, 18], [P, right, 10]]],
+      ["tip", BOLD, [[nose, end, 8], ...sides(nose, across(end), 20), [nose, left, 14], [nose, up, 24], [nose, down, 24]]],
+      ["slider", TEXT, [...sides(C, across(chord), 12), ...sides(C, across(arm), 12), ...diagonal.map((way) => [C, way, 14]), [C, up, 16], [C, down, 16]]],
+      ["crank", TEXT, [0.5, 0.62, 0.4, 0.75].flatMap((part) => sides(between(O, C, part), across(arm), 5))],
+      [compact ? "follower" : "flexible follower", TEXT, [3, 4, 2, 5].flatMap((k) => sides(middle[Math.min(k, middle.length - 1)], across(chord), 7))],
     ];
     if (quick !== null) {
-      pen.font = BOLD;
-      const half = pen.measureText("quick return").width / 2 + 12;
-      wanted.push(["quick", "quick return", BOLD, [0.6, -0.6, 0.9, -0.9, 0.3, -0.3].map((angle) => [O[0] + radius * Math.cos(angle) + half, O[1] + radius * Math.sin(angle)])]);
+      const radial = [0.6, -0.6, 0.9, -0.9, 0.3, -0.3, 1.2, -1.2].map((angle) => [Math.cos(angle), Math.sin(angle)]);
+      wanted.push(["quick return", BOLD, radial.map((way) => [[O[0] + radius * way[0], O[1] + radius * way[1]], way, 7])]);
     }
-    const taken = [...lines, [O, C]].flatMap((line) => sampled(line)).map(([x, y]) => [x - 3, y - 3, x + 3, y + 3]);
-    taken.push(...[O, P].map(([x, y]) => [x - 11, y - 6, x + 11, y + 16]), [C[0] - 15, C[1] - 13, C[0] + 15, C[1] + 13], ...lines.map((line) => line[line.length - 1]).map(([x, y]) => [x - 10, y - 16, x + 10, y + 16]));
-    if (quick !== null) for (let k = -8; k <= 8; k++) { const [x, y] = [O[0] + radius * Math.cos(quick * k / 8), O[1] + radius * Math.sin(quick * k / 8)]; taken.push([x - 5, y - 5, x + 5, y + 5]); }
-    taken.push([width - 150, height - 36, width, height]);
+    const taken = [...lines, [O, C], [P, [P[0] + 2 * (C[0] - P[0]), P[1] + 2 * (C[1] - P[1])]]].flatMap(sampled).map((point) => around(point, 3, 3));
+    taken.push(...[O, P].map(([x, y]) => around([x, y + 5], 12, 12)), around(C, 15, 12), ...lines.map((line) => around(line[line.length - 1], 9, 14)));
+    if (quick !== null) for (let k = -12; k <= 12; k++) taken.push(around([O[0] + radius * Math.cos(quick * k / 12), O[1] + radius * Math.sin(quick * k / 12)], 5, 5));
+    taken.push([width - 150, height - 36, width, height], around([O[0] + radius * Math.cos(ARROW), O[1] + radius * Math.sin(ARROW)], 7, 7));
     pen.textAlign = "center"; pen.textBaseline = "middle";
-    for (const [key, text, font, places] of wanted) {
+    for (const [text, font, places] of wanted) {
       pen.font = font;
-      const w = pen.measureText(text).width / 2 + 3, boxes = places.map(([x, y]) => [x - w, y - 9, x + w, y + 9]);
-      const free = (box) => box && box[0] > 2 && box[1] > 2 && box[2] < width - 2 && box[3] < height - 2 && !taken.some((other) => overlap(box, other));
-      const order = [this.kept[key], ...boxes.keys()].filter((k) => k !== undefined);
-      const found = order.find((k) => free(boxes[k]));
-      if (found === undefined) continue;  // better no name than one that covers something
-      this.kept[key] = found;
-      taken.push(boxes[found]);
-      pen.fillStyle = key === "quick" ? colours["quick-ink"] : colours.ink;
-      pen.fillText(text, ...places[found]);
+      const half = pen.measureText(text).width / 2 + 2;
+      const centres = places.map(([[x, y], [nx, ny], gap]) => { const away = Math.abs(nx) * half + Math.abs(ny) * 8 + gap; return [x + nx * away, y + ny * away]; });
+      const free = (centre) => { const box = around(centre, half, 8); return box[0] > 0 && box[1] > 0 && box[2] < width && box[3] < height && !taken.some((other) => overlap(box, other)); };
+      const kept = this.kept[text], found = kept !== undefined && free(centres[kept]) ? kept : centres.findIndex(free);
+      if (found < 0) continue;  // better no name than one that covers something
+      this.kept[text] = found;
+      taken.push(around(centres[found], half, 8));
+      pen.fillStyle = text === "quick return" ? colours["quick-ink"] : colours.ink;
+      pen.fillText(text, ...centres[found]);
     }
   }
 }
 
+const around = ([x, y], w, h) => [x - w, y - h, x + w, y + h];
+const direction = ([x, y], [toX, toY]) => { const length = Math.hypot(toX - x, toY - y) || 1; return [(toX - x) / length, (toY - y) / length]; };
 const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
 
 /** Points along a polyline, some pixels apart. */
