@@ -10,6 +10,7 @@ A block's first word says how it is read, the second which file it becomes, or w
 """
 
 import functools
+import itertools
 import os
 import re
 import shlex
@@ -22,11 +23,15 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from cases.benchmark import fastest_at
 from quickreturn.command_line import BAD_INPUT, COMMANDS, GOOD, main
+from reports.recorded import benchmarks
 
 ROOT = Path(__file__).resolve().parents[1]
 BIN = Path(sys.executable).parent
-DOCUMENTS = {path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
+DOCUMENTS = {
+    path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+}
 
 LONGEST_README = 900  # words, without code
 LARGEST_ANIMATION = 500_000  # bytes
@@ -120,10 +125,14 @@ def test_blocks_run(
 
 @pytest.mark.parametrize(
     ("before", "block"),
-    [pytest.param(*pair, id=f"{pair[1].document}:{pair[1].line}") for pair in zip(BLOCKS, BLOCKS[1:], strict=False) if pair[1].about == "printed"],
+    [pytest.param(*pair, id=f"{pair[1].document}:{pair[1].line}") for pair in itertools.pairwise(BLOCKS) if pair[1].about == "printed"],
 )
 def test_what_is_shown_is_printed(
-    before: Block, block: Block, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    before: Block,
+    block: Block,
+    tmp_path_factory: pytest.TempPathFactory,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     if before.about == "verify":
         pytest.skip("made by a block that make verify runs")
@@ -200,3 +209,20 @@ def test_the_readme_is_short_and_its_pictures_are_light() -> None:
     pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", DOCUMENTS["README.md"])
     assert pictures
     assert all(1000 < (ROOT / picture).stat().st_size <= LARGEST_ANIMATION for picture in pictures)
+
+
+@pytest.mark.parametrize(("document", "rounding"), [("README.md", 0.1), ("docs/methods.md", 0.03)])
+def test_speeds_are_those_of_the_recorded_benchmark(document: str, rounding: float) -> None:
+    """Solve times of run 24 by method and level of the error, as far as the table has them; a bare word says that there is none."""
+    rows = re.findall(
+        r"^\| (`[^|]*`) \| ([^|]*) \| ([^|]*) \| ([^|]*) \|$", prose(document).partition("| seconds to an error of |")[2], re.MULTILINE
+    )
+    assert len(rows) >= 5
+    for names, *cells in rows:
+        for level, cell in zip((1e-2, 1e-3, 1e-4), cells, strict=True):
+            fastest = {point.engine: measured for point, measured in reversed(fastest_at(benchmarks()["thesis-24"].points, level).values())}
+            for name in re.findall(r"`([a-z-]+)`", names):
+                shown = re.match(r"[\d.]+", cell)
+                assert (shown is None) == (name not in fastest), (name, level)
+                if shown:
+                    assert float(shown[0]) == pytest.approx(fastest[name].solve_seconds, rel=rounding), (name, level)
