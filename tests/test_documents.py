@@ -4,7 +4,8 @@ A block's first word says how it is read, the second which file it becomes, or w
 
     sh                commands; `sh verify`: by `make verify`; `sh long`: what would take hours is only asked for its `--help`
     python            runs in the document's folder, after the blocks before it; `python verify` likewise
-    console           `$ command` and what it prints; "..." stands for anything. A command that is refused shows its message
+    console           `$ command` and what it prints; "..." stands for anything. Below a command that is refused stands its message,
+                      below one that ends otherwise but well `# exit code N`
     text printed      what the block before it prints
     toml my-case.toml a file of this name, there from the beginning
 """
@@ -115,11 +116,10 @@ def test_blocks_run(
     else:
         for command, shown in exchanges(block.text):
             capfd.readouterr()
-            expected = BAD_INPUT if any(line.startswith("quickreturn: ") for line in shown) else GOOD
-            assert called(command) == expected, command
+            assert called(command) == code_of(shown), command
             printed = "".join(capfd.readouterr())
             for line in shown:
-                assert appears(line, printed), printed
+                assert line.startswith("# exit code ") or appears(line, printed), printed
     PRINTED[block.document] = capfd.readouterr().out
 
 
@@ -154,6 +154,13 @@ def exchanges(text: str) -> Iterator[tuple[str, list[str]]]:
     for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
         command, *shown = part.splitlines()
         yield command, [line for line in shown if line.strip()]
+
+
+def code_of(shown: list[str]) -> int:
+    """The exit code that the lines below a command tell of."""
+    told = [int(line.removeprefix("# exit code ")) for line in shown if line.startswith("# exit code ")]
+    refused = any(line.startswith("quickreturn: ") for line in shown)
+    return told[0] if told else BAD_INPUT if refused else GOOD
 
 
 def appears(line: str, printed: str) -> bool:
