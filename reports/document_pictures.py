@@ -1,9 +1,10 @@
-"""The pictures of the documents that do not move: `python -m reports.document_pictures`.
+"""The pictures of the documents that do not move: `python -m reports.document_pictures docs/pictures`.
 
 Run 24's steady state is computed where it is not stored; the methods are those of the recorded benchmark.
 """
 
 import io
+import sys
 from pathlib import Path
 
 from PIL import Image
@@ -18,27 +19,28 @@ from reports.plots.picture import Picture
 from reports.plots.work_precision import work_precision_figure
 from reports.recorded import benchmarks
 
-FOLDER = Path(__file__).parents[1] / "docs/pictures"
 RUN = 24
 CASE = f"thesis-{RUN}"
 COLOURS = 64  # of the palette: flat colours and their soft edges need no more
 
 
-def main() -> None:
-    """Write them."""
+def main(folder: Path) -> None:
+    """Write them into a folder."""
     (result,) = cross_validate([load_case(CASE)], Workshop(Store()))
-    FOLDER.mkdir(exist_ok=True)
-    _write("run-24", cycle_figure(result, axis_labels(RUN)))
-    _write("methods", work_precision_figure(benchmarks()[CASE]))
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder / "run-24.png", cycle_figure(result, axis_labels(RUN)))
+    _write(folder / "methods.png", work_precision_figure(benchmarks()[CASE]))
 
 
-def _write(name: str, picture: Picture | None) -> None:
+def _write(path: Path, picture: Picture | None) -> None:
     if picture is None:
-        raise SystemExit(f"{name}: there is nothing to draw")
+        raise SystemExit(f"{path}: there is nothing to draw")
     image = Image.open(io.BytesIO(picture.data)).convert("RGB").quantize(COLOURS)
-    image.save(FOLDER / f"{name}.png", optimize=True)
-    print(f"{name}.png {image.width} x {image.height}")
+    image.save(path, optimize=True)
+    print(f"{path} {image.width} x {image.height}")
 
 
 if __name__ == "__main__":
-    main()
+    if len(sys.argv) != 2:
+        raise SystemExit("python -m reports.document_pictures FOLDER: give the folder that they go to")
+    main(Path(sys.argv[1]))

@@ -17,6 +17,7 @@ import re
 import shlex
 import subprocess
 import sys
+import textwrap
 import unicodedata
 from collections.abc import Iterator
 from pathlib import Path
@@ -36,6 +37,8 @@ DOCUMENTS = {
 
 LONGEST_README = 900  # words, without code
 LARGEST_ANIMATION = 500_000  # bytes
+#: A block between fences, which may be indented as a part of a list.
+FENCED = re.compile(r"^(?P<by> *)```(?P<kind>[a-z]*)[ ]?(?P<about>\S*)\n(?P<text>.*?)^(?P=by)```$", re.MULTILINE | re.DOTALL)
 RUN = ("sh", "python", "console")
 
 
@@ -55,8 +58,10 @@ class Block(NamedTuple):
 
 def blocks_of(document: str) -> list[Block]:
     text = DOCUMENTS[document]
-    found = re.finditer(r"^```([a-z]*)[ ]?(\S*)\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
-    return [Block(document, text.count("\n", 0, each.start()) + 1, *each.groups()) for each in found]
+    return [
+        Block(document, text.count("\n", 0, found.start()) + 1, found["kind"], found["about"], textwrap.dedent(found["text"]))
+        for found in FENCED.finditer(text)
+    ]
 
 
 BLOCKS = [block for document in DOCUMENTS for block in blocks_of(document)]
@@ -70,7 +75,7 @@ def commands() -> list[str]:
 
 
 def prose(document: str) -> str:
-    return re.sub(r"^```.*?^```$", "", DOCUMENTS[document], flags=re.MULTILINE | re.DOTALL)
+    return FENCED.sub("", DOCUMENTS[document])
 
 
 # What is run
@@ -186,7 +191,7 @@ def test_make_targets_exist(target: str) -> None:
 
 def headings(path: Path) -> set[str]:
     """Anchors as GitHub makes them of headings."""
-    text = re.sub(r"^```.*?^```$", "", path.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    text = FENCED.sub("", path.read_text("utf-8"))
     names = [re.sub(r"[`*$]", "", name).strip().lower() for name in re.findall(r"^#+ (.*)$", text, flags=re.MULTILINE)]
     return {"".join(sign for sign in name if sign in " -_" or unicodedata.category(sign)[0] in "LN").replace(" ", "-") for name in names}
 
