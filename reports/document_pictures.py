@@ -17,7 +17,7 @@ from cases.runs.comparison import cross_validate
 from reports.plots.cycle import cycle_figure
 from reports.plots.picture import Picture
 from reports.plots.work_precision import work_precision_figure
-from reports.recorded import benchmarks
+from reports.long_studies import benchmarks
 
 RUN = 24
 CASE = f"thesis-{RUN}"

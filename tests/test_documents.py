@@ -27,7 +27,7 @@ import pytest
 
 from cases.benchmark import fastest_at
 from quickreturn.command_line import BAD_INPUT, COMMANDS, GOOD, main
-from reports.recorded import benchmarks
+from reports.long_studies import benchmarks
 
 ROOT = Path(__file__).resolve().parents[1]
 BIN = Path(sys.executable).parent
