@@ -14,10 +14,10 @@ from cases.experiment.published import axis_labels
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.runs.comparison import cross_validate
+from reports.long_studies import benchmarks
 from reports.plots.cycle import cycle_figure
 from reports.plots.picture import Picture
 from reports.plots.work_precision import work_precision_figure
-from reports.long_studies import benchmarks
 
 RUN = 24
 CASE = f"thesis-{RUN}"
