@@ -18,6 +18,7 @@ import shlex
 import subprocess
 import sys
 import textwrap
+import tomllib
 import unicodedata
 from collections.abc import Iterator
 from pathlib import Path
@@ -238,3 +239,9 @@ def test_speeds_are_those_of_the_recorded_benchmark(document: str, rounding: flo
                 assert (shown is None) == (name not in fastest), (name, level)
                 if shown:
                     assert float(shown[0]) == pytest.approx(fastest[name].solve_seconds, rel=rounding), (name, level)
+
+
+def test_the_version_is_told_everywhere_alike() -> None:
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
+    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)[1] == version  # type: ignore[index]
