@@ -18,7 +18,7 @@ hypothesis.settings.load_profile("quickreturn")
 
 #: The files that take longest, so that no process is left alone with one at the end.
 LONGEST = (
-    "test_readme",
+    "test_documents",
     "test_sensible_machines",
     "test_command_line",
     "test_package",

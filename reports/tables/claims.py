@@ -5,11 +5,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.runs.comparison import CLASSES, WORSE, CaseResult, Check, not_judged
+from cases.runs.comparison import CLASSES, WORSE, CaseResult, Check
 from cases.runs.estimates import EXTREMES
 from reports.findings.agreement import engines_of
 from reports.tables.table import Cell, Column, Table, TableBuilder
-from reports.words import HALF, QUANTITY, case_label, channel_name, counted, percent
+from reports.words import HALF, QUANTITY, case_label, channel_name
 
 #: The slider is at a gauge within this part of the follower's length: half of one of sixteen elements.
 KINK: Final = 1.0 / 32.0
@@ -178,16 +178,3 @@ def classes(results: Sequence[CaseResult]) -> Table:
         found = [result.accuracy_class(engine) or "unknown" for result in results if engine in result.runs]
         builder.add(engine=engine, **{f"class_{i}": found.count(name) for i, name in enumerate(names)})
     return builder.table()
-
-
-def score(results: Sequence[CaseResult], name: str) -> str:
-    """An engine's verdict in a clause: in how many comparisons it departs, or why it is not judged."""
-    checks = [check for result in results for check in result.checks if check.engine == name]
-    if not checks:
-        reasons = {why for result in results if name in result.runs and result.runs[name].usable and (why := not_judged(result.runs[name]))}
-        return f"not judged ({'; '.join(sorted(reasons)) or 'nothing to compare with'})"
-    beyond = sum(not check.passed for check in checks)
-    other = checks[0].other
-    if not beyond:
-        return f"within what it and {other} claim in all {counted(len(checks), 'comparison')}"
-    return f"beyond what it and {other} claim in {beyond} of {counted(len(checks), 'comparison')} ({percent(beyond / len(checks), '.1f')})"

@@ -12,7 +12,7 @@ from PIL import Image
 
 from cases.experiment import axis_labels
 from cases.runs.comparison import CaseResult
-from reports.plots import cycle, overview, recorded, work_precision
+from reports.plots import cycle, recorded, work_precision
 from reports.plots.picture import Picture, picture
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.plotted_results import made_up_result, with_table
@@ -28,12 +28,10 @@ TROUBLES = {
     "rigid": made_up_result("rigid"),
 }
 NOTHING = made_up_result("thesis-24", dict.fromkeys(("thesis", "reference", "exudyn", "mujoco"), "failed"))
-RUNS = [made_up_result(f"thesis-{run:02d}", {"mujoco": "failed"} if run == 5 else None, seed=10 * run) for run in range(1, 25)]
 OF_ONE_CASE: dict[str, Callable[[CaseResult], Figure | None]] = {
     "cycle": lambda result: cycle.draw_cycle(result, _labels(result)),
 }
 OF_ALL: dict[str, Callable[[], Figure | None]] = {
-    "overview": lambda: overview.draw_overview(RUNS),
     "work precision": lambda: work_precision.draw(made_up_benchmark()),
 }
 
@@ -113,12 +111,6 @@ def test_an_engine_that_did_not_settle_is_drawn_and_says_so() -> None:
     assert "mujoco (not settled)" in _texts(figure)
 
 
-def test_failures_are_named_in_the_overview() -> None:
-    figure = OF_ALL["overview"]()
-    assert figure is not None
-    assert "mujoco: failed" in _texts(figure)
-
-
 def test_recorded_tables_are_drawn_over_the_engines_under_their_plain_names() -> None:
     result = with_table(TROUBLES["settled"], "$a_1$.csv", ("strain_2", "tip_deflection"))
     figure = recorded.draw_recorded([result])
@@ -158,7 +150,6 @@ def test_a_rigid_follower_has_no_strain_panel() -> None:
 
 
 def test_pictures_with_nothing_to_compare_are_left_out() -> None:
-    assert overview.overview_figure([NOTHING]) is None
     nothing = dataclasses.replace(made_up_benchmark(), points=made_up_benchmark().points[-1:])
     assert work_precision.work_precision_figure(nothing) is None
 
@@ -168,7 +159,6 @@ def test_a_single_engine_has_pictures_of_its_own_but_no_comparison() -> None:
     alone = dataclasses.replace(result, runs={"own": dataclasses.replace(result.runs["exudyn"])}, checks=())
     for draw in OF_ONE_CASE.values():
         _check(draw(alone))
-    assert overview.overview_figure([alone]) is None
 
 
 def test_methods_that_completed_nothing_have_no_mark() -> None:

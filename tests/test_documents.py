@@ -1,0 +1,247 @@
+"""README and docs: every command and example is run, what they show is what comes out, and every link leads somewhere.
+
+A block's first word says how it is read, the second which file it becomes, or who runs it:
+
+    sh                commands; `sh verify`: by `make verify`; `sh long`: what would take hours is only asked for its `--help`
+    python            runs in the document's folder, after the blocks before it; `python verify` likewise
+    console           `$ command` and what it prints; "..." stands for anything. Below a command that is refused stands its message,
+                      below one that ends otherwise but well `# exit code N`
+    text printed      what the block before it prints
+    toml my-case.toml a file of this name, there from the beginning
+"""
+
+import functools
+import itertools
+import os
+import re
+import shlex
+import subprocess
+import sys
+import textwrap
+import tomllib
+import unicodedata
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from cases.benchmark import fastest_at
+from quickreturn.command_line import BAD_INPUT, COMMANDS, GOOD, main
+from reports.long_studies import benchmarks
+
+ROOT = Path(__file__).resolve().parents[1]
+BIN = Path(sys.executable).parent
+DOCUMENTS = {
+    path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+}
+
+LONGEST_README = 900  # words, without code
+LARGEST_ANIMATION = 500_000  # bytes
+#: A block between fences, which may be indented as a part of a list.
+FENCED = re.compile(r"^(?P<by> *)```(?P<kind>[a-z]*)[ ]?(?P<about>\S*)\n(?P<text>.*?)^(?P=by)```$", re.MULTILINE | re.DOTALL)
+RUN = ("sh", "python", "console")
+
+
+class Block(NamedTuple):
+    """A fenced block: the document, its line there, the words after the fence, and the text."""
+
+    document: str
+    line: int
+    kind: str
+    about: str
+    text: str
+
+    @property
+    def is_file(self) -> bool:
+        return "." in self.about
+
+
+def blocks_of(document: str) -> list[Block]:
+    text = DOCUMENTS[document]
+    return [
+        Block(document, text.count("\n", 0, found.start()) + 1, found["kind"], found["about"], textwrap.dedent(found["text"]))
+        for found in FENCED.finditer(text)
+    ]
+
+
+BLOCKS = [block for document in DOCUMENTS for block in blocks_of(document)]
+
+
+def commands() -> list[str]:
+    """Of all blocks, without comments."""
+    lines = [line.split("   #")[0].strip() for block in BLOCKS if block.kind == "sh" for line in block.text.splitlines()]
+    shown = [line[2:] for block in BLOCKS if block.kind == "console" for line in block.text.splitlines() if line.startswith("$ ")]
+    return [line for line in (*lines, *shown) if line and not line.startswith("#")]
+
+
+def prose(document: str) -> str:
+    return FENCED.sub("", DOCUMENTS[document])
+
+
+# What is run
+
+
+@functools.cache
+def folder_of(document: str, base: Path) -> Path:
+    """Like the project's root, as far as commands look at it, with the document's files and a store of its own."""
+    folder = base / document.replace("/", "-").removesuffix(".md")
+    folder.mkdir()
+    (folder / "cases").symlink_to(ROOT / "cases")
+    for block in blocks_of(document):
+        if block.is_file:
+            (folder / block.about).write_text(block.text, "utf-8")
+    return folder
+
+
+NAMES: dict[str, dict[str, Any]] = {}
+PRINTED: dict[str, str] = {}
+
+
+def _marks(block: Block) -> Any:
+    place = f"{block.document}:{block.line}"
+    return pytest.param(block, id=place, marks=[pytest.mark.verify] if block.about == "verify" else [])
+
+
+@pytest.mark.parametrize("block", [_marks(block) for block in BLOCKS if block.kind in RUN and not block.is_file])
+def test_blocks_run(
+    block: Block, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    folder = folder_of(block.document, tmp_path_factory.getbasetemp())
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("QUICKRETURN_STORE", str(folder / "store"))
+    monkeypatch.setenv("PATH", f"{BIN}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    if block.kind == "python":
+        exec(compile(block.text, f"{block.document}:{block.line}", "exec"), NAMES.setdefault(block.document, {}))
+    elif block.kind == "sh":
+        for line in block.text.splitlines():
+            command = line.split("   #")[0].strip()
+            if command and not command.startswith(("#", "make ", ". ")):
+                assert called(f"{command} --help" if block.about == "long" else command) == GOOD, command
+    else:
+        for command, shown in exchanges(block.text):
+            capfd.readouterr()
+            assert called(command) == code_of(shown), command
+            printed = "".join(capfd.readouterr())
+            for line in shown:
+                assert line.startswith("# exit code ") or appears(line, printed), printed
+    PRINTED[block.document] = capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("before", "block"),
+    [pytest.param(*pair, id=f"{pair[1].document}:{pair[1].line}") for pair in itertools.pairwise(BLOCKS) if pair[1].about == "printed"],
+)
+def test_what_is_shown_is_printed(
+    before: Block,
+    block: Block,
+    tmp_path_factory: pytest.TempPathFactory,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    if before.about == "verify":
+        pytest.skip("made by a block that make verify runs")
+    test_blocks_run(before, tmp_path_factory, monkeypatch, capfd)
+    for line in block.text.splitlines():
+        assert appears(line, PRINTED[block.document]), PRINTED[block.document]
+
+
+def called(command: str) -> int:
+    """The exit code. The program itself runs in this process, which spares its start."""
+    words = shlex.split(command)
+    if words[0] == "quickreturn" and not {">", "|", "&&"} & set(words):
+        return main(["--quiet", *words[1:]])
+    return subprocess.run(["bash", "-c", command], check=False, timeout=500).returncode
+
+
+def exchanges(text: str) -> Iterator[tuple[str, list[str]]]:
+    """Commands and the lines shown below each."""
+    for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
+        command, *shown = part.splitlines()
+        yield command, [line for line in shown if line.strip()]
+
+
+def code_of(shown: list[str]) -> int:
+    """The exit code that the lines below a command tell of."""
+    told = [int(line.removeprefix("# exit code ")) for line in shown if line.startswith("# exit code ")]
+    refused = any(line.startswith("quickreturn: ") for line in shown)
+    return told[0] if told else BAD_INPUT if refused else GOOD
+
+
+def appears(line: str, printed: str) -> bool:
+    """Whether a line is printed as shown, but for white space at its end and what "..." stands for."""
+    pattern = ".*".join(map(re.escape, line.rstrip().split("...")))
+    return re.search(rf"^{pattern}\s*$", printed, flags=re.MULTILINE) is not None
+
+
+# What stands there
+
+
+def test_every_command_is_shown() -> None:
+    shown = " ".join(commands())
+    assert [name for name in COMMANDS if f"quickreturn {name}" not in shown] == []
+
+
+@pytest.mark.parametrize("target", sorted({line.split()[1] for line in commands() if line.startswith("make ")}))
+def test_make_targets_exist(target: str) -> None:
+    """Running them here would run this test again; that they are rules of the Makefile is what can be held."""
+    found = subprocess.run(["make", "--dry-run", target], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stderr
+
+
+def headings(path: Path) -> set[str]:
+    """Anchors as GitHub makes them of headings."""
+    text = FENCED.sub("", path.read_text("utf-8"))
+    names = [re.sub(r"[`*$]", "", name).strip().lower() for name in re.findall(r"^#+ (.*)$", text, flags=re.MULTILINE)]
+    return {"".join(sign for sign in name if sign in " -_" or unicodedata.category(sign)[0] in "LN").replace(" ", "-") for name in names}
+
+
+@pytest.mark.parametrize("document", DOCUMENTS)
+def test_links_lead_somewhere(document: str) -> None:
+    lost = []
+    for target in re.findall(r"\]\(([^)\s]+)\)", prose(document)):
+        if target.startswith(("http://", "https://")):
+            continue
+        name, _, anchor = target.partition("#")
+        path = ((ROOT / document).parent / name).resolve() if name else ROOT / document
+        if not path.exists() or (anchor and anchor not in headings(path)):
+            lost.append(target)
+    assert lost == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS)
+def test_files_that_are_named_exist(document: str) -> None:
+    """A path within the project, in `typewriter`."""
+    named = re.findall(r"`([\w./-]+/[\w.-]+\.(?:py|md|csv|toml|html|txt)|[\w./-]+/)`", prose(document))
+    assert [path for path in named if path.startswith(tuple(each.name for each in ROOT.iterdir())) and not (ROOT / path).exists()] == []
+
+
+def test_the_readme_is_short_and_its_pictures_are_light() -> None:
+    assert len(prose("README.md").split()) <= LONGEST_README
+    pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", DOCUMENTS["README.md"])
+    assert pictures
+    assert all(1000 < (ROOT / picture).stat().st_size <= LARGEST_ANIMATION for picture in pictures)
+
+
+@pytest.mark.parametrize(("document", "rounding"), [("README.md", 0.1), ("docs/methods.md", 0.03)])
+def test_speeds_are_those_of_the_recorded_benchmark(document: str, rounding: float) -> None:
+    """Solve times of run 24 by method and level of the error, as far as the table has them; a bare word says that there is none."""
+    rows = re.findall(
+        r"^\| (`[^|]*`) \| ([^|]*) \| ([^|]*) \| ([^|]*) \|$", prose(document).partition("| seconds to an error of |")[2], re.MULTILINE
+    )
+    assert len(rows) >= 5
+    for names, *cells in rows:
+        for level, cell in zip((1e-2, 1e-3, 1e-4), cells, strict=True):
+            fastest = {point.engine: measured for point, measured in reversed(fastest_at(benchmarks()["thesis-24"].points, level).values())}
+            for name in re.findall(r"`([a-z-]+)`", names):
+                shown = re.match(r"[\d.]+", cell)
+                assert (shown is None) == (name not in fastest), (name, level)
+                if shown:
+                    assert float(shown[0]) == pytest.approx(fastest[name].solve_seconds, rel=rounding), (name, level)
+
+
+def test_the_version_is_told_everywhere_alike() -> None:
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
+    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)[1] == version  # type: ignore[index]
