@@ -17,9 +17,9 @@ from engines.start import Start, standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
 
-#: A slack follower that the slider reaches the end of: the crank of the thesis' run 24 at 6.95 in and twice the speed is not needed.
-_PUSHED_OFF: Final = {"crank.length": 0.178, "follower.bending_stiffness": 3.0, "tip.mass": 0.1}
-_UNTIL: Final = 0.6  # s
+#: A slack follower whose bent end the slider reaches when it comes to its farthest place.
+_PUSHED_OFF: Final = {"crank.length": 0.1795, "crank.initial_angle": 0.5, "follower.bending_stiffness": 10.0, "tip.mass": 0.1}
+_UNTIL: Final = 0.4  # s
 #: Part of the time until the slider leaves by which a coarse engine may be off.
 _WHEN: Final = 0.3
 _RAISE: Final = "raise engines.base.EngineFailure(time, cause, advice, partial)"

@@ -63,7 +63,14 @@ def _followed(bench: Bench, change: Change) -> Check:
     if worst is None and left <= _APART and _HALF_TO_DOUBLE[0] <= share <= _HALF_TO_DOUBLE[1]:
         coarse = f"coarse: its effect is {share:.2g} times that in reference"
         return Check(name, "passed", coarse if left > 0.1 else "")
-    return Check(name, "failed", _cause(change, before, shown, due, known[0], effect, share, worst), advice)
+    cause = _mistake(change, before, shown, due, known[0], effect, None if worst is None else share)
+    if cause:
+        return Check(name, "failed", cause, advice)
+    off = f"the effect is {percent(left)} off"
+    if worst is None:
+        return Check(name, "not judged", f"coarse: {off}, and the engine does not say how much it may be", "")
+    cause = f"{change.name} is not followed as reference does: {off}, most in {worst}, beyond what it says of its own error"
+    return Check(name, "failed", cause, advice)
 
 
 def _run(bench: Bench, scene: Mechanism) -> Trajectory:
@@ -93,20 +100,16 @@ def _worst(
     return worst if off[worst] > 1.0 else ""
 
 
-def _cause(
-    change: Change, before: Mechanism, shown: Array, due: Array, known: Truth, effect: Any, share: float, worst: str | None
-) -> str:
-    """What the engine does with the quantity, in words."""
+def _mistake(change: Change, before: Mechanism, shown: Array, due: Array, known: Truth, effect: Any, share: float | None) -> str:
+    """What the engine does with the quantity, in words; "" where no simple mistake makes it."""
     left = rms(shown - due)
     tried: list[tuple[float, str]] = [(rms(shown + due), f"{change.name} acts with the wrong sign")]
     for words, values in change.alike.items():
         scene = changed(before, values)
         tried.append((rms(shown - effect(known.columns, truth(scene, _DURATION).columns)), words))
-    tried.append((rms(shown - share * due), f"{change.name} acts {share:.3g} times as strongly as it should"))
+    if share is not None:
+        tried.append((rms(shown - share * due), f"{change.name} acts {share:.3g} times as strongly as it should"))
     best = min(tried, key=lambda each: each[0])
-    if best[0] <= _EXPLAINED * left:
-        return best[1]
-    where = "" if worst is None else f", most in {worst}, beyond what it says of its own error"
-    return f"{change.name} is not followed as reference does: the effect is {percent(left / rms(due))} off{where}"
+    return best[1] if best[0] <= _EXPLAINED * left else ""
 
 

@@ -39,11 +39,12 @@ HOPELESS: Final = 1.2
 
 @dataclass(frozen=True)
 class Suspect:
-    """A mistake: what it is, what to do, and what the column would be with it."""
+    """A mistake: what it is, what to do, what the column would be with it, and whether a coarse engine cannot come out like that."""
 
     cause: str
     advice: str
     values: Array
+    gross: bool = True
 
 
 @dataclass(frozen=True)
@@ -71,11 +72,12 @@ def diagnose(
     off, size = rms(found - expected), rms(expected)
     if size == 0.0:
         return None
-    candidates = list(_suspects(name, expected, beside, mechanism))
+    within = tolerance is not None and off <= tolerance
+    claims = tolerance is not None and not within
+    candidates = [suspect for suspect in _suspects(name, expected, beside, mechanism) if suspect.gross or claims]
     best = min(candidates, key=lambda suspect: _left(found, suspect.values))
     left = rms(found - best.values)
-    within = tolerance is not None and off <= tolerance
-    if within or tolerance is None:
+    if not claims:
         share, most = _EXPLAINED_COARSELY
         if left <= share * off and _left(found, best.values) <= most and off > 0.2 * size:
             return Finding(best.cause, best.advice, True)
@@ -125,7 +127,7 @@ def _suspects(name: str, expected: Array, beside: Mapping[str, Array], mechanism
         yield Suspect(f"{words}, and has the wrong sign", f"{divide} and turn it round", -factor * expected)
         yield Suspect(f"{name} is converted from {other} though it comes in {unit}", f"multiply it by {factor:.6g}", expected / factor)
     for factor, word in ((2.0, "twice"), (0.5, "half")):
-        yield Suspect(f"{name} is {word} what it should be", f"look for a factor of 2: {COLUMNS[name].meaning}", factor * expected)
+        yield Suspect(f"{name} is {word} what it should be", f"look for a factor of 2: {COLUMNS[name].meaning}", factor * expected, False)
     for other, column in COLUMNS.items():
         if other != name and other in beside and column.unit == unit and column.required:
             for sign, minus in ((1.0, ""), (-1.0, "minus ")):
