@@ -10,12 +10,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from cases.case import Case
 from cases.case_file import load_case
 from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.measures import CHANNELS, on_common_grid, relative_change
-from cases.runs.campaign import carry_out
+from cases.runs.campaign import Work, carry_out
 from cases.runs.comparison import HALVES
 from cases.runs.marching import Columns, channels_of
 from cases.runs.request import Run, RunRequest
@@ -65,40 +64,47 @@ class Studies:
     failures: tuple[str, ...]
 
 
+def work() -> Work:
+    """All that the studies need, to be computed with other runs; `run_studies` then finds it in the store."""
+    return Work({**_from_orbit(), **_straight(), **_open_requests()}, [job for _, job in _solutions()])
+
+
 def run_studies(workshop: Workshop) -> Studies:
     """All studies, from the store where they are there.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    case = load_case(ACCURACY_CASE)
-    scene = (case.mechanism, case.duration, case.output_step)
     failures: list[str] = []
-    wanted: list[tuple[str, str, Mapping[str, str] | None]] = [("converged", *CONVERGED)]
-    wanted += [("confirming", *other) for other in CONFIRMING.items()]
-    wanted += [("default", name, None) for name in MAIN]
-    jobs: list[Job[Any]] = [
-        Job(f"{what} {name}", _trajectory, (*scene, name, settings), "study", (name,), _CODE) for what, name, settings in wanted
-    ]
-    jobs.append(Job("convergence", _convergence, scene, "study", ("reference",), _CODE))
-    *trajectories, convergence = workshop.outcomes(jobs, "studies")
-    failures += [f"study {outcome.job.name}: {outcome.explanation}" for outcome in (*trajectories, convergence) if not outcome.completed]
-    found = {
-        (what, name): outcome.value for (what, name, _), outcome in zip(wanted, trajectories, strict=True) if outcome.value is not None
-    }
-    accuracy, confirmation = _accuracy_tables(found)
-    from_orbit = carry_out(_from_orbit(case), workshop, "from the periodic orbit")
-    requests = {**_straight(case, from_orbit), **_open_requests()}  # together: one that marches straight takes as long as all the others
-    results = carry_out(requests, workshop, "what the thesis leaves open, and another start")
+    names, jobs = zip(*_solutions(), strict=True)
+    solutions = dict(zip(names, workshop.outcomes(jobs, "studies"), strict=True))
+    failures += [f"study {outcome.job.name}: {outcome.explanation}" for outcome in solutions.values() if not outcome.completed]
+    convergence = solutions.pop(_CONVERGENCE).value
+    accuracy, confirmation = _accuracy_tables({name: outcome.value for name, outcome in solutions.items() if outcome.value is not None})
+    results = carry_out({**_from_orbit(), **_straight(), **_open_requests()}, workshop, "what the thesis leaves open, and another start")
     sensitivity = _sensitivity(results, failures)
-    both_ways = _both_ways({**from_orbit, **results}, failures)
-    return Studies(accuracy, confirmation, pd.DataFrame(convergence.value or []), sensitivity, both_ways, tuple(failures))
+    both_ways = _both_ways(results, failures)
+    return Studies(accuracy, confirmation, pd.DataFrame(convergence or []), sensitivity, both_ways, tuple(failures))
 
 
 _CODE: Final = ("cases.studies",)
 
-Name = tuple[str, str]
+Name = tuple[str, ...]
 Runs = Mapping[Name, Run]
+_CONVERGENCE: Final = ("convergence", "reference")
+
+
+def _solutions() -> list[tuple[Name, Job[Any]]]:
+    """Trajectories of one case, and the convergence of the reference there."""
+    case = load_case(ACCURACY_CASE)
+    scene = (case.mechanism, case.duration, case.output_step)
+    wanted: list[tuple[str, str, Mapping[str, str] | None]] = [("confirming", *other) for other in CONFIRMING.items()]
+    wanted += [("converged", *CONVERGED), *(("default", name, None) for name in MAIN)]
+    jobs: list[tuple[Name, Job[Any]]] = [
+        ((what, name), Job(f"{what} {name}", _trajectory, (*scene, name, settings), "study", (name,), _CODE))
+        for what, name, settings in wanted
+    ]
+    return [*jobs, (_CONVERGENCE, Job("convergence", _convergence, scene, "study", ("reference",), _CODE))]
 
 
 @dataclass(frozen=True)
@@ -198,7 +204,7 @@ DAMPING_LAW_ACCURACY: Final = 3e-3
 
 
 def _open_requests() -> dict[Name, RunRequest]:
-    requests = {}
+    requests = dict[Name, RunRequest]()
     for name in OPEN_RUNS:
         case = load_case(name)
         scenes = {"": case.mechanism, **open_changes(case.mechanism)}
@@ -234,31 +240,30 @@ def _sensitivity(results: Runs, failures: list[str]) -> pd.DataFrame:
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
-def _from_orbit(case: Case) -> dict[Name, RunRequest]:
+def _from_orbit() -> dict[Name, RunRequest]:
+    case = load_case(ACCURACY_CASE)
     return {(name, "orbit"): RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name) for name in PACKAGES}
 
 
-def _straight(case: Case, from_orbit: Runs) -> dict[Name, RunRequest]:
-    """With the settings of the runs from the orbit, so that nothing differs but the start."""
-    return {
-        (name, "straight"): RunRequest(
-            mechanism=case.mechanism,
-            duration=case.duration,
-            engine=name,
-            settings=as_texts(from_orbit[name, "orbit"].settings or {}),
-            straight=True,
-            estimated=False,
+def _straight() -> dict[Name, RunRequest]:
+    """With the settings that the runs from the orbit begin with; where those needed finer ones the two are no pair."""
+    case, requests = load_case(ACCURACY_CASE), dict[Name, RunRequest]()
+    for name in PACKAGES:
+        chosen = engine(name)
+        settings = as_texts(chosen.settings_for(chosen.default_accuracy, case.mechanism).as_dict())
+        requests[name, "straight"] = RunRequest(
+            mechanism=case.mechanism, duration=case.duration, engine=name, settings=settings, straight=True, estimated=False
         )
-        for name in PACKAGES
-    }
+    return requests
 
 
 def _both_ways(results: Runs, failures: list[str]) -> pd.DataFrame:
     rows: list[dict[str, Any]] = []
     for name in PACKAGES:
         orbit, straight = results[name, "orbit"], results[name, "straight"]
-        if not (orbit.usable and straight.usable):
-            failures.append(f"study of {name} from both starts: {straight.remark or orbit.remark}")
+        if not (orbit.usable and straight.usable) or orbit.settings != straight.settings:
+            reason = straight.remark or orbit.remark or "the run from the orbit needed finer settings than the other was given"
+            failures.append(f"study of {name} from both starts: {reason}")
             continue
         found: dict[str, Any] = {"engine": name, "difference": cycle_difference(straight.cycle, orbit.cycle)}
         for way, run in (("orbit", orbit), ("straight", straight)):

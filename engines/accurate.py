@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines import progress
-from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal
+from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal, Simulation
 from engines.settings import SettingError, Settings
 from engines.solver import S, Solver
 from engines.start import Start
@@ -41,6 +41,14 @@ NO_DEFLECTION: Final = 1e-12
 
 
 @dataclass(frozen=True)
+class Made:
+    """A run that was made, and the simulation at its end, from where it can go on."""
+
+    trajectory: Trajectory
+    simulation: Simulation
+
+
+@dataclass(frozen=True)
 class Result:
     """A trajectory and how far it can be trusted.
 
@@ -59,7 +67,7 @@ class Result:
         compile_seconds: compiling or loading machine code before anything was timed.
         estimate_seconds: wall time of all other runs: those it was compared with and the rungs climbed.
         description: bodies, joints and degrees of freedom of the delivered run.
-        runs: all trajectories that were computed for it, by their settings; the delivered one among them.
+        runs: all runs that were made for it, by their settings; the delivered one among them.
     """
 
     trajectory: Trajectory
@@ -75,7 +83,7 @@ class Result:
     compile_seconds: float
     estimate_seconds: float
     description: ModelDescription
-    runs: Mapping[Settings, Trajectory] = field(default_factory=dict, repr=False)
+    runs: Mapping[Settings, Made] = field(default_factory=dict, repr=False)
 
 
 def simulate(
@@ -120,10 +128,17 @@ def simulate(
 def run_once(
     engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float, settings: Settings
 ) -> tuple[Trajectory, float]:
-    """One run as it comes, checked for completeness and for values that are no numbers.
+    """One run as it comes; see `make_run`.
 
     Returns:
         The trajectory and the setup time in s.
+    """
+    made = make_run(engine, scene, start, duration, output_step, settings)
+    return made.trajectory, made.simulation.setup_seconds
+
+
+def make_run(engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
+    """One run as it comes, checked for completeness and for values that are no numbers.
 
     Raises:
         Refusal, SettingError: as the engine raises them.
@@ -139,7 +154,7 @@ def run_once(
         cause = f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
         raise EngineFailure(0.0, cause, "report this to the author of the engine") from error
     check_trajectory(trajectory, duration, output_step)
-    return trajectory, simulation.setup_seconds
+    return Made(trajectory, simulation)
 
 
 def check_trajectory(trajectory: Trajectory, duration: float, output_step: float) -> None:
@@ -274,20 +289,20 @@ class _Runs(Generic[S]):
     def __init__(self, engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float) -> None:
         self.engine, self.scene = engine, scene
         self._run = (start, duration, output_step)
-        self._done: dict[Settings, tuple[Trajectory, float]] = {}
+        self._done: dict[Settings, Made] = {}
         self._failed: dict[Settings, EngineFailure] = {}
         self.compile_seconds = 0.0
         self._rung = 0
         self._begin = time.perf_counter()
 
-    def run(self, settings: Settings) -> tuple[Trajectory, float]:
+    def run(self, settings: Settings) -> Made:
         if self.engine.compiles and not self._done and not self._failed and not self.compile_seconds:
             self._compile(settings)
         if settings in self._failed:
             raise self._failed[settings]
         if settings not in self._done:
             try:
-                self._done[settings] = run_once(self.engine, self.scene, *self._run, settings)
+                self._done[settings] = make_run(self.engine, self.scene, *self._run, settings)
             except EngineFailure as failure:
                 self._failed[settings] = failure
                 raise
@@ -307,7 +322,8 @@ class _Runs(Generic[S]):
     def judged(self, settings: Settings) -> _Judged:
         self._rung += 1
         progress.tell(engine=self.engine.name, phase="simulating", rung=self._rung)
-        trajectory, setup_seconds = self.run(settings)
+        made = self.run(settings)
+        trajectory, setup_seconds = made.trajectory, made.simulation.setup_seconds
         length, parts = self.scene.follower.length, []
         pairs = self.engine.comparisons(settings, self.scene, self._run[-1])
         if any(pair.run == pair.other for pair in pairs):
@@ -316,7 +332,7 @@ class _Runs(Generic[S]):
         progress.tell(phase="estimating the error", rung=self._rung)
         try:
             for pair in pairs:
-                runs = compared(pair, lambda other: self.run(other)[0])
+                runs = compared(pair, lambda other: self.run(other).trajectory)
                 if not self.scene.follower.is_rigid and same_motion(runs.run.columns, runs.other.columns):
                     remark = "the error is unknown: the run to compare with is the same to the last digit"
                     return _Judged(settings, trajectory, setup_seconds, remark=remark)
@@ -360,7 +376,7 @@ class _Runs(Generic[S]):
             compile_seconds=self.compile_seconds,
             estimate_seconds=max(0.0, total - delivered),
             description=self.engine.describe(self.scene, judged.settings),
-            runs={settings: trajectory for settings, (trajectory, _) in self._done.items()},
+            runs=self._done,
         )
 
 

@@ -56,9 +56,10 @@ class BeamModes:
         """
         x = np.asarray(arc_lengths, dtype=float)
         values = np.empty((len(self), x.size))
-        for number, (span, weights) in enumerate(zip(self.spans, self.coefficients, strict=True)):
-            here = x >= span[0] if number else np.ones(x.size, dtype=bool)
-            values[:, here] = weights.T @ _shapes(x[here], span, len(weights) - 4, derivative)
+        span_of = np.searchsorted([start for start, _ in self.spans[1:]], x, side="right")
+        for number in np.unique(span_of):
+            here, weights = span_of == number, self.coefficients[number]
+            values[:, here] = weights.T @ _shapes(x[here], self.spans[number], len(weights) - 4, derivative)
         return values
 
     def slope_series(self) -> tuple[Array, ...]:
@@ -261,5 +262,6 @@ def _shapes(x: Array, span: tuple[float, float], interior: int, derivative: int)
     """The shapes of a span at arc lengths x (m, shape (n,)), or a derivative, shape (4 + interior, n)."""
     h = span[1] - span[0]
     xi = (2.0 * x - span[0] - span[1]) / h
-    values = legendre.legval(xi, _legendre_series(interior, derivative).T)
+    series = _legendre_series(interior, derivative)
+    values = series @ legendre.legvander(xi, series.shape[1] - 1).T
     return _slope_scaling(interior, h)[:, None] * values * (2.0 / h) ** derivative

@@ -19,7 +19,7 @@ from cases.jobs.store import words_of
 from cases.jobs.workshop import Workshop
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import CODE
-from cases.studies import ACCURACY_CASE, OPEN_RUNS, Studies, run_studies
+from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
 from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN
 from reports.findings.evidence import Evidence, NoEvidence, evidence
@@ -102,8 +102,9 @@ def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engine
     """
     check_folder(folder)
     curves = load_curves()
-    results = cross_validate(cases, workshop, engines)
-    studies = _studies(cases, workshop)
+    studied = _studied(cases)
+    results = cross_validate(cases, workshop, engines, beside=work() if studied else None)
+    studies = run_studies(workshop) if studied else None
     drawings = [job for job in jobs_of_cases(results, curves) if workshop.stored(job) is None]
     benchmarks = _benchmarks(workshop, drawings) if studies is not None else []
     example = of_run(results, EXAMPLE) if EXAMPLE else None
@@ -163,10 +164,9 @@ def _evidence(example: CaseResult | None, workshop: Workshop) -> tuple[Evidence 
         return None, [str(reason)]
 
 
-def _studies(cases: Sequence[Case], workshop: Workshop) -> Studies | None:
-    """The studies, if the report is about all runs that they are about."""
-    shown = {case.name for case in cases if case.source == "library"}
-    return run_studies(workshop) if {ACCURACY_CASE, *OPEN_RUNS} <= shown else None
+def _studied(cases: Sequence[Case]) -> bool:
+    """Whether the report is about all runs that the studies are about."""
+    return {ACCURACY_CASE, *OPEN_RUNS} <= {case.name for case in cases if case.source == "library"}
 
 
 def _benchmarks(workshop: Workshop, beside: Sequence[Job[Any]]) -> list[Benchmark]:

@@ -96,9 +96,11 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
     )
     responses = {"tip_acceleration": (signs[:, :MODES] * omega**1.5 * tip[:, :MODES], of_tip)}
     slow_shapes = {"tip_acceleration": _slow_shape(quasi_static_tip_acceleration(mechanism, TURN))}
-    at_slider = np.array([mode.curvature(np.array([mode.slider_position]))[0, 0] for mode in modes])
-    for name, gauge in zip(CHANNELS[1:], mechanism.follower.strain_gauges, strict=True):
-        curvature = np.array([mode.curvature(np.array([gauge]))[:, 0] for mode in modes])
+    gauges = mechanism.follower.strain_gauges
+    curvatures = np.array([mode.curvature(np.array([mode.slider_position, *gauges])) for mode in modes])
+    at_slider = curvatures[:, 0, 0]
+    for number, (name, gauge) in enumerate(zip(CHANNELS[1:], gauges, strict=True), 1):
+        curvature = curvatures[:, :, number]
         if not np.abs(curvature[:, :MODES]).max() > NOTHING * np.abs(at_slider).max():
             continue
         late = omega[:, 0] ** -0.5 * np.einsum("aj,aj->a", dragged, signs * curvature)

@@ -1,8 +1,8 @@
 """Many runs: where each begins, in which order they are computed, and what became of those whose process died."""
 
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Final, TypeVar
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, TypeVar
 
 from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
@@ -19,13 +19,24 @@ _SLOWEST: Final = ("exudyn", "mujoco", "reference")
 Name = TypeVar("Name", bound=tuple[str, ...])
 
 
-def carry_out(requests: Mapping[Name, RunRequest], workshop: Workshop, title: str = "runs") -> dict[Name, Run]:
+@dataclass(frozen=True)
+class Work:
+    """Requests by their names, and jobs of another kind."""
+
+    requests: Mapping[tuple[str, ...], RunRequest] = field(default_factory=dict)
+    jobs: Sequence[Job[Any]] = ()
+
+
+def carry_out(
+    requests: Mapping[Name, RunRequest], workshop: Workshop, title: str = "runs", beside: Sequence[Job[Any]] = ()
+) -> dict[Name, Run]:
     """Runs by the names of their requests. Equal requests are computed once.
 
     Args:
         requests: what to run; those that shall begin in the orbit of `reference` get it.
         workshop: where.
         title: of them all, for the person who waits.
+        beside: other jobs that are computed with them and stored, so that no core waits for the last run of either.
 
     Raises:
         UnknownEngine: see there.
@@ -37,8 +48,11 @@ def carry_out(requests: Mapping[Name, RunRequest], workshop: Workshop, title: st
     for name, orbit in zip(marching, orbits([usable[name].mechanism for name in marching], workshop), strict=True):
         usable[name] = replace(usable[name], orbit=orbit)
     order = _order(usable)
-    outcomes = dict(zip(order, workshop.outcomes([_job(name, usable[name]) for name in order], title), strict=True))
-    runs = {name: outcome.value or _without(usable[name], FAILED, outcome.explanation) for name, outcome in outcomes.items()}
+    jobs = [_job(name, usable[name]) for name in order]
+    first = len({request.engine for request in usable.values()})
+    outcomes = workshop.outcomes([*jobs[:first], *beside, *jobs[first:]], title)
+    found = zip(order, [*outcomes[:first], *outcomes[first + len(beside) :]], strict=True)
+    runs = {name: outcome.value or _without(usable[name], FAILED, outcome.explanation) for name, outcome in found}
     return {name: runs.get(name) or _without(requests[name], UNAVAILABLE, reasons[requests[name].engine] or "") for name in requests}
 
 

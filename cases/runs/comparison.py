@@ -12,7 +12,7 @@ from typing import Any, Final
 from cases.case import Case
 from cases.jobs.workshop import Workshop
 from cases.measures import CHANNELS, Consensus, consensus_of
-from cases.runs.campaign import carry_out
+from cases.runs.campaign import Work, carry_out
 from cases.runs.estimates import EXTREMES, mean_estimate
 from cases.runs.request import REFUSED, SETTLED, Run, RunRequest
 from engines.registry import MAIN
@@ -165,6 +165,7 @@ def cross_validate(
     engines: Sequence[str] = MAIN,
     accuracy: float | None = None,
     settings: Mapping[str, str] | None = None,
+    beside: Work | None = None,
 ) -> list[CaseResult]:
     """Bring every engine to its steady state on every case and compare.
 
@@ -174,6 +175,7 @@ def cross_validate(
         engines: names.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
         settings: engine settings as text, the same for all engines.
+        beside: what else is computed with them and stored.
 
     Raises:
         CaseError: a case without crank and slider: there is no cycle to measure.
@@ -188,7 +190,8 @@ def cross_validate(
     }
     if len(requests) < len(cases) * len(engines):
         raise ValueError("two cases or two engines have one name")
-    runs = carry_out(requests, workshop, "engines on cases")
+    also = beside or Work()
+    runs = carry_out({**also.requests, **requests}, workshop, "engines on cases", also.jobs)
     return [compare(case, {engine: runs[case.name, engine] for engine in engines}) for case in cases]
 
 

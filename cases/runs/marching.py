@@ -99,10 +99,10 @@ class March:
         simulated_seconds: likewise simulated.
     """
 
-    def __init__(self, simulation: Simulation, crank_speed: float, step: float) -> None:
-        """`crank_speed` (rad/s) at the beginning; `step` (s) between rows."""
-        self._simulation, self._crank_speed, self._step = simulation, crank_speed, step
-        self.solve_seconds, self.simulated_seconds = 0.0, 0.0
+    def __init__(self, simulation: Simulation, crank_speed: float, step: float, begun: Trajectory | None = None) -> None:
+        """`crank_speed` (rad/s) at the beginning; `step` (s) between rows; `begun` is how the simulation came to where it stands."""
+        self._simulation, self._crank_speed, self._step, self._begun = simulation, crank_speed, step, begun
+        self.solve_seconds, self.simulated_seconds = (0.0, 0.0) if begun is None else (begun.solve_seconds, simulation.time)
 
     def __iter__(self) -> Iterator[Cycle]:
         """Simulate on.
@@ -110,27 +110,26 @@ class March:
         Raises:
             EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured.
         """
-        simulation, speed, step = self._simulation, self._crank_speed, self._step
+        simulation, speed, step, rows = self._simulation, self._crank_speed, self._step, self._begun
         last_passage = simulation.time
-        rows: Trajectory | None = None
         while True:
+            if rows is not None:
+                cycles, speed = whole_cycles(rows), float(np.mean(rows["crank_speed"]))
+                yield from cycles
+                if cycles:
+                    last_passage = simulation.time
+                    # the next cycle begins where this one ended; a few rows before that keep the interpolation whole
+                    first = max(0, int(np.searchsorted(rows["time"], cycles[-1].time[-1])) - 4)
+                    rows = Trajectory({name: values[first:] for name, values in rows.columns.items()}, 0.0)
+                elif simulation.time - last_passage > MOST_ROWS * step:
+                    cause = f"the crank takes more than {MOST_ROWS * step:g} s for a turn"
+                    raise EngineFailure(simulation.time, cause, "let it turn faster")
             turn = 2.0 * math.pi / abs(speed) if speed else math.inf
             stretch = step * math.ceil(min(turn / step, LONGEST_PIECE))
             piece = simulation.advance(stretch, step)
             check_trajectory(piece, stretch, step)
             self.solve_seconds, self.simulated_seconds = self.solve_seconds + piece.solve_seconds, simulation.time
             rows = join([rows, piece]) if rows else piece
-            speed = float(np.mean(piece["crank_speed"]))
-            cycles = whole_cycles(rows)
-            if cycles:
-                last_passage = simulation.time
-            elif simulation.time - last_passage > MOST_ROWS * step:
-                raise EngineFailure(simulation.time, f"the crank takes more than {MOST_ROWS * step:g} s for a turn", "let it turn faster")
-            yield from cycles
-            if cycles:
-                # the next cycle begins where this one ended; a few rows before that keep the interpolation whole
-                first = max(0, int(np.searchsorted(rows["time"], cycles[-1].time[-1])) - 4)
-                rows = Trajectory({name: values[first:] for name, values in rows.columns.items()}, 0.0)
 
 
 def whole_cycles(rows: Trajectory) -> list[Cycle]:

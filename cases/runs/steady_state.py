@@ -39,17 +39,14 @@ from cases.runs.request import (
     RunRequest,
 )
 from engines import progress
-from engines.accurate import Compared, check_trajectory, compared, same_motion, simulate
-from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, Simulation, SteadyState
+from engines.accurate import Compared, Made, check_trajectory, compared, same_motion, simulate
+from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
 from engines.registry import engine as engine_of_name
 from engines.settings import SettingError, Settings
 from engines.trajectory import Trajectory
 
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
 ROWS_AFTER: Final = 4
-
-
-Runs = Mapping[Settings, Trajectory]
 
 
 class Hopeless(Exception):
@@ -98,7 +95,7 @@ class _Way:
     def __init__(self, engine: AnyEngine, request: RunRequest) -> None:
         self._engine, self._request, self._mechanism = engine, request, request.mechanism
         self._step = 0.0
-        self._done: Runs = {}
+        self._done: Mapping[Settings, Made] = {}
         self._compared: tuple[Compared[Columns], ...] = ()
         self.run = Run(
             engine=engine.name, method=engine.method, estimate_of=engine.estimates, accuracy=request.accuracy or engine.default_accuracy
@@ -184,12 +181,6 @@ class _Way:
                 raise Hopeless(hopeless)
             self.know(start=FROM_ORBIT)
             multiplier = orbit.multiplier
-        made = self._done[self._settings]  # the run for the estimate began in the same start; it may be all that is needed
-        last = settle(whole_cycles(made), multiplier)
-        if last.settled:
-            self._know_of(last)
-            self.know(solve_seconds=made.solve_seconds, simulated_seconds=float(made["time"][-1]))
-            return last.columns
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
@@ -248,19 +239,16 @@ class _Way:
                 last = settle(self._march(settings))
                 unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
                 return last.columns if last.settled else unsettled
-            if settings in self._done:
-                made = whole_cycles(self._done[settings])
-                if len(made) >= self.run.cycles:
-                    return columns_of(made[self.run.cycles - 1])
             return columns_of(next(islice(self._march(settings), self.run.cycles - 1, None)))
         except EngineFailure as failure:
             return failure
 
     def _march(self, settings: Settings) -> March:
-        return March(self._prepared(settings), self._start.crank_speed, self._step)
-
-    def _prepared(self, settings: Settings) -> Simulation:
-        return self._engine.prepare(self._mechanism, self._start, settings)
+        """Cycle after cycle from the start; a run made for the estimate began there, too, and goes on."""
+        if settings in self._done:
+            made = self._done[settings]
+            return March(made.simulation, self._start.crank_speed, self._step, made.trajectory)
+        return March(self._engine.prepare(self._mechanism, self._start, settings), self._start.crank_speed, self._step)
 
     def _searched(self, settings: Settings) -> SteadyState | None:
         return self._engine.steady_state(self._mechanism, self._start, settings)

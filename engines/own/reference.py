@@ -1,4 +1,7 @@
-"""The engine `reference`: pseudo-coordinates with shapes that follow the slider, converged."""
+"""The engine `reference`: pseudo-coordinates with shapes that follow the slider, converged.
+
+What its numbers were measured from stands in `engines/LADDERS.md`, section 1.
+"""
 
 import dataclasses
 import math
@@ -23,24 +26,15 @@ if TYPE_CHECKING:
     from engines.own.simulation import OwnSimulation
     from reference_model.model import BeamModel
 
-#: First bending frequency over the crank's in run 24 (`stiffness_ratio`). The modes left out follow the load nearly at rest, and what
-#: equilibrium recovers holds their share; what is missing is their inertia, which falls with the square of that ratio. With one mode run
-#: 24 (4.1), run 17 (7.4), ten times run 24's stiffness (13.1) and machines of ratios 14, 50 and 84 leave 2.7e-2, 4.2e-3, 3.2e-4, 5.9e-4,
-#: 6.9e-6 and 8.1e-6 of the deflection, in the acceleration 3.1e-2, 4.2e-3, 6.2e-4, 1.8e-3, 9.4e-6 and 1.4e-5.
+#: First bending frequency over the crank's in run 24; the error of few modes falls with the square of that ratio.
 RATIO_OF_RUN_24: Final = 4.1
-#: Tolerance for an accuracy where so few modes do: at 1e-5 the integration leaves up to 7e-4 there, at 1e-7 1e-4.
+#: Tolerance for an accuracy where so few modes do.
 TOLERANCE_PER_ACCURACY: Final = 1e-4
 
-#: Modes -> modes of the finer run that the error is estimated with, and the ratio of their errors. Truncation errors of modes have one
-#: sign, so that differences are a little smaller than errors. Measured in sixteen scenes (thesis' runs, stiff, soft, random): two modes
-#: differ from five by 0.54 to 1.0 times their error, four from seven by 0.88 to 1.0, and from five on a run differs from one with two
-#: modes more by 0.8 to 0.9 times its error in the thesis' runs; 0.3 at worst, under a sudden load that sets all modes ringing. In sixteen
-#: other random scenes estimates were 0.87 to 2.0 times the errors. A coarser run is no measure: one mode is
-#: 1.3 to 25 times worse than two, and three are no better.
+#: Modes -> modes of the finer run that the error is estimated with, and the ratio of their errors.
 COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: Part of the square of the lowest frequency that a compliant joint changes from which on its own vibration is left as it is, and part
-#: of the modes' error that slowing it may cost where it is stiffer. In run 24 the first is at 2e5 N/m; at 1e6 N/m four modes then take
-#: three times as long as with a rigid joint in place of six.
+#: of the modes' error that slowing it may cost where it is stiffer.
 SOFT: Final = 5e-4
 UNSEEN: Final = 5e-3
 #: Two modes more, and two modes fewer where no more are accepted.
@@ -56,13 +50,7 @@ class ReferenceSettings(BeamSettings):
     tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
 
-#: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s against 12 modes (tolerance 1e-9), which differ from
-#: 13 by 2e-6. Three modes are hardly better than two (1.3e-3) and left out. Over the thesis' runs the errors are 0.06 to 1.8 times these.
-#:
-#: Tolerances: the loosest at which the error of the tip's acceleration is no larger than that of the deflection in run 24, and within
-#: what is asked in scenes that move little, where the sizes that a local error is relative to weigh more: in run 1 (6.3 rad/s) and
-#: with ten times the stiffness four modes have an acceleration error of 2e-3 at 1e-6, seven one of 9e-4 at 1e-7 and 1e-4 at 1e-8.
-#: From four modes on the stability of an explicit integrator bounds the steps: a tenth of the tolerance costs a tenth of the time.
+#: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s.
 _RUNGS: Final = (
     (1, 1e-5, 2.7e-2),
     (2, 1e-5, 1.5e-3),

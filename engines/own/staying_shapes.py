@@ -25,8 +25,7 @@ class ShapeSettings(BeamSettings):
 AnyShapes = TypeVar("AnyShapes", bound=ShapeSettings)
 
 #: Number of clamped-free modes, integration tolerance and what they claim of the tip deflection in run 24 over 2 s, with the slider
-#: eliminated or held by a multiplier (`reference_model/RIVALS.md` has the errors). An explicit integrator makes high modes ring: at a
-#: tolerance of 1e-8 24 modes leave 1.6e-3 of the tip's acceleration in run 17, 7e-3 in a random scene, at 1e-9 7e-5 and 4e-5.
+#: eliminated or held by a multiplier (`reference_model/RIVALS.md`, section 3).
 _RUNGS: Final = (
     (1, 1e-8, 1.3),
     (2, 1e-8, 4.6e-1),

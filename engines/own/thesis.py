@@ -22,11 +22,9 @@ if TYPE_CHECKING:
     from engines.own.simulation import OwnSimulation
     from reference_model.thesis.model import ThesisModel
 
-#: LSODA tolerance for an error of the tip deflection, run 24 over 2 s: tolerances 1e-4, 1e-5, 1e-6, 1e-7 gave errors 6.6e-4, 9.4e-5,
-#: 1.7e-5, 2.6e-6. The factor keeps the scatter from cycle to cycle far below what counts as settled (at 3e-5 a third of the runs
-#: never settled).
+#: LSODA's tolerance for an error of the tip deflection (`engines/LADDERS.md`, section 2).
 THESIS_TOLERANCE_PER_ERROR: Final = 1e-4
-#: Ratio of the errors of runs whose tolerances are a decade apart, from the same figures.
+#: Ratio of the errors of runs whose tolerances are a decade apart.
 THESIS_ERROR_PER_DECADE: Final = 6.0
 #: The loosest tolerance accepted.
 LOOSEST: Final = 1e-2

@@ -1,6 +1,7 @@
 """A steady state needs a crank that turns, neither too slowly nor too fast to be measured; anything else ends with a sentence."""
 
 import math
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -57,3 +58,14 @@ def test_a_crank_that_finds_its_speed_settles(first: float, final: float) -> Non
     cycle = last.columns
     # one turn at the final speed; by the fourth cycle, the earliest that can settle, exp(-t) has died away to below 5 %
     assert cycle["time"][-1] - cycle["time"][0] == pytest.approx(2.0 * math.pi / abs(final), rel=0.05)
+
+
+def test_a_march_that_goes_on_from_a_run_is_the_same_march() -> None:
+    """What was simulated for the estimate is not simulated again."""
+    whole, begun = Turning(9.0, 9.0), Turning(9.0, 9.0)
+    piece = begun.advance(1.9, STEP)
+    on = March(begun, 9.0, STEP, piece)
+    for one, other in islice(zip(March(whole, 9.0, STEP), on, strict=False), 5):
+        np.testing.assert_allclose((one.time[0], one.time[-1]), (other.time[0], other.time[-1]), rtol=1e-12)
+        np.testing.assert_allclose(one.crank_angle[-1], other.crank_angle[-1])
+    assert on.simulated_seconds == begun.time
