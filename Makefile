@@ -2,35 +2,45 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# What a target needs: the package alone, or with an extra.
 READY := $(VENV)/.ready
+TEST := $(VENV)/.test
+VERIFY := $(VENV)/.verify
 PARALLEL ?= 2
 
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test verify lint clean
+.PHONY: report test verify record lint clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
 
 # A file's tests stay in one process: what they share is made, and what they need is compiled, once. The longest files come first.
-test: $(READY) lint
+test: $(TEST) lint
 	$(BIN)/pytest -n $(PARALLEL) --dist loadfile --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
-verify: $(READY)
+verify: $(VERIFY)
 	$(BIN)/quickreturn benchmark
 	$(BIN)/pytest -n $(PARALLEL) -m verify --keep-outcome
 
-lint: $(READY)
+# For the project itself: results of the long studies as tables that the report shows where the user's own are missing.
+record: $(READY)
+	$(BIN)/python -m reports.recorded
+
+lint: $(TEST)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy reference_model engines cases reports quickreturn tests/verification
 
-$(READY): pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.[test]'
-	touch $(READY)
+$(READY): EXTRA :=
+$(TEST): EXTRA := [test]
+$(VERIFY): EXTRA := [verify]
+$(READY) $(TEST) $(VERIFY): pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.$(EXTRA)'
+	touch $@
 
 # Results stay: hours of computing; remove the folder .quickreturn to start from nothing.
 clean:

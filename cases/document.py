@@ -10,7 +10,7 @@ from cases.broken_toml import broken_toml
 from cases.case import Case
 from cases.errors import CaseError, as_written, nearest, nearest_or_all, shortened
 from cases.keys import HEADER, PATHS, SECTIONS, dimension_of
-from cases.text_file import LARGEST_TEXT
+from cases.text_file import CASE_FILE
 from reference_model.scene_values import ALTERNATIVES, values_of
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
@@ -100,8 +100,8 @@ def read_document(text: str, source: str) -> Document:
     Raises:
         CaseError: broken TOML, an unknown or misplaced key, a value that is no string.
     """
-    if len(text) > LARGEST_TEXT:
-        raise CaseError(source, None, None, f"the text has {len(text)} characters", f"at most {LARGEST_TEXT} are accepted")
+    if len(text) > CASE_FILE.largest:
+        raise CaseError(source, None, None, f"the text has {len(text)} characters", f"at most {CASE_FILE.largest} are accepted")
     for number, line in enumerate(text.split("\n"), start=1):
         if len(line) > LONGEST_LINE:
             raise CaseError(source, None, None, f"line {number} has {len(line)} characters", f"at most {LONGEST_LINE} are accepted")

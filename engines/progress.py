@@ -14,16 +14,19 @@ class Progress:
         phase: a few words.
         rung: which settings of the engine's ladder are tried, from 1; 0: none.
         cycle: which cycle has been simulated, from 1; 0: none.
+        most: how many cycles there may be; 0: unknown.
     """
 
     engine: str = ""
     phase: str = ""
     rung: int = 0
     cycle: int = 0
+    most: int = 0
 
     def __str__(self) -> str:
-        numbers = [f"{name} {number}" for name, number in (("rung", self.rung), ("cycle", self.cycle)) if number]
-        return ", ".join(part for part in (self.engine, self.phase, *numbers) if part)
+        phase = f"{self.phase} at rung {self.rung}" if self.rung else self.phase
+        most = f" of at most {self.most}" if self.most else ""
+        return ", ".join(part for part in (self.engine, phase, f"cycle {self.cycle}{most}" if self.cycle else "") if part)
 
 
 _listener: Callable[[Progress], None] | None = None
@@ -41,6 +44,6 @@ def tell(**changes: Any) -> None:
     global _present
     if _listener is None:
         return
-    fresh = {"rung": 0, "cycle": 0} if "phase" in changes else {}
+    fresh = {"rung": 0, "cycle": 0, "most": 0} if "phase" in changes else {}
     _present = replace(_present, **(fresh | changes))
     _listener(_present)

@@ -1,1 +1,84 @@
-"""quickreturn: what notebooks, engine authors and the command line use."""
+"""Flexible-multibody engines on a quick-return mechanism, in three lines of Python.
+
+    import quickreturn as qr
+    case = qr.case("thesis-24", {"crank.length": "5 in"})
+    print(qr.simulate(case, "reference", accuracy=1e-3))
+
+The names below are what notebooks and engine authors use, and what the command line is made of. Each is imported when it is used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from cases.case import Case
+    from cases.errors import CaseError
+    from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
+    from engines.registry import UnknownEngine, engine
+    from engines.settings import SettingError, Settings, setting
+    from engines.start import Start
+    from engines.trajectory import Trajectory
+    from quickreturn.catalogue import case, cases, engines
+    from quickreturn.cross_validation import CrossValidation, report, run
+    from quickreturn.frequencies import modes
+    from quickreturn.solution import Solution, UnknownColumn, simulate
+
+__all__ = [
+    "Case",
+    "CaseError",
+    "Comparison",
+    "CrossValidation",
+    "Engine",
+    "EngineFailure",
+    "ModelDescription",
+    "Refusal",
+    "SettingError",
+    "Settings",
+    "Simulation",
+    "Solution",
+    "Start",
+    "Trajectory",
+    "UnknownColumn",
+    "UnknownEngine",
+    "case",
+    "cases",
+    "engine",
+    "engines",
+    "modes",
+    "report",
+    "run",
+    "setting",
+    "simulate",
+]
+
+#: Module -> the names that are taken from it.
+_HOMES: Final = {
+    "cases.case": ("Case",),
+    "cases.errors": ("CaseError",),
+    "engines.base": ("Comparison", "Engine", "EngineFailure", "ModelDescription", "Refusal", "Simulation"),
+    "engines.registry": ("UnknownEngine", "engine"),
+    "engines.settings": ("SettingError", "Settings", "setting"),
+    "engines.start": ("Start",),
+    "engines.trajectory": ("Trajectory",),
+    "quickreturn.catalogue": ("case", "cases", "engines"),
+    "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
+    "quickreturn.frequencies": ("modes",),
+    "quickreturn.solution": ("Solution", "UnknownColumn", "simulate"),
+}
+_HOME_OF: Final = {name: home for home, names in _HOMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("quickreturn")
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOME_OF[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

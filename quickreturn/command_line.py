@@ -16,20 +16,27 @@ import time
 from collections.abc import Sequence
 from importlib import import_module
 from types import FrameType
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from cases.errors import as_written, shortened
+from quickreturn.commands.options import QUIET, WORKSHOP
+
+if TYPE_CHECKING:
+    from cases.jobs.workshop import Workshop
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
-COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "report", "benchmark")
+COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "compare", "report", "benchmark", "plot", "animate")
 
 GOOD: Final = 0
 CLAIMS_BROKEN: Final = 1
 BAD_INPUT: Final = 2
 ENGINE_TROUBLE: Final = 3
 INTERRUPTED: Final = 130
+
+#: Environment variable by which a shell asks for completions, see `quickreturn --help`.
+COMPLETION: Final = "_QUICKRETURN_COMPLETE"
 
 #: What the system says when there is no room for what is written.
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -52,6 +59,8 @@ class CommandGroup(click.Group):
             return None
         command = import_module(f"quickreturn.commands.{cmd_name}").command
         assert isinstance(command, click.Command)
+        if not any(each.name == "quiet" for each in command.params):
+            command.params.append(_quiet_option())
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
@@ -63,9 +72,25 @@ class CommandGroup(click.Group):
         return super().resolve_command(ctx, args)
 
 
-@click.group(name="quickreturn", cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
+def _quiet_option() -> click.Option:
+    """Of every command: what is on its way is not told."""
+
+    def keep(context: click.Context, option: click.Parameter, given: bool) -> None:
+        context.meta[QUIET] = given or context.meta.get(QUIET)
+
+    told = "Do not tell how far things are; what is wrong is told all the same."
+    return click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
+
+
+@click.group(name="quickreturn", cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]}, params=[_quiet_option()])
+@click.version_option(package_name="quickreturn", message="%(prog)s %(version)s")
 def quickreturn() -> None:
-    """Cross-validate flexible-multibody engines on a quick-return mechanism with a flexible follower."""
+    """Cross-validate flexible-multibody engines on a quick-return mechanism with a flexible follower.
+
+    A CASE is the name of a library case, a pattern such as 'thesis-2*', or the path of a case file.
+
+    Completion for bash: eval "$(_QUICKRETURN_COMPLETE=bash_source quickreturn)"; zsh_source and fish_source do it for these.
+    """
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -84,15 +109,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         with contextlib.suppress(AttributeError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
+        if instruction := os.environ.get(COMPLETION):  # the shell asks what could be typed next
+            from click.shell_completion import shell_complete
+
+            return shell_complete(quickreturn, {}, "quickreturn", COMPLETION, instruction)
         code = _run(arguments or ["--help"])
         sys.stdout.flush()
     except BrokenPipeError:  # the reader (`head`) has enough
         _drop_output()
         return GOOD
     except (KeyboardInterrupt, click.Abort):
-        with contextlib.suppress(ValueError):  # not the main thread
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # all that is left to do is to leave
-        return _told("interrupted", INTERRUPTED)
+        return _interrupted(None)
     except click.ClickException as error:
         return _told(_with_help(error), BAD_INPUT)
     except Exception as error:  # the last line of defence: a sentence, whatever happened
@@ -125,10 +152,24 @@ def _drop_output() -> None:
 def _run(arguments: list[str]) -> int:
     try:
         with quickreturn.make_context("quickreturn", arguments) as context:
-            result = quickreturn.invoke(context)
+            try:
+                result = quickreturn.invoke(context)
+            except (KeyboardInterrupt, click.Abort):
+                return _interrupted(context.meta.get(WORKSHOP))
     except click.exceptions.Exit as leaving:  # --help
         return leaving.exit_code
     return result if isinstance(result, int) else GOOD
+
+
+def _interrupted(workshop: "Workshop | None") -> int:
+    """Say what is kept and how to go on."""
+    with contextlib.suppress(ValueError):  # not the main thread
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all that is left to do is to leave
+    if workshop is None:
+        return _told("interrupted; nothing is kept, the same command begins anew", INTERRUPTED)
+    count, folder = workshop.store.written, workshop.store.folder
+    kept = f"{count} result{'s' * (count > 1)} of this call" if count else "no result was finished; those of earlier calls"
+    return _told(f"interrupted; {kept} {'is' if count == 1 else 'are'} kept in {folder}; the same command goes on from there", INTERRUPTED)
 
 
 def _with_help(error: click.ClickException) -> str:
@@ -150,6 +191,7 @@ def _told_of(error: Exception) -> int:
     from engines.registry import UnknownEngine
     from engines.settings import SettingError
     from quickreturn.questions import EngineDied
+    from quickreturn.solution import UnknownColumn
     from reference_model.mechanism import ImpossibleMechanism
     from reports.output import OutputError
 
@@ -157,7 +199,7 @@ def _told_of(error: Exception) -> int:
         return _told(f"--engine {error}", BAD_INPUT)
     if isinstance(error, SettingError):
         return _told(f"--set {error}", BAD_INPUT)
-    if isinstance(error, (CaseError, Refusal, StoreError, ImpossibleMechanism, OutputError)):
+    if isinstance(error, (CaseError, Refusal, StoreError, ImpossibleMechanism, OutputError, UnknownColumn)):
         return _told(str(error), BAD_INPUT)
     if isinstance(error, (EngineFailure, EngineDied)):
         return _told(str(error), ENGINE_TROUBLE)

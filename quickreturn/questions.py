@@ -6,22 +6,18 @@ so that a worker which is killed leaves no half file behind.
 """
 
 import dataclasses
-from collections.abc import Callable, Container, Mapping, Sequence
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from cases.jobs.job import Job, Limits, Outcome, T, answers
+from cases.jobs.display import answers
+from cases.jobs.job import Job, Limits, Outcome, T
 from cases.jobs.processes import LocalProcesses
-from reports.output import write_file
 
 if TYPE_CHECKING:
     from cases.case import Case
-    from engines.accurate import Result
-    from engines.base import EngineFailure, ModelDescription
-    from reference_model.mechanism import Mechanism, Scene
-
-_ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
+    from engines.base import ModelDescription
+    from reference_model.mechanism import Scene
 
 
 class EngineDied(Exception):
@@ -32,14 +28,14 @@ class EngineDied(Exception):
         self.outcome = outcome
 
 
-#: What processes import that tell of engines, and those that compute.
+#: What processes import that tell of engines, those that compute.
 TELLING: Final = ("cases.jobs.worker", "engines.registry")
 COMPUTING: Final = (*TELLING, "engines.accurate", "engines.own.simulation")
 
 
-def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None) -> list[Outcome[T]]:
+def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
     """How each of the jobs ended; `limits` None: `cases.jobs.job.default_limits`. What they import is decided by `get_ready`."""
-    return answers(LocalProcesses(limits=limits, preload=TELLING), jobs, title)
+    return answers(LocalProcesses(limits=limits, preload=TELLING, quiet=quiet), jobs, title)
 
 
 def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:
@@ -65,14 +61,19 @@ def _asked_here(job: Job[T]) -> Outcome[T]:
         return Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error)
 
 
-def answer_of(job: Job[T], limits: Limits | None = None) -> T:
-    """The job's value; `limits`: see `asked`.
+def answer_of(job: Job[T], limits: Limits | None = None, quiet: bool = True) -> T:
+    """The job's value; `limits` and `quiet`: see `asked`. Raises as `value_of`."""
+    (outcome,) = asked([job], job.name, limits, quiet)
+    return value_of(outcome)
+
+
+def value_of(outcome: Outcome[T]) -> T:
+    """What a job came to.
 
     Raises:
         Refusal, SettingError, UnknownEngine, EngineFailure: as raised in the job.
         EngineDied: it ended in any other way.
     """
-    (outcome,) = asked([job], f"engine {job.name}", limits)
     if outcome.value is not None:
         return outcome.value
     from engines.base import EngineFailure, Refusal
@@ -82,6 +83,61 @@ def answer_of(job: Job[T], limits: Limits | None = None) -> T:
     if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure)):
         raise outcome.error
     raise EngineDied(f"engine {outcome.job.name}: {outcome.explanation}", outcome)
+
+
+def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
+    """Find out before anything runs what can be known of an engine without loading a library.
+
+    Raises:
+        UnknownEngine: there is none of this name.
+        Refusal, SettingError: one of this project's engines does not take the scene or the settings.
+    """
+    from engines.registry import OWN, engine, engine_names
+    from reference_model.mechanism import FollowerAlone
+
+    if name in engine_names() and name not in OWN:
+        return
+    found = engine(name)
+    found.settings_type().with_texts(dict(settings))
+    if isinstance(scene, FollowerAlone):
+        found.follower_alone().check(scene)
+    else:
+        found.check(scene)
+
+
+def check_settings(cases: "Sequence[Case]", names: Sequence[str], settings: Mapping[str, Mapping[str, str]]) -> None:
+    """Find out before anything runs whether settings can be.
+
+    Raises:
+        SettingError: an engine that is not among those that run, or a setting that it does not have or take.
+    """
+    from engines.registry import engine
+    from engines.settings import SettingError
+
+    for name, texts in settings.items():
+        if name not in names:
+            key = next(iter(texts), "")
+            raise SettingError(f"{name}.{key}: engine {name} is not among those that run; these are {', '.join(names)}")
+        for case in cases if texts else ():
+            chosen = engine(name)
+            try:
+                chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(texts))
+            except SettingError as error:  # several engines may share the settings, and one of them may lack one
+                raise SettingError(f"{error} (engine {name})" if len(names) > 1 else str(error)) from error
+
+
+def check_engines(names: Iterable[str]) -> None:
+    """Find out before anything runs whether engines can be used here.
+
+    Raises:
+        UnknownEngine, Refusal: one cannot.
+    """
+    from engines.base import Refusal
+    from engines.registry import engine
+
+    for name in names:
+        if reason := engine(name).unavailable():
+            raise Refusal(f"--engine {name}: {reason}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +151,16 @@ class About:
     available: bool
     reason: str | None
 
+    @property
+    def estimate(self) -> str:
+        """What its error estimate is of, in words."""
+        from reports.words import ESTIMATE
+
+        if self.estimate_of is None:
+            return "-"
+        name, beside = ESTIMATE[self.estimate_of]
+        return f"{name.removesuffix(' estimate')}{beside and '; '}{beside}"
+
 
 def about(name: str) -> About:
     """What an engine says of itself."""
@@ -104,6 +170,17 @@ def about(name: str) -> About:
     if reason := found.unavailable():
         return About(name=name, method=found.method, available=False, reason=reason)
     return About(name=name, method=found.method, version=found.version(), estimate_of=found.estimates, available=True, reason=None)
+
+
+def about_all() -> list[About]:
+    """What all engines say of themselves."""
+    from engines.registry import OWN
+
+    rows = []
+    for outcome in asked_of_all(about, (), "engines", OWN):
+        broken = About(name=outcome.job.name, method="unknown", available=False, reason=f"asked about itself, it {outcome.failure}")
+        rows.append(outcome.value or broken)
+    return rows
 
 
 @dataclass(frozen=True)
@@ -144,118 +221,3 @@ def model(name: str, scene: "Scene") -> "ModelDescription":
     from engines.scene import describe_scene
 
     return describe_scene(usable_engine(name), scene)
-
-
-@dataclass(frozen=True)
-class Modes:
-    """Natural frequencies, Hz, ascending, and what they were computed with."""
-
-    engine: str
-    version: str
-    settings: dict[str, Any]
-    frequencies: list[float]
-
-
-def modes(name: str, mechanism: "Mechanism", crank_angle: float, count: int, texts: Mapping[str, str]) -> Modes:
-    """Natural frequencies with the crank held at `crank_angle` (rad). Raises as `engines.frozen_crank` does."""
-    from engines.frozen_crank import natural_frequencies
-    from engines.registry import usable_engine
-
-    found = usable_engine(name)
-    found.check(mechanism)
-    settings = found.settings_for(found.default_accuracy, mechanism).with_texts(dict(texts))
-    frequencies = natural_frequencies(found, mechanism, crank_angle, count, settings)
-    return Modes(name, found.version(), settings.as_dict(), [float(frequency) for frequency in frequencies])
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Why a simulation has no end: the last good instant (s; None where the process died), the cause and what to try."""
-
-    time: float | None
-    cause: str
-    advice: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Simulated:
-    """What `quickreturn simulate --json` prints; None, empty or False where there is nothing after a failure."""
-
-    case: str
-    engine: str
-    output: str
-    notes: tuple[str, ...]
-    accuracy: float | None
-    version: str | None = None
-    rows: int = 0
-    reached: bool = False
-    error_estimate: float | None = None
-    error_estimates: dict[str, float | None] = field(default_factory=dict)
-    estimate_of: str | None = None
-    remark: str = ""
-    settings: dict[str, Any] | None = None
-    setup_seconds: float | None = None
-    compile_seconds: float | None = None
-    solve_seconds: float | None = None
-    estimate_seconds: float | None = None
-    statistics: dict[str, Any] = field(default_factory=dict)
-    bodies: tuple[str, ...] = ()
-    joints: tuple[str, ...] = ()
-    degrees_of_freedom: int | None = None
-    failure: Failure | None = None
-
-
-def simulate(
-    name: str, case: "Case", texts: Mapping[str, str], accuracy: float | None, output: str, limits: Limits | None = None
-) -> Simulated:
-    """Simulate a case from its standard start and write the trajectory, as far as it got, to the file `output`.
-
-    Raises:
-        Refusal, SettingError, UnknownEngine, OutputError.
-    """
-    asked = Simulated(case=case.name, engine=name, output=output, notes=case.notes, accuracy=accuracy)
-    try:
-        found, table = answer_of(Job(name, _simulated, (asked, case, texts)), limits)
-    except EngineDied as death:
-        return _failed(asked, Failure(None, death.outcome.explanation, _ADVICE))
-    if table is not None:
-        write_file(Path(output), table)
-    return found
-
-
-def _simulated(asked: Simulated, case: "Case", texts: Mapping[str, str]) -> tuple[Simulated, bytes | None]:
-    """The part of `simulate` that happens in the worker; with the trajectory as CSV as far as there is one."""
-    from engines.base import EngineFailure
-    from engines.registry import usable_engine
-    from engines.scene import simulate_scene
-
-    found = usable_engine(asked.engine)
-    asked = dataclasses.replace(asked, version=found.version())
-    try:
-        result = simulate_scene(found, case.scene, case.duration, case.output_step, texts, asked.accuracy)
-    except EngineFailure as failure:
-        document, trajectory = _broken(asked, failure), failure.partial
-    else:
-        document, trajectory = _completed(asked, result), result.trajectory
-    # pandas writes floats in full: the shortest text that reads back as the same number
-    table = None if trajectory is None else trajectory.table().to_csv(index=False, lineterminator="\n").encode("ascii")
-    return document, table
-
-
-def _completed(asked: Simulated, result: "Result") -> Simulated:
-    same = {each.name: getattr(result, each.name) for each in dataclasses.fields(Simulated) if hasattr(result, each.name)}
-    same |= {"settings": result.settings.as_dict(), "statistics": dict(result.trajectory.statistics), **vars(result.description)}
-    return dataclasses.replace(asked, rows=len(result.trajectory), **same)
-
-
-def _broken(asked: Simulated, failure: "EngineFailure") -> Simulated:
-    partial = failure.partial
-    if partial is not None:
-        statistics = dict(partial.statistics)
-        asked = dataclasses.replace(asked, rows=len(partial), solve_seconds=partial.solve_seconds, statistics=statistics)
-    return _failed(asked, Failure(failure.time, failure.cause, failure.advice))
-
-
-def _failed(asked: Simulated, failure: Failure) -> Simulated:
-    when = "" if failure.time is None else f"failed at t = {failure.time:.6g} s: "
-    return dataclasses.replace(asked, remark=f"{when}{failure.cause}; {failure.advice}", failure=failure)

@@ -1,25 +1,53 @@
 """Where compiled functions are kept on disk: one folder per state of the sources.
 
 Numba recompiles a cached function when the function's own file changes, but not when a file that it calls into does. With a folder
-named by the hash of all sources, code compiled from other sources is never taken.
+named by the hash of all sources, code compiled from other sources is never taken. It is beside the sources; where these cannot be
+written it is in the user's cache, and where there is none in a temporary folder that goes with the process.
 """
 
+import atexit
 import hashlib
 import os
+import shutil
+import tempfile
 from pathlib import Path
 from typing import Final
 
 VARIABLE: Final = "NUMBA_CACHE_DIR"
 _PACKAGE: Final = Path(__file__).resolve().parent
+_OURS: Final = "quickreturn-"
+_PASSING: Final = "-passing-"
 
 
 def keep_apart_by_source() -> None:
-    """Name the folder by the environment variable that numba reads at its import, unless the user has set it."""
-    if VARIABLE in os.environ and "quickreturn-" not in os.environ[VARIABLE]:
+    """Name the folder by the environment variable that numba reads at its import, unless the user has named one that can be written."""
+    given, name = os.environ.get(VARIABLE), f"{_OURS}{_source_hash()}"
+    if given and (not Path(given).name.startswith(_OURS) or Path(given).name.startswith(f"{name}{_PASSING}")) and _writable(Path(given)):
         return
-    folder = _PACKAGE / "__pycache__" / f"quickreturn-{_source_hash()}"
-    if os.access(_PACKAGE, os.W_OK):
-        os.environ[VARIABLE] = str(folder)
+    for home in (_PACKAGE / "__pycache__", Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "quickreturn"):
+        if home.is_absolute() and _writable(home):
+            os.environ[VARIABLE] = str(home / name)
+            return
+    passing = tempfile.mkdtemp(prefix=f"{name}{_PASSING}")
+    atexit.register(shutil.rmtree, passing, ignore_errors=True)
+    os.environ[VARIABLE] = passing
+
+
+def forgotten() -> str:
+    """That what is compiled is not kept, and what to do about it (a sentence); "" if it is."""
+    if _PASSING not in os.environ.get(VARIABLE, ""):
+        return ""
+    return (
+        "compiled code cannot be kept here, so every call begins with up to a minute of compiling;"
+        f" set {VARIABLE} to a folder that can be written"
+    )
+
+
+def _writable(folder: Path) -> bool:
+    """Whether a folder can be written to, or made."""
+    while not os.path.lexists(folder) and folder != folder.parent:
+        folder = folder.parent
+    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
 
 
 def _source_hash() -> str:

@@ -19,13 +19,13 @@ class OutputError(Exception):
     """A file cannot be written; the text is one sentence."""
 
 
-def check_writable(path: Path, keep: str, ending: str) -> None:
+def check_writable(path: Path, keep: str, *endings: str) -> None:
     """Find out now whether a file can be written later, and whether what is written will be what its name says.
 
     Args:
         path: of the file.
         keep: path of a file that must not be replaced; there need not be one.
-        ending: of the names accepted, e.g. ".csv", in small or capital letters; devices and pipes may have any name.
+        endings: of the names accepted, e.g. ".csv", in small or capital letters; devices and pipes may have any name.
 
     Raises:
         OutputError: the folder is missing or cannot be written to, the path is a folder or the file to keep, or has another ending.
@@ -40,9 +40,9 @@ def check_writable(path: Path, keep: str, ending: str) -> None:
             raise OutputError(f"{_option(path)}: this is the case file itself, which would be lost; give another name")
         if _is_special(target):
             target.open("ab").close()
-        elif path.suffix.lower() != ending:
+        elif path.suffix.lower() not in endings:
             wrong = f'"{shortened(path.suffix)}" is no known format' if path.suffix else "no ending tells the format"
-            raise OutputError(f"{_option(path)}: {wrong}; accepted: {ending}, such as {shortened(path.stem)}{ending}")
+            raise OutputError(f"{_option(path)}: {wrong}; accepted: {', '.join(endings)}, such as {shortened(path.stem)}{endings[0]}")
         else:
             with tempfile.TemporaryFile(dir=target.parent):
                 pass
@@ -91,10 +91,14 @@ def plain(value: Any) -> Any:
 
 def print_table(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> None:
     """Print rows of texts in left-aligned columns two blanks apart."""
+    click.echo(table_text(rows, heads))
+
+
+def table_text(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> str:
+    """Rows of texts in left-aligned columns two blanks apart."""
     lines = [list(heads), *map(list, rows)] if heads else [list(row) for row in rows]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for line in lines:
-        click.echo("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+    return "\n".join("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip() for line in lines)
 
 
 def _resolved(path: Path) -> Path:

@@ -1,52 +1,41 @@
-"""The report: engines on cases, studies, pictures and tables, put together into one page with its CSV files beside it."""
+"""The report: engines on cases, studies and tables, put together into one page with its CSV files beside it."""
 
 import contextlib
 import csv
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from cases.benchmark import SCENES, Benchmark, measure, stored
+from cases.benchmark import SCENES, Benchmark, stored
 from cases.case import Case
 from cases.case_file import load_case
 from cases.errors import shortened
-from cases.experiment import load_curves
-from cases.jobs.job import Job
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.store import words_of
 from cases.jobs.workshop import Workshop
+from cases.judging.matrix import Matrix
+from cases.library import catalogue
+from cases.library.hard import TAG
+from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import CaseResult, cross_validate
-from cases.runs.request import CODE
+from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
-from engines.base import EngineFailure, Refusal
 from engines.registry import MAIN
+from reports import recorded
 from reports.findings.evidence import Evidence, NoEvidence, evidence
-from reports.findings.measured import measured_comparisons
 from reports.findings.runs import of_run, run_number
 from reports.machine import machine_facts
 from reports.output import OutputError, write_file
-from reports.page import page
-from reports.pages.answer import answer
-from reports.pages.blocks import Chapter
-from reports.pages.comparison import disagreement, runs_by_engines
-from reports.pages.content import Content
-from reports.pages.experiment import experiment, published
-from reports.pages.hard_scenes import hard_scenes, stored_matrix
-from reports.pages.methods import methods
-from reports.pages.per_run import per_run
-from reports.pages.provenance import files, provenance, verification
-from reports.pages.studies import accuracy_and_cost, open_points
-from reports.pages.thesis_view import thesis_view
-from reports.pictures import draw_pictures, jobs_of_cases
-from reports.tables.provenance import catalogue
+from reports.page.chapters import chapters_of
+from reports.page.content import Content
+from reports.page.facts.methods import stored_matrix
+from reports.page.render import report_page
 from reports.tables.table import Table
 from reports.verification import verification as stored_verification
 
 PAGE: Final = "index.html"
-#: Solve time (s) beyond which a report that must measure methods itself does not try finer settings.
-QUICK: Final = 1.0
 #: The list of all CSV files, by which the next report in the same folder knows which files are an earlier report's.
 CATALOGUE: Final = "tables.csv"
 #: The run that the thesis shows as its example.
@@ -62,9 +51,14 @@ class Written:
     tables: tuple[Table, ...]
 
     @property
+    def unusable(self) -> list[tuple[str, Run]]:
+        """Recorded tables that cannot be held against the steady state, with their cases."""
+        return [(result.case.name, run) for result in self.content.results for run in result.recorded.values() if not run.usable]
+
+    @property
     def failed(self) -> bool:
         """Whether an engine did not complete a case. Studies change a case on purpose: what they cannot make is told in the page."""
-        return any(trouble.is_failure for trouble in self.content.troubles)
+        return bool(self.unusable) or any(trouble.is_failure for trouble in self.content.troubles)
 
 
 def check_folder(folder: Path) -> None:
@@ -86,27 +80,37 @@ def check_folder(folder: Path) -> None:
         raise OutputError(f"--output {shortened(str(folder))}: it cannot be written ({reason})") from error
 
 
-def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engines: Sequence[str] = MAIN) -> Written:
+def write_report(
+    cases: Sequence[Case],
+    folder: Path,
+    workshop: Workshop,
+    engines: Sequence[str] = MAIN,
+    tables: Mapping[str, Sequence[RecordedTable]] | None = None,
+) -> Written:
     """Compute what is missing, and write the page and its tables.
 
     Args:
         cases: at least one.
         folder: where it goes; it is created, and found out about before anything runs (see `check_folder`).
-        workshop: where results and pictures are computed and kept.
+        workshop: where results are computed and kept.
         engines: names.
+        tables: case -> what was recorded of it, beside the recordings of the experiment.
 
     Raises:
-        CaseError: a measured curve that breaks its documented form; nothing has been computed then.
+        CaseError: a recorded table that cannot be read or is not of its case; nothing has been computed then.
         OutputError: page or tables cannot be written.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder)
-    curves = load_curves()
+    on_record = {case: [*found] for case, found in (tables or {}).items()}
+    for table in experiment_tables():
+        on_record.setdefault(table.declared["case"], []).append(table)
     studied = _studied(cases)
-    results = cross_validate(cases, workshop, engines, beside=work() if studied else None)
+    results = cross_validate(cases, workshop, engines, tables=on_record, beside=work() if studied else None)
     studies = run_studies(workshop) if studied else None
-    drawings = [job for job in jobs_of_cases(results, curves) if workshop.stored(job) is None]
-    benchmarks = _benchmarks(workshop, drawings) if studies is not None else []
+    benchmarks, benchmarks_recorded = _benchmarks(cases, workshop, studied)
+    matrix, matrix_recorded = _hard_scenes(workshop) if studied else (None, False)
+    of_record = {"benchmark": benchmarks_recorded, "hard scenes": matrix_recorded}
     example = of_run(results, EXAMPLE) if EXAMPLE else None
     found, missing = _evidence(example, workshop)
     content = Content(
@@ -114,10 +118,8 @@ def write_report(cases: Sequence[Case], folder: Path, workshop: Workshop, engine
         studies=studies,
         benchmarks=benchmarks,
         evidence=found,
-        curves=curves,
-        comparisons=measured_comparisons(results, curves),
-        pictures=draw_pictures(results, studies, benchmarks, curves, workshop),
-        hard_scenes=stored_matrix(workshop),
+        hard_scenes=matrix,
+        recorded={study: about for study, taken in of_record.items() if taken and (about := recorded.about(study))},
         verification=stored_verification(workshop.store.folder),
         facts=machine_facts(),
         code=code_fingerprint((*SIMULATION, *CODE)),
@@ -137,23 +139,11 @@ def write(content: Content, folder: Path) -> Written:
     stale = _earlier_tables(folder) - {table.file for table in tables}
     for table in tables:
         write_file(folder / table.file, table.csv().encode())
-    write_file(folder / PAGE, page(chapters, content.facts.get("date", "")).encode())
+    write_file(folder / PAGE, report_page(content, chapters).encode())
     for name in stale:
         with contextlib.suppress(OSError):  # what cannot be removed stays: it is not linked from the page
             (folder / name).unlink()
     return Written(folder / PAGE, content, tables)
-
-
-def chapters_of(content: Content) -> list[Chapter]:
-    """All chapters in their order."""
-    makers: tuple[Callable[[Content], Chapter], ...] = (
-        answer, runs_by_engines, disagreement, thesis_view, methods, open_points,
-        accuracy_and_cost, hard_scenes, experiment, published, per_run, provenance, verification,
-    )  # fmt: skip
-    chapters = [make(content) for make in makers]
-    tables = [table for chapter in chapters for table in chapter.tables]
-    about = {"date": content.facts.get("date", ""), "code": content.code}
-    return [*chapters, files(content, catalogue(tables, about))]
 
 
 def _evidence(example: CaseResult | None, workshop: Workshop) -> tuple[Evidence | None, list[str]]:
@@ -169,18 +159,26 @@ def _studied(cases: Sequence[Case]) -> bool:
     return {ACCURACY_CASE, *OPEN_RUNS} <= {case.name for case in cases if case.source == "library"}
 
 
-def _benchmarks(workshop: Workshop, beside: Sequence[Job[Any]]) -> list[Benchmark]:
-    """What was measured last of each scene; the first scene is measured now, once, if it never was, with other jobs beside it."""
-    found = []
-    for name in SCENES:
-        case = load_case(name)
-        table = stored(case, workshop)
-        if table is None and name == SCENES[0]:
-            with contextlib.suppress(EngineFailure, Refusal):  # the chapter says what is missing
-                table = measure(case, workshop, repetitions=1, longest=QUICK, beside=beside)
+def _benchmarks(cases: Sequence[Case], workshop: Workshop, studied: bool) -> tuple[list[Benchmark], bool]:
+    """What was measured last of the cases shown, or with `studied` of the scenes on which methods are compared.
+
+    Of these the recorded results are taken where there are no others; the second value says whether any were.
+    """
+    known = recorded.benchmarks() if studied else {}
+    found, of_record = [], False
+    for case in [load_case(name) for name in SCENES] if studied else cases:
+        own = stored(case, workshop)
+        table = own or known.get(case.name)
         if table is not None:
             found.append(table)
-    return found
+            of_record |= own is None
+    return found, of_record
+
+
+def _hard_scenes(workshop: Workshop) -> tuple[Matrix | None, bool]:
+    """The stored matrix of the hard scenes, else the recorded one; the second value says whether it is that."""
+    own = stored_matrix(workshop)
+    return (own, False) if own is not None else (recorded.matrix([load_case(entry.name) for entry in catalogue(TAG)]), True)
 
 
 def _earlier_tables(folder: Path) -> set[str]:

@@ -7,7 +7,8 @@ from typing import Any, Final
 from cases.benchmark.measurement import LONG, REPETITIONS, Benchmark, last_at_work, pinned
 from cases.benchmark.methods import methods
 from cases.case import Case
-from cases.jobs.job import Executor, Job, Limits, answers
+from cases.jobs.display import answers
+from cases.jobs.job import Executor, Job, Limits
 from cases.jobs.workshop import Workshop
 from engines.accurate import run_once
 from engines.base import EngineFailure, Refusal
@@ -33,7 +34,6 @@ def measure(
     names: Sequence[str] = ENGINES,
     repetitions: int = REPETITIONS,
     longest: float = LONG,
-    beside: Sequence[Job[Any]] = (),
 ) -> Benchmark:
     """Measure anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
 
@@ -46,7 +46,6 @@ def measure(
         names: of engines.
         repetitions: of each run; the least time counts.
         longest: see there.
-        beside: jobs for the processors that the measurement, bound to one, leaves free; what comes of them is stored.
 
     Raises:
         EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.
@@ -57,10 +56,7 @@ def measure(
         sound = tuple(name for name in names if name not in failures)
         allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
         job = dataclasses.replace(_job(case, names, (case, sound, repetitions, longest)), limits=allowed)
-        outcome, *others = answers(workshop.executor, [job, *beside], case.name)
-        for other in others:
-            workshop.kept(other)
-        beside = ()
+        (outcome,) = answers(workshop.executor, [job], case.name)
         if outcome.value is not None:
             break
         if isinstance(outcome.error, (EngineFailure, Refusal)):

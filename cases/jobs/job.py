@@ -1,9 +1,7 @@
 """What is to be computed, what it may take, who computes it, how far it is, and how it ended. A cluster would be another `Executor`."""
 
 import os
-import sys
 from collections.abc import Callable, Generator, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 
@@ -98,12 +96,20 @@ class Outcome(Generic[T]):
         return f'{self.failure} (its last words: "{lines[-1].strip()[:_LONGEST_WORDS]}")'
 
 
-#: Called with a job and how far it is.
-Watch = Callable[[Job[Any], "Progress"], None]
+#: Called with a job that has begun (None), or with how far it is.
+Watch = Callable[[Job[Any], "Progress | None"], None]
 
 
 class Executor(Protocol):
     """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other."""
+
+    @property
+    def quiet(self) -> bool:
+        """Whether nobody is to be told how far the jobs are."""
+
+    @property
+    def at_once(self) -> int:
+        """How many jobs are computed at a time."""
 
     @property
     def limits(self) -> Limits:
@@ -119,35 +125,3 @@ class Executor(Protocol):
         Raises:
             KeyboardInterrupt: Ctrl-C; nothing is left running.
         """
-
-
-def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator[Outcome[T], None, None]:
-    """Outcomes as they come; where standard error is a terminal it shows meanwhile how far they are. Raises as `Executor.run`."""
-    if not sys.stderr.isatty():
-        yield from executor.run(jobs)
-        return
-    from rich import progress as rich
-    from rich.console import Console
-
-    columns = (rich.TextColumn("{task.description}"), rich.BarColumn(), rich.MofNCompleteColumn(), rich.TimeElapsedColumn())
-    with rich.Progress(*columns, rich.TextColumn("left"), rich.TimeRemainingColumn(), console=Console(stderr=True), transient=True) as bar:
-        whole, lines = bar.add_task(title, total=len(jobs)), dict[int, rich.TaskID]()
-
-        def at_work(job: Job[Any], progress: "Progress") -> None:
-            if id(job) not in lines:
-                lines[id(job)] = bar.add_task("", total=1)
-            bar.update(lines[id(job)], description=f"  {job.name}: {progress}")
-
-        with closing(executor.run(jobs, at_work)) as running:
-            for outcome in running:
-                bar.advance(whole)
-                if id(outcome.job) in lines:
-                    bar.remove_task(lines.pop(id(outcome.job)))
-                yield outcome
-
-
-def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
-    """How each of the jobs ended, in their order; their results are good for this moment and not stored. Raises as `Executor.run`."""
-    with closing(watched(executor, jobs, title)) as computed:
-        found = {id(outcome.job): outcome for outcome in computed}
-    return [found[id(job)] for job in jobs]

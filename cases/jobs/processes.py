@@ -23,11 +23,13 @@ import multiprocessing
 import os
 import pickle
 import signal
+import sys
 import time
 import warnings
 from collections import deque
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from multiprocessing import connection, forkserver, resource_tracker
+from types import ModuleType
 from typing import Any, Final
 
 from cases.jobs.job import Job, Limits, Outcome, V, Watch, default_limits
@@ -64,20 +66,23 @@ class LocalProcesses:
     Time limits are enforced while the caller waits for the next outcome.
     """
 
-    def __init__(self, at_once: int | None = None, limits: Limits | None = None, preload: Sequence[str] = PRELOAD) -> None:
+    def __init__(
+        self, at_once: int | None = None, limits: Limits | None = None, preload: Sequence[str] = PRELOAD, quiet: bool = True
+    ) -> None:
         """A new one costs nothing; all of a process share a fork server.
 
         Args:
             at_once: how many jobs at a time; None: one per core.
             limits: of a job that has none of its own; None: `default_limits`.
             preload: modules that the fork server imports once; only the first job of a process decides.
+            quiet: whether nobody is to be told how far the jobs are.
 
         Raises:
             ValueError: `at_once` is below 1.
         """
         if at_once is not None and at_once < 1:
             raise ValueError(f"at_once: {at_once} jobs at a time; at least 1 is needed")
-        self._at_once, self._preload = at_once or available_cores(), preload
+        self.at_once, self.quiet, self._preload = at_once or available_cores(), quiet, preload
         self.limits = limits or default_limits()
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
@@ -85,10 +90,12 @@ class LocalProcesses:
         waiting, running = deque(jobs), list[_Worker]()
         try:
             while waiting or running:
-                while waiting and len(running) < self._at_once:
+                while waiting and len(running) < self.at_once:
                     job = waiting.popleft()
                     try:
                         running.append(_started(job, job.limits or self.limits, self._preload, watch))
+                        if watch is not None:
+                            watch(job, None)
                     except (OSError, EOFError) as error:
                         yield Outcome(job, failure=f"could not be started ({error or type(error).__name__})")
                 if not running:  # none could be started
@@ -137,6 +144,20 @@ def _fork_server(preload: Sequence[str]) -> Any:
     return context
 
 
+@contextlib.contextmanager
+def _hidden_main(job: Job[Any]) -> Iterator[None]:
+    """Have a worker not run the caller's script unless it is needed: what a script does at its top it would do again."""
+    if getattr(job.function, "__module__", None) == "__main__":
+        yield
+        return
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
+
+
 def _started(job: Job[Any], limits: Limits, preload: Sequence[str], watch: Watch | None) -> "_Worker":
     """A worker at its job, from a new fork server if the old one turns out to be dying: until it is gone it still counts as alive."""
     patience = time.monotonic() + _GRACE
@@ -162,7 +183,8 @@ class _Worker:
         work = pickle.dumps((job.function, job.arguments))
         arguments = (work, limits.memory, watch is not None, its_lifeline, its_output, its_answer)
         self._process = context.Process(target=serve, args=arguments, name=job.name, daemon=True)
-        self._process.start()  # waits until the fork server has its imports done
+        with _hidden_main(job):
+            self._process.start()  # waits until the fork server has its imports done
         self._begin = time.monotonic()
         self._guarded = True  # by the fork server, which tells how it ends
         for end in (its_answer, its_output, its_lifeline):  # only the worker may hold these: their closing tells that it ended

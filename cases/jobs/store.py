@@ -53,7 +53,8 @@ class Store:
     Attributes:
         folder: where the entries are.
         notices: sentences on damaged entries and on results that could not be written, so far.
-        lost: number of results that could not be written.
+        written: number of results that were written.
+        lost: number of results that could not be.
 
     Raises:
         StoreError: the folder cannot be created or written to.
@@ -63,7 +64,7 @@ class Store:
         """`folder`: None for that of the environment variable; `tell`: gets each notice the moment it arises."""
         self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER)
         self.notices: list[str] = []
-        self.lost = 0
+        self.written = self.lost = 0
         self._tell = tell
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -115,6 +116,7 @@ class Store:
         body = buffer.getvalue()
         try:
             write_atomically(self._path(key), _head(key, body) + b"\n" + body)
+            self.written += 1
         except OSError as error:
             self.lost += 1
             self._note(f"store folder {self.folder}: results cannot be written ({words_of(error)}); they are computed anew next time")

@@ -9,7 +9,8 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, get_type_hints
 
-from cases.jobs.job import Executor, Job, Outcome, T, watched
+from cases.jobs.display import watched
+from cases.jobs.job import Executor, Job, Outcome, T
 from cases.jobs.key import key_of
 from cases.jobs.processes import LocalProcesses
 from cases.jobs.records import decoded, encoded

@@ -7,7 +7,7 @@ the mechanism itself dictates.
 """
 
 from cases.measures.consensus import Consensus
-from cases.measures.cycle import CycleMeasures, Measure, consensus_of, measure_cycle
+from cases.measures.cycle import CycleMeasures, Measure, consensus_of, extremes_by_half, measure_cycle
 from cases.measures.steady_state import Cycle, Settling, cut_cycles, on_common_grid, relative_change
 from cases.measures.time_scale import CHANNELS, TimeScale, time_scale
 
@@ -21,6 +21,7 @@ __all__ = [
     "TimeScale",
     "consensus_of",
     "cut_cycles",
+    "extremes_by_half",
     "measure_cycle",
     "on_common_grid",
     "relative_change",

@@ -105,6 +105,12 @@ def measure_cycle(
     return CycleMeasures(tuple(measures), tuple(agreed))
 
 
+def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: bool = False) -> dict[str, tuple[float, float]]:
+    """Least and greatest value of any column in each half of a cycle; arguments and errors as of `measure_cycle`."""
+    shown, boundaries = low_pass(time, values) if measured else values, _boundaries(time, crank_angle)
+    return {half: extremes(time, shown, *boundaries[at : at + 2]) for at, half in enumerate(HALVES)}
+
+
 def consensus_of(half: str, measures: Sequence[Measure]) -> Consensus:
     """Consensus of those measures of a half that resolve the first mode's frequency."""
     known = [(measure.first_mode_frequency, measure.first_mode_frequency_uncertainty) for measure in measures]

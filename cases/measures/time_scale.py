@@ -1,5 +1,6 @@
 """The time scale that the mechanism itself dictates: how its natural frequencies and modes change with the crank angle."""
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,6 +71,7 @@ class TimeScale:
         return np.asarray(self.quadratures[channel](crank_angle) * crank_speed)
 
 
+@functools.lru_cache(maxsize=4)  # several recorded tables are measured in one scene, and so are their engines
 def time_scale(mechanism: Mechanism) -> TimeScale | None:
     """Tabulate the scale of a scene, with its own joint stiffness (rigid unless the scene says otherwise).
 

@@ -57,8 +57,7 @@ def carry_out(
 
 
 def _job(name: Name, request: RunRequest) -> Job[Run]:
-    label = " ".join(part for part in name if part != request.engine)
-    return Job(label, steady_state, (request,), kind="steady state", engines=(request.engine,), code=CODE)
+    return Job(" ".join(name), steady_state, (request,), kind="steady state", engines=(request.engine,), code=CODE)
 
 
 def _order(requests: Mapping[Name, RunRequest]) -> list[Name]:

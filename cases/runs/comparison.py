@@ -6,21 +6,23 @@ an engine is says its accuracy class. An engine whose estimate is not one of its
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from cases.case import Case
 from cases.jobs.workshop import Workshop
-from cases.measures import CHANNELS, Consensus, consensus_of
+from cases.measures import CHANNELS, Consensus, consensus_of, extremes_by_half
+from cases.recorded import RecordedTable
 from cases.runs.campaign import Work, carry_out
-from cases.runs.estimates import EXTREMES, mean_estimate
-from cases.runs.request import REFUSED, SETTLED, Run, RunRequest
+from cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
+from cases.runs.recorded import recorded_run
+from cases.runs.request import ASSUMED, LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
 from engines.registry import MAIN
 
 REFERENCE: Final = "reference"
 HALVES: Final = ("pre", "post")
 #: What is judged of each channel; the consensus of the channels' frequencies is judged besides.
-QUANTITIES: Final = ("first_mode_frequency", "first_mode_amplitude", *EXTREMES)
+QUANTITIES: Final = (*VIBRATION, *EXTREMES)
 CONSENSUS: Final = "consensus_frequency"
 
 #: Accuracy classes: the least that covers an engine's estimates and its deviation.
@@ -98,11 +100,23 @@ class Check:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """All engines on one case, and what became of their claims."""
+    """All engines on one case, and what became of their claims; beside them recorded tables, of which `whole` alone speaks."""
 
     case: Case
     runs: Mapping[str, Run]
     checks: tuple[Check, ...] = field(default=())
+    recorded: Mapping[str, Run] = field(default_factory=dict)
+    table_checks: tuple[Check, ...] = field(default=())  # tables against engines
+
+    @property
+    def turn(self) -> int | None:
+        """The turn from the standard start that is compared; None: the steady state."""
+        return next((run.turn for run in self.runs.values() if run.turn is not None), None)
+
+    @property
+    def whole(self) -> "CaseResult":
+        """The same with recorded tables as engines behind the others."""
+        return CaseResult(self.case, {**self.runs, **self.recorded}, (*self.checks, *self.table_checks))
 
     @property
     def passed(self) -> bool | None:
@@ -124,7 +138,7 @@ class CaseResult:
     @property
     def failures(self) -> tuple[Run, ...]:
         """Runs that failed, did not settle or did not reach the accuracy asked. A refusal is none: the engine says what it is."""
-        return tuple(run for run in self.runs.values() if run.status not in (SETTLED, REFUSED))
+        return tuple(run for run in self.runs.values() if run.status not in (SETTLED, TRANSIENT, ASSUMED, REFUSED))
 
     @property
     def missed(self) -> tuple[Check, ...]:
@@ -164,7 +178,8 @@ def cross_validate(
     workshop: Workshop,
     engines: Sequence[str] = MAIN,
     accuracy: float | None = None,
-    settings: Mapping[str, str] | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
+    tables: Mapping[str, Sequence[RecordedTable]] | None = None,
     beside: Work | None = None,
 ) -> list[CaseResult]:
     """Bring every engine to its steady state on every case and compare.
@@ -174,33 +189,87 @@ def cross_validate(
         workshop: where.
         engines: names.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
-        settings: engine settings as text, the same for all engines.
+        settings: of an engine, by its name: setting -> value as text.
+        tables: case -> what was recorded of it.
         beside: what else is computed with them and stored.
 
     Raises:
-        CaseError: a case without crank and slider: there is no cycle to measure.
-        ValueError: two of the cases, or of the engines, have one name.
+        CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
+        ValueError: two of the cases, of the engines or of a case's tables have one name.
         UnknownEngine: see there.
     """
-    texts = dict(settings or {})
-    requests = {
-        (case.name, engine): RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=texts)
-        for case in cases
-        for engine in engines
-    }
+    recorded = {case.name: _recorded(case, (tables or {}).get(case.name, ())) for case in cases}
+    requests = {(case.name, engine): _request(case, engine, accuracy, settings) for case in cases for engine in engines}
     if len(requests) < len(cases) * len(engines):
         raise ValueError("two cases or two engines have one name")
     also = beside or Work()
     runs = carry_out({**also.requests, **requests}, workshop, "engines on cases", also.jobs)
-    return [compare(case, {engine: runs[case.name, engine] for engine in engines}) for case in cases]
+    return [compare(case, {engine: runs[case.name, engine] for engine in engines}, recorded[case.name]) for case in cases]
 
 
-def compare(case: Case, runs: Mapping[str, Run]) -> CaseResult:
-    """Hold every engine against the reference, or where that cannot be judged against the first one that can."""
+def hold_against_engines(
+    case: Case,
+    tables: Sequence[RecordedTable],
+    workshop: Workshop,
+    engines: Sequence[str] = MAIN,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
+) -> list[CaseResult]:
+    """Hold recorded tables against engines in the state that they show (`cases.runs.recorded`), and the engines against nothing else.
+
+    Arguments and errors are those of `cross_validate`.
+
+    Returns:
+        One result for the steady state and one for each turn on the way to it that a table shows.
+    """
+    found = _recorded(case, tables)
+    groups = {
+        turn: {name: run for name, run in found.items() if run.turn == turn} for turn in dict.fromkeys(r.turn for r in found.values())
+    }
+    requests = {}
+    for turn, group in groups.items():
+        end = LONGER * max(float(run.cycle["time"][-1]) for run in group.values())
+        for engine in engines:
+            request = _request(case, engine, accuracy, settings)
+            state = "steady state" if turn is None else f"turn {turn}"
+            requests[case.name, engine, state] = request if turn is None else replace(request, turn=turn, duration=end)
+    runs = iter(carry_out(requests, workshop, "engines on the case").values())
+    results = [compare(case, {engine: next(runs) for engine in engines}, group) for group in groups.values()]
+    return [replace(result, checks=()) for result in results]
+
+
+def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[str, Mapping[str, str]] | None) -> RunRequest:
+    texts = dict((settings or {}).get(engine, {}))
+    return RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=texts)
+
+
+def _recorded(case: Case, tables: Sequence[RecordedTable]) -> dict[str, Run]:
+    found = {table.name: recorded_run(table, case) for table in tables}
+    if len(found) < len(tables):
+        raise ValueError("two tables have one name")
+    return found
+
+
+def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | None = None) -> CaseResult:
+    """Hold every engine against the reference, or where that cannot be judged against the first one that can, and tables against each.
+
+    Args:
+        case: the case.
+        runs: of engines, all in the steady state or all in the same turn.
+        recorded: runs of recorded tables. Where the engines are in the steady state and the table is not, it has not settled.
+    """
     judged = {name: run for name, run in runs.items() if not not_judged(run)}
     against = judged.get(REFERENCE) or next(iter(judged.values()), None)
     checks = [check for run in judged.values() if against is not None and run is not against for check in _checks(run, against)]
-    return CaseResult(case, runs, tuple(checks))
+    turns = {run.turn for run in runs.values()}
+    tables = {name: run if run.turn is None or run.turn in turns else _unsettled(run) for name, run in (recorded or {}).items()}
+    of_tables = [check for run in tables.values() if run.usable for other in judged.values() for check in _table_checks(run, other)]
+    return CaseResult(case, runs, tuple(checks), tables, tuple(of_tables))
+
+
+def _unsettled(run: Run) -> Run:
+    told = f"begins in the standard start and has not settled after {run.cycles} turns; `quickreturn compare` holds it against that turn"
+    return replace(run, status=NOT_SETTLED, remark=f"{run.remark}; {told}" if run.remark else told)
 
 
 def not_judged(run: Run) -> str:
@@ -226,6 +295,30 @@ def _checks(run: Run, other: Run) -> list[Check]:
             if scale > 0.0:
                 found.append(Check(run.engine, other.engine, quantity, half, channel, mine, its, scale))
     return found
+
+
+def _table_checks(table: Run, other: Run) -> list[Check]:
+    """A recorded table held against an engine: what both resolve of the first mode, and the extremes of every column that both have."""
+    found = [check for check in _checks(table, other) if check.quantity not in EXTREMES]
+    filtered = table.recording is not None and table.recording.filtered
+    time, angle = other.cycle["time"], other.cycle["crank_angle"]
+    for channel in dict.fromkeys(measure.channel for measure in table.measures if measure.channel in other.extreme_estimates):
+        its_extremes, scale = extremes_by_half(time, angle, other.cycle[channel], filtered), other.peak(channel)
+        for half in HALVES:
+            measure = table.measure(half, channel)
+            for quantity, its_value in zip(EXTREMES, its_extremes[half], strict=True):
+                value = measure.number(quantity) if measure else None
+                if value is not None and scale > NOTHING:
+                    mine = Claim(value, 0.0, (table.settling_errors or {})[channel])
+                    its = Claim(its_value, other.extreme_estimates[channel][half], _unsettled_part(other, channel))
+                    found.append(Check(table.engine, other.engine, quantity, half, channel, mine, its, scale))
+    return found
+
+
+def _unsettled_part(run: Run, channel: str) -> float:
+    """How far an engine's column may be from its steady state; where only the whole is known, that part of the column."""
+    known = (run.settling_errors or {}).get(channel)
+    return known if known is not None else (run.settling_error or 0.0) * run.peak(channel)
 
 
 def claim(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> Claim | None:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.measures import CHANNELS, Consensus, CycleMeasures, Measure, on_common_grid
+from cases.measures.steady_state import GRID
 from cases.runs.marching import Columns, channels_of
 from engines.accurate import LEAST_FACTOR, Compared
 
@@ -52,7 +53,7 @@ class EstimatedConsensus(Consensus):
 
 @dataclass(frozen=True)
 class MeasuredCycle:
-    """A cycle's measures, and its signals by half and channel at even crank angles, each of shape (360,)."""
+    """A cycle's measures, and its columns by half and name at even crank angles, each of shape (360,)."""
 
     measures: CycleMeasures
     signals: Mapping[tuple[str, str], Array]
@@ -60,10 +61,10 @@ class MeasuredCycle:
     @classmethod
     def of(cls, cycle: Columns, measures: CycleMeasures) -> "MeasuredCycle":
         """A cycle from farthest to farthest, and what was measured of it."""
-        whole = on_common_grid(channels_of(cycle))
-        half = len(whole[CHANNELS[0]]) // 2
+        whole = on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")]))
+        half = GRID // 2
         halves = {"pre": slice(0, half), "post": slice(half, None)}
-        return cls(measures, {(half, channel): whole[channel][part] for half, part in halves.items() for channel in CHANNELS})
+        return cls(measures, {(half, name): values[part] for half, part in halves.items() for name, values in whole.items()})
 
 
 def with_estimates(
@@ -80,7 +81,7 @@ def with_estimates(
     """
     measures = []
     for place, measure in enumerate(found.measures):
-        of_extremes = sum(runs.part(_largest_difference(measure.half, measure.channel)) for runs in compared) if compared else None
+        of_extremes = _of_extremes(compared, measure.half, measure.channel) if compared else None
         frequency, amplitude = (_of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION)
         measures.append(
             EstimatedMeasure(
@@ -110,6 +111,18 @@ def mean_estimate(measures: Sequence[EstimatedMeasure], half: str, channels: Seq
         return None
     weights, estimates = np.array(known).T
     return float(weights @ estimates / weights.sum())
+
+
+def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dict[str, float]]:
+    """By how much each column may be off in each half, by name and half: the estimate of the errors of its extremes there."""
+    found: dict[str, dict[str, float]] = {}
+    for half, name in compared[0].run.signals if compared else ():
+        found.setdefault(name, {})[half] = _of_extremes(compared, half, name)
+    return found
+
+
+def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> float:
+    return sum(runs.part(_largest_difference(half, name)) for runs in compared)
 
 
 def _largest_difference(half: str, channel: str) -> Callable[[MeasuredCycle, MeasuredCycle], float]:

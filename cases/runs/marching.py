@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.measures import CHANNELS, Cycle, Settling, cut_cycles
-from cases.measures.steady_state import Outlook
+from cases.measures.steady_state import GREATEST_NUMBER, Outlook
 from engines import progress
 from engines.accurate import check_trajectory
 from engines.base import EngineFailure, Simulation
@@ -76,7 +76,7 @@ def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> LastCycl
     settling, last = Settling(multiplier=multiplier), Columns()
     for cycle in cycles:
         last = columns_of(cycle)
-        progress.tell(cycle=settling.cycles + 1)
+        progress.tell(cycle=settling.cycles + 1, most=GREATEST_NUMBER)
         if settling.feed(channels_of(last)) or settling.given_up:
             break
     error = settling.error_estimate
@@ -158,6 +158,6 @@ def columns_of(cycle: Cycle) -> Columns:
     return {"time": cycle.time, "crank_angle": cycle.crank_angle, **cycle.channels}
 
 
-def channels_of(cycle: Columns) -> Cycle:
-    """What is measured of a cycle, without its other columns."""
-    return Cycle(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS})
+def channels_of(cycle: Columns, names: Iterable[str] = CHANNELS) -> Cycle:
+    """Some columns of a cycle; unless named those in which vibration is measured."""
+    return Cycle(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in names})

@@ -1,6 +1,7 @@
 """What a run is asked to do, and what comes of it."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -25,6 +26,11 @@ NOT_SETTLED: Final = "not settled"
 FAILED: Final = "failed"
 REFUSED: Final = "refused"  # the engine cannot model this scene, and says so
 UNAVAILABLE: Final = "unavailable"  # the engine cannot be used on this machine
+TRANSIENT: Final = "transient"  # a turn on the way from the standard start, as asked
+ASSUMED: Final = "taken as settled"  # a recorded table that does not show whether it repeats
+
+#: A column that is never larger, in its SI unit, is zero but for rounding.
+NOTHING: Final = 1e-12
 
 STANDARD: Final = "standard"  # where a run began
 FROM_ORBIT: Final = "periodic orbit of reference"
@@ -41,6 +47,7 @@ class RunRequest:
     accuracy: float | None = None  # error of the tip deflection; None: the engine's default
     settings: dict[str, str] = field(default_factory=dict)
     estimated: bool = True  # whether the measures of the cycle shall have estimates, which takes some runs more
+    turn: int | None = None  # measure this one, counted from the standard start (1, 2, ...), which `duration` covers; None: settle
     straight: bool = False  # march from the standard start even if there is an orbit to begin in
     orbit: Orbit | None = None  # where to begin, as found by `carry_out`; None: the standard start
 
@@ -59,7 +66,7 @@ class RunRequest:
     @property
     def _begun_from(self) -> Orbit | None:
         """The orbit that the run begins in; None: the standard start."""
-        return None if self.straight or self.orbit is None or self.orbit.begin is None else self.orbit
+        return None if self.straight or self.turn is not None or self.orbit is None or self.orbit.begin is None else self.orbit
 
 
 @dataclass(frozen=True)
@@ -72,9 +79,24 @@ class PeriodicOrbit:
     iterations: int  # of the search
 
 
+@dataclass(frozen=True)
+class Recording:
+    """What is known of the table that a run was recorded in."""
+
+    path: str
+    rows: int
+    declared: Mapping[str, str]  # what it says of itself, see `cases.recorded.DECLARATIONS`
+    of_experiment: bool  # whether it lies in the folder of the experiment's recordings
+
+    @property
+    def filtered(self) -> bool:
+        """Whether its extremes, and those that it is held against, are taken after the low-pass of measured signals."""
+        return self.declared.get("origin", "simulated") != "simulated"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What came of a request; None where it did not come so far."""
+    """What came of a request, or is there in a recorded table; None where it did not come so far."""
 
     engine: str
     method: str = ""
@@ -104,16 +126,19 @@ class Run:
     failure_time: float | None = None  # s, of a run that broke down; with cause and advice
     cause: str | None = None
     advice: str | None = None
+    turn: int | None = None  # that was measured, where it was asked for
+    recording: Recording | None = None  # of a recorded table
     measures: tuple[EstimatedMeasure, ...] = ()
     consensus: tuple[EstimatedConsensus, ...] = ()
     unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
+    extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> of its extremes, where there are any
     #: The last one with every column of the trajectory, from farthest to farthest; of a failed run what there is; else empty.
     cycle: Columns = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def usable(self) -> bool:
-        """Whether there is a settled cycle with measures."""
-        return self.status in (SETTLED, INACCURATE)
+        """Whether there is a cycle with measures."""
+        return self.status in (SETTLED, INACCURATE, TRANSIENT, ASSUMED)
 
     def has_frequency(self, half: str, channel: str) -> bool:
         """Whether it resolves a channel's first mode in a half, and has an estimate of the frequency's error."""

@@ -23,7 +23,7 @@ from typing import Any, Final
 import numpy as np
 
 from cases.measures import CHANNELS, measure_cycle, time_scale
-from cases.runs.estimates import MeasuredCycle, with_estimates
+from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from cases.runs.marching import Columns, LastCycle, March, columns_of, output_step, settle, whole_cycles
 from cases.runs.orbit import UNKNOWN_ERROR, Orbit
 from cases.runs.request import (
@@ -34,6 +34,7 @@ from cases.runs.request import (
     NOT_SETTLED,
     SETTLED,
     STANDARD,
+    TRANSIENT,
     PeriodicOrbit,
     Run,
     RunRequest,
@@ -120,10 +121,10 @@ class _Way:
         self.know(version=self._engine.version())
         self._choose_settings()
         self.know(cycle=self._cycle())
-        if not self.run.settled:
+        if self.run.turn is None and not self.run.settled:
             self.know(status=NOT_SETTLED)
             return
-        self.know(status=SETTLED if self.run.reached else INACCURATE)
+        self.know(status=TRANSIENT if self.run.turn is not None else SETTLED if self.run.reached else INACCURATE)
         if self._engine.estimates == "integration":
             self.know(unestimated="its own estimates are of the integration alone")
         elif not self._request.estimated:
@@ -146,7 +147,7 @@ class _Way:
 
         others = [runs.made_of(measured) for runs in self._compared]
         measures, consensus = with_estimates(measured(self.run.cycle).measures, others)
-        self.know(measures=measures, consensus=consensus)
+        self.know(measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others))
 
     def _choose_settings(self) -> None:
         """The settings that reach the accuracy from where the run begins, their estimate, and all runs made for it."""
@@ -169,7 +170,9 @@ class _Way:
         )
 
     def _cycle(self) -> Columns:
-        """The settled cycle, or the last one where it did not settle."""
+        """The settled cycle, or the last one where it did not settle; the turn asked for, if one is."""
+        if self._request.turn is not None:
+            return self._turn(self._request.turn)
         orbit, multiplier = None if self._request.straight else self._request.orbit, None
         if cycle := self._found_directly():
             return cycle
@@ -191,6 +194,14 @@ class _Way:
         if last.outlook is not None:
             self.say(f"not settled after {last.cycles} cycles: {last.outlook.sentence()}")
         return last.columns
+
+    def _turn(self, number: int) -> Columns:
+        """A turn of the run from the standard start, counted from 1."""
+        self.know(start=STANDARD, turn=number, cycles=number, settling_errors=dict.fromkeys(CHANNELS, 0.0))
+        march = self._march(self._settings)
+        cycle = columns_of(next(islice(march, number - 1, None)))
+        self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        return cycle
 
     def _know_of(self, last: LastCycle) -> None:
         told = {"settled": last.settled, "cycles": last.cycles, "settling": last.outlook}

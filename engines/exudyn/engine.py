@@ -65,11 +65,11 @@ class ExudynEngine(Engine[ExudynSettings]):
         return ladder.LADDER.pick(accuracy)
 
     def comparisons(self, settings: ExudynSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Time, space and stretch apart, for their errors have different signs; a rigid follower has no elements."""
+        """Time, space, stretch and the slider's passing apart: their errors have different signs; a rigid follower has no elements."""
         in_time = ladder.in_time(settings, output_step)
         if mechanism.follower.is_rigid:
             return (in_time,)
-        return (in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time))
+        return in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time), *ladder.in_passing(settings, in_time)
 
     def finer(self, settings: ExudynSettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""

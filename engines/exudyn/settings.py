@@ -22,37 +22,32 @@ class ExudynSettings(Settings):
     step: float = setting(2.5e-4, "largest time step; the output step is divided evenly", unit="s", low=LEAST_STEP, high=LARGEST_STEP)
     spectral_radius: float = setting(0.9, "generalized-alpha: damping of the highest frequencies, 1 is none", low=0.5, high=0.95)
     axial_factor: float = setting(1.0, "axial stiffness over that of the section; more is nearer to no stretch", low=1.0, high=STIFFEST)
-    newton_tolerance: float = setting(1e-6, "relative residual at which Newton's iteration stops", low=1e-10, high=1e-4)
+    newton_tolerance: float = setting(1e-6, "change by an iteration over the step's first one that ends it", low=1e-10, high=1e-5)
 
 
-#: Accuracy -> elements, step in s. Measured errors of the tip deflection in run 24's first 2 s, from top to bottom:
-#: 2.7, 0.26, 0.17, 0.04, 0.02 and 0.006 % (the last two from the second order in the step). The step decides; the elements serve
-#: acceleration and strains, which the slider shakes as it passes from one to the next: in run 17 12 and 24 elements leave 0.12 and
-#: 0.07 % at the first gauge, and 48 elements 0.015 %.
+#: Accuracy -> elements, step in s (LADDERS.md, section 3, has what was measured for this and all that follows).
 _RUNGS: Final = ((5e-2, 12, 1e-3), (1e-2, 12, 3.4e-4), (3e-3, 24, 2.5e-4), (1e-3, 24, 1.25e-4), (3e-4, 32, 8e-5), (1e-4, 48, 5e-5))
 LADDER: Final = Ladder(tuple((ExudynSettings(elements=elements, step=step), claim) for claim, elements, step in _RUNGS), size="elements")
 
-#: Orders of convergence. Time: 2, by the method (measured 2.0). Space: 3, within the 2.6 to 3.7 measured from 12 to 48 elements; it is
-#: the smaller part.
+#: Orders of convergence.
 ORDER_IN_TIME: Final = 2.0
 ORDER_IN_SPACE: Final = 3.0
 
-#: Orders that the estimate counts on, less than those: steps and elements that just do are not fine enough for the full order, and the
-#: strains of a cable that the slider shakes as it passes from element to element converge more slowly than its deflection (thesis' run
-#: 17: order 1.1 from 12 to 24 elements at the first gauge, 3 in the deflection). Over 17 scenes (random machines and thesis' runs)
-#: and six columns the estimate of three settings is above the error in 99 % of 279 cases, 1.18 times too small at worst, 2.2 times the
-#: error in the median; with orders of 1.8 and 2.6 it is above it in 92 %, 2.1 times too small at worst.
+#: Orders that the estimate counts on, less than those: what just does is not fine enough for the full order, and strains converge more
+#: slowly than the deflection.
 SAFE_IN_TIME: Final = 1.6
 SAFE_IN_SPACE: Final = 1.6
 
-#: Fewer elements than these have no order yet (12 differ from 6 by less than they err) and are compared with more.
+#: Part of the elements that shows what the slider excites as it passes them, and a factor that counts on hardly any order. A cubic element
+#: is too stiff under the slider's force, but for its ends; where it passes elements at the rate of a natural frequency that vibration
+#: grows, whatever their number, and half of them may by accident be shaken alike.
+PASSING: Final = (0.75, 1.8)
+
+#: Fewer elements than these have no order yet and are compared with more.
 FEWEST_WITH_ORDER: Final = 24
 
-#: A scene's follower does not stretch, a cable does. Its section's axial stiffness, 12 EI / thickness^2, falls with EI, and what it
-#: moves the tip by goes with its inverse. With a tenth of run 24's EI (48 elements, 1.25e-4 s, 2 s) the tip deflection is 4.8e-3 off,
-#: with 4, 16 and 64 times the axial stiffness 1.4e-3, 5.5e-4 and 6.9e-4, the rest of it being steps and elements.
-#: It is compared with this many times the stiffness, or with as much less of a cable that is stiffer than its section. Beyond 16 times
-#: nothing is gained.
+#: A scene's follower does not stretch, a cable does. It is compared with this many times the axial stiffness, or with as much less of a
+#: cable that is stiffer than its section. Beyond `MOST_STIFF` nothing is gained.
 STIFFER: Final = 4.0
 
 #: Finest rung: beyond it a run of two seconds takes minutes. 16 times the axial stiffness costs a third more time.
@@ -98,11 +93,19 @@ def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
     return _first_to_run([Comparison(run, run.replaced(elements=other), (own.elements / other) ** SAFE_IN_SPACE) for run, other in pairs])
 
 
+def in_passing(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
+    """Three quarters of the elements at the coarser one of the steps, see `PASSING`; none where half are too few for an order."""
+    if own.elements < FEWEST_WITH_ORDER:
+        return ()
+    part, factor = PASSING
+    fewer = round(part * own.elements)
+    return (_first_to_run([Comparison(run, run.replaced(elements=fewer), factor) for run in _steps_compared(own, time)]),)
+
+
 def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:
     """A stiffer cable, or a softer one where it is stiff already, with its own elements at the coarser one of the steps.
 
-    Not with fewer elements: few are too stiff in bending where they cannot stretch. With 6, 12 and 24 of them, four times the axial
-    stiffness moves run 24's tip by 6.8e-3, 2.2e-4 and 1.6e-5 of its deflection; half the step changes the last two by at most 2 %.
+    Not with fewer elements: few are too stiff in bending where they cannot stretch.
     """
     factor = STIFFER if own.axial_factor < STIFFER else 1.0 / STIFFER
     other = factor * own.axial_factor
@@ -132,10 +135,12 @@ def finer(own: ExudynSettings, excess: tuple[float, ...], output_step: float) ->
 
     Args:
         own: the settings that do not suffice.
-        excess: parts of the error estimate over the accuracy asked for, in time, space and stretch (one, two or all); may be empty.
+        excess: parts of the error estimate over the accuracy asked for, in time, space, stretch and passing (as many as there are).
         output_step: s.
     """
-    in_time, in_space, in_stretch = (*excess, 0.0, 0.0, 0.0)[:3] if excess else (4.0 * _SHARE_OF_TIME, 0.0, 0.0)
+    known = excess or (4.0 * _SHARE_OF_TIME,)
+    in_time, in_space, in_stretch, in_passing = (*known, 0.0, 0.0, 0.0)[:4]
+    in_space += in_passing
     steps, elements, axial_factor = _steps(own, output_step), own.elements, own.axial_factor
     most = max(1, math.floor(output_step / SMALLEST_STEP + 1e-9))
     if in_time > _SHARE_OF_TIME:

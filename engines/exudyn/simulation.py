@@ -3,7 +3,7 @@
 import itertools
 import math
 import time
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import exudyn as exu
 import numpy as np
@@ -14,10 +14,13 @@ from engines.exudyn.damping import LONGEST
 from engines.exudyn.record import Model, Record
 from engines.exudyn.settings import ExudynSettings
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, Scene
 
 Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array]
+
+#: Change of the coordinates (m, and rad or slopes) that ends Newton's iteration whatever the first one was: round-off moves slopes and
+#: angles by 1e-15 to 1e-14 in an iteration, whatever the scene's size.
+LEAST_CHANGE: Final = 1e-12
 
 _ACCUMULATED = ("dissipated_energy", "drive_work")
 
@@ -37,7 +40,7 @@ class ExudynSimulation(Simulation):
         self._model = model
         self._mbs = model.assembly.mbs
         self._step = settings.step
-        self._solver_settings = _solver_settings(settings, model.assembly.scene)
+        self._solver_settings = _solver_settings(settings)
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._totals = dict.fromkeys(_ACCUMULATED, 0.0)
         self._length = model.assembly.scene.follower.length
@@ -164,8 +167,7 @@ def _stretches(output_step: float, steps: int) -> int:
     return next(fitting, steps)
 
 
-def _solver_settings(settings: ExudynSettings, scene: Scene) -> exu.SimulationSettings:
-    follower, spring = scene.follower, scene.slider.joint_stiffness if isinstance(scene, Mechanism) else math.inf
+def _solver_settings(settings: ExudynSettings) -> exu.SimulationSettings:
     result = exu.SimulationSettings()
     integration = result.timeIntegration
     integration.startTime, integration.endTime, integration.numberOfSteps = 0.0, settings.step, 1
@@ -173,19 +175,11 @@ def _solver_settings(settings: ExudynSettings, scene: Scene) -> exu.SimulationSe
     integration.verboseMode = 0
     integration.generalizedAlpha.spectralRadius = settings.spectral_radius
     integration.newton.useModifiedNewton = True
-    # Round-off of the places, times EA / h or the stiffness of the slider's joint, is the least residual that an iteration can reach.
-    axial_stiffness = settings.axial_factor * follower.axial_stiffness
-    round_off = 0.0 if follower.is_rigid else axial_stiffness * np.finfo(float).eps * settings.elements
-    if isinstance(scene, Mechanism) and math.isfinite(spring):
-        round_off = max(round_off, spring * scene.pivot_distance * np.finfo(float).eps)
-    tolerance = settings.newton_tolerance * (1e-3 if follower.is_rigid else 1.0)  # the smaller one serves the drive's torque
-    if math.isfinite(spring) and not follower.is_rigid:
-        # What the iteration starts from and is relative to grows with the stiffest spring, once that is not the cable itself: at
-        # 1e9 N/m the energy would be out of balance by 4e-3 of the strain energy, and is by 1e-4 to 7e-4 so.
-        stretching = axial_stiffness * settings.elements / follower.length
-        tolerance *= min(1.0, 0.3 * stretching / spring)
-    integration.newton.relativeTolerance = tolerance
-    integration.newton.absoluteTolerance = max(1e-2 * tolerance, 8.0 * round_off)
+    # Judged by what an iteration changes in the coordinates. A residual would not do: its round-off grows with the cable's axial
+    # stiffness, and the joint's force, small beside that, is not in it (1e-4 off in an arm 25 times as long as thick, 4e-6 so).
+    integration.newton.residualMode = 1
+    integration.newton.relativeTolerance = settings.newton_tolerance
+    integration.newton.absoluteTolerance = LEAST_CHANGE
     result.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     result.solution.file.write = False
     result.solution.sensors.active = False

@@ -70,7 +70,9 @@ class StayingShapesEngine(BeamEngine[AnyShapes]):
 
     def shape_count(self, mechanism: Mechanism, settings: AnyShapes) -> int:
         """As set; elements bring two each."""
-        return shapes_of(mechanism.follower, settings).count
+        if mechanism.follower.is_rigid:
+            return 0
+        return 2 * max(1, settings.shapes // 2) if settings.family == "hermite" else settings.shapes
 
     def comparisons(self, settings: AnyShapes, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Other numbers of shapes."""

@@ -7,15 +7,17 @@ import click
 
 from quickreturn.commands.options import (
     WholeNumber,
+    announce,
+    cases_argument,
     json_option,
-    load,
+    load_all,
     memory_limit_option,
     opened_workshop,
     read_assignments,
     refuse_engine_settings,
-    refuse_equal_names,
     set_option,
     single_option,
+    tag_option,
     tell,
     time_limit_option,
 )
@@ -26,7 +28,8 @@ if TYPE_CHECKING:
 
 
 @click.command(name="benchmark")
-@click.argument("cases", metavar="[CASE]...", nargs=-1)
+@cases_argument
+@tag_option
 @click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all eight of ours.")
 @single_option(
     "--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Repetitions at most, interleaved."
@@ -37,6 +40,7 @@ if TYPE_CHECKING:
 @json_option
 def command(
     cases: Sequence[str],
+    tag: str | None,
     engines: Sequence[str],
     repetitions: int,
     assignments: Sequence[str],
@@ -61,13 +65,13 @@ def command(
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
-    loaded = [load(case, overrides) for case in dict.fromkeys(cases or SCENES)]
-    refuse_equal_names(loaded)
+    loaded = load_all(cases or ([] if tag else SCENES), tag, overrides)
     names = list(dict.fromkeys(engines)) or list(ENGINES)
     for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
         usable_engine(name) if engines else engine(name)
     _ = [case.mechanism for case in loaded]  # and so is a scene without crank
     workshop, tables = opened_workshop(None, time_limit, memory_limit), []
+    announce(loaded, names, workshop)
     failed = False
     for case in loaded:
         try:

@@ -10,14 +10,11 @@ from quickreturn.commands.options import json_option, single_option
 @json_option
 def command(tag: str | None, as_json: bool) -> None:
     """List the cases of the library: name, tags, title."""
-    from cases.library import catalogue
-    from reports.output import print_json, print_table
+    from quickreturn.catalogue import cases
+    from reports.output import print_json
 
-    known = sorted({each for entry in catalogue() for each in entry.tags})
-    if tag is not None and tag not in known:
-        raise click.UsageError(f'--tag "{tag}": no case has this tag; accepted: {", ".join(known)}')
-    chosen = catalogue(tag)
+    found = cases(tag)
     if as_json:
-        print_json([{"name": case.name, "tags": case.tags, "title": case.title} for case in chosen])
+        print_json([{"name": case.name, "tags": case.tags, "title": case.title} for case in found])
     else:
-        print_table([(case.name, ", ".join(case.tags), case.title) for case in chosen], ("NAME", "TAGS", "TITLE"))
+        click.echo(repr(found))

@@ -1,58 +1,100 @@
 """`quickreturn modes`: natural frequencies with the crank held."""
 
+import itertools
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import click
 
 from quickreturn.commands.options import (
     WholeNumber,
-    case_argument,
+    cases_argument,
     crank_angle_option,
-    engine_option,
+    engines_option,
     json_option,
-    load,
+    load_all,
+    quiet,
     read_assignments,
     set_option,
+    settings_of,
     single_option,
+    tag_option,
     tell,
 )
 
+if TYPE_CHECKING:
+    from quickreturn.frequencies import Modes
+
 
 @click.command(name="modes")
-@case_argument
-@engine_option
+@cases_argument
+@tag_option
+@engines_option
 @crank_angle_option
 @single_option("--count", metavar="N", type=WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
 @set_option
 @json_option
-def command(case: str, engine: str, crank_angle: float, count: int, assignments: Sequence[str], as_json: bool) -> int:
+def command(
+    cases: Sequence[str],
+    tag: str | None,
+    engines: Sequence[str],
+    crank_angles: list[float],
+    count: int,
+    assignments: Sequence[str],
+    as_json: bool,
+) -> int:
     """Natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.
 
-    Exit code 3: the engine failed, or what it returned are no natural frequencies; nothing is printed then.
+    With several engines, cases or angles the JSON document is a list. Exit code 3: an engine failed, or what it returned are no natural
+    frequencies; nothing is printed then.
     """
     from cases.jobs.job import Job
     from cases.jobs.processes import get_ready
     from engines.base import EngineFailure
+    from quickreturn import questions
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
-    from quickreturn.questions import COMPUTING, answer_of, modes
-    from reports.output import print_json, print_table
+    from quickreturn.frequencies import frozen_crank
+    from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
-    get_ready(COMPUTING)
-    loaded = load(case, overrides)
-    job = Job(engine, modes, (engine, loaded.mechanism, crank_angle, count, settings))
-    try:
-        found = answer_of(job)
-    except EngineFailure as failure:  # its own text tells of an instant, which there is none of here
-        tell(f"{loaded.name}: engine {engine}: {failure.cause}; {failure.advice}")
-        return ENGINE_TROUBLE
+    get_ready(questions.COMPUTING)
+    loaded, names = load_all(cases, tag, overrides), list(dict.fromkeys(engines))
+    texts = settings_of(settings, names)
+    asked = list(itertools.product(loaded, names))
+    for case, name in asked:
+        questions.check(name, case.mechanism, texts[name])
+    angles = [math.radians(angle) for angle in crank_angles]
+    jobs = [Job(f"{case.name} {name}", frozen_crank, (case, name, angles, count, texts[name])) for case, name in asked]
+    found = []
+    for (case, name), outcome in zip(asked, questions.asked(jobs, "natural frequencies", quiet=quiet()), strict=True):
+        try:
+            found.append(questions.value_of(outcome))
+        except EngineFailure as failure:  # its own text tells of an instant, which there is none of here
+            tell(f"{case.name}: engine {name}: {failure.cause}; {failure.advice}")
+            return ENGINE_TROUBLE
     if as_json:
-        print_json({"case": loaded.name, "crank_angle": crank_angle, **vars(found)})
-        return GOOD
-    click.echo(f"{loaded.name}, crank at {math.degrees(crank_angle):g} deg, {engine} ({found.version})")
-    if not found.frequencies:
-        click.echo("no natural frequency: nothing in this model can vibrate with the crank held")
-        return GOOD
-    print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(found.frequencies, 1)])
+        documents = [vars(each) for angled in found for each in angled]
+        print_json(documents[0] if len(documents) == 1 else documents)
+    else:
+        for angled in found:
+            _print(angled)
     return GOOD
+
+
+def _print(angled: "list[Modes]") -> None:
+    """One angle: a line for each mode; several: a line for each angle."""
+    from reports.output import print_table
+
+    first = angled[0]
+    if len(angled) == 1:
+        click.echo(f"{first.case}, crank at {math.degrees(first.crank_angle):g} deg, {first.engine} ({first.version})")
+        if first.frequencies:
+            print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(first.frequencies, 1)])
+    else:
+        click.echo(f"{first.case}, {first.engine} ({first.version}): natural frequencies in Hz")
+        most = max(len(each.frequencies) for each in angled)
+        rows = [[f"{math.degrees(each.crank_angle):g}", *(f"{value:.6g}" for value in each.frequencies)] for each in angled]
+        print_table([row + ["-"] * (most + 1 - len(row)) for row in rows], ["crank deg", *map(str, range(1, most + 1))])
+    if not any(each.frequencies for each in angled):
+        click.echo("no natural frequency: nothing in this model can vibrate with the crank held")

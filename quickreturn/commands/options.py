@@ -8,39 +8,44 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import click
+from click.shell_completion import CompletionItem
 
 from cases.errors import as_written, shortened
 from cases.units import plain_number
+from quickreturn.accuracy import HIGHEST, LOWEST
 
 if TYPE_CHECKING:
     from cases.case import Case
     from cases.jobs.job import Limits
     from cases.jobs.workshop import Workshop
 
-LOWEST_ACCURACY: Final = 1e-4
-HIGHEST_ACCURACY: Final = 0.05
 HIGHEST_MEMORY: Final = 2**20  # GiB; no machine has it
 
-_ENGINE_PREFIX: Final = "engine."
+_ALL_ENGINES: Final = "engine"
 _LARGEST_ANGLE: Final = 1_000_000  # degrees; a double keeps 1e-10 of a degree there
+_MOST_ANGLES: Final = 10_000
 
 
 def _accuracy(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
     if text is None:
         return None
     value = plain_number(text)
-    if value is None or not LOWEST_ACCURACY <= value <= HIGHEST_ACCURACY:
-        accepted = f"give a plain number from {LOWEST_ACCURACY:g} to {HIGHEST_ACCURACY:g}, e.g. 1e-3"
+    if value is None or not LOWEST <= value <= HIGHEST:
+        accepted = f"give a plain number from {LOWEST:g} to {HIGHEST:g}, e.g. 1e-3"
         raise click.UsageError(f"--accuracy {as_written(text)}: {accepted}")
     return value
 
 
-def _angle(context: click.Context, option: click.Parameter, text: str) -> float:
-    value = plain_number(text)
-    if value is None or abs(value) > _LARGEST_ANGLE:
-        accepted = f"give a plain number of degrees, from -{_LARGEST_ANGLE} to {_LARGEST_ANGLE}, e.g. 180"
-        raise click.UsageError(f"--crank-angle {as_written(text)}: {accepted}")
-    return math.radians(value)
+def _angles(context: click.Context, option: click.Parameter, text: str) -> list[float]:
+    """Degrees: one number, or all from the first to the second in steps of the third, both ends included."""
+    values = [plain_number(part) for part in text.split(":")]
+    known = [value for value in values if value is not None and abs(value) <= _LARGEST_ANGLE]
+    if len(values) == len(known) == 1:
+        return known
+    if len(values) == len(known) == 3 and known[2] and 0.0 <= (steps := (known[1] - known[0]) / known[2]) < _MOST_ANGLES:
+        return [known[0] + step * known[2] for step in range(math.floor(steps + 1e-9) + 1)]
+    accepted = f"give a plain number of degrees, from -{_LARGEST_ANGLE} to {_LARGEST_ANGLE}, e.g. 180, or FROM:TO:STEP, e.g. 0:360:10"
+    raise click.UsageError(f"--crank-angle {as_written(text)}: {accepted}")
 
 
 class WholeNumber(click.IntRange):
@@ -57,6 +62,11 @@ class WholeNumber(click.IntRange):
             option = param.opts[0] if param else "number"
             raise click.UsageError(f"{option} {as_written(text)}: give a whole number from {self.low} to {self.high}")
         return int(text)
+
+
+#: In a context's `meta`: whether to be quiet, and where results are kept.
+QUIET: Final = "quickreturn.quiet"
+WORKSHOP: Final = "quickreturn.workshop"
 
 
 class SingleOption(click.Option):
@@ -87,14 +97,41 @@ def path_given(context: click.Context, option: click.Parameter, text: str) -> st
     return text
 
 
-case_argument: Final = click.argument("case", metavar="CASE")
-engine_option: Final = single_option("--engine", "engine", metavar="E", required=True, help="Engine; `quickreturn engines` lists them.")
+def _complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
+    from cases.library import case_names
+
+    return [*(CompletionItem(name) for name in case_names() if name.startswith(begun)), CompletionItem(begun, type="file")]
+
+
+def _complete_engine(context: click.Context, option: click.Parameter, begun: str) -> list[CompletionItem]:
+    from engines.registry import engine_names
+
+    return [CompletionItem(name) for name in engine_names() if name.startswith(begun)]
+
+
+cases_argument: Final[Callable[[Any], Any]] = click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=_complete_case)
+case_argument: Final[Callable[[Any], Any]] = click.argument("case", metavar="CASE", shell_complete=_complete_case)
+plotted_argument: Final[Callable[[Any], Any]] = click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=_complete_case)
+tag_option: Final = single_option("--tag", metavar="TAG", help="Besides, all cases of the library with this tag.")
+_engines_option: Final = functools.partial(
+    click.option,
+    "--engine",
+    "engines",
+    metavar="E",
+    multiple=True,
+    shell_complete=_complete_engine,
+)
+engines_option: Final = _engines_option(required=True, help="Engine, see `quickreturn engines`; may be given again.")
+engines_option_if_any: Final = _engines_option(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
+main_engines_option: Final = _engines_option(
+    help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines."
+)
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 accuracy_option: Final = single_option(
     "--accuracy",
     metavar="REL",
     callback=_accuracy,
-    help=f"Relative error of the tip deflection asked for, {HIGHEST_ACCURACY:g} to {LOWEST_ACCURACY:g}; default: the engine's.",
+    help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.",
 )
 jobs_option: Final = single_option("--jobs", metavar="N", type=WholeNumber(1, 1000), help="Processes at a time; default: one per core.")
 time_limit_option: Final = single_option(
@@ -108,44 +145,113 @@ memory_limit_option: Final = single_option(
     help="Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less.",
 )
 crank_angle_option: Final = single_option(
-    "--crank-angle", "crank_angle", metavar="DEG", required=True, callback=_angle, help="Angle at which the crank is held, degrees."
+    "--crank-angle",
+    "crank_angles",
+    metavar="DEG",
+    required=True,
+    callback=_angles,
+    help="Angle at which the crank is held, degrees; or FROM:TO:STEP, both ends included.",
 )
 set_option: Final[Callable[[Any], Any]] = click.option(
     "--set",
     "assignments",
     metavar="KEY=VALUE",
     multiple=True,
-    help='Override a value of the case (follower.bending_stiffness="1800 lbf*in^2") or an engine setting (engine.elements=32).',
+    help='Override a value of the case (follower.bending_stiffness="1800 lbf*in^2") or a setting of the engine (engine.elements=32),'
+    " of one among several by its name (mujoco.links=16).",
 )
 
 
-def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[str, str]]:
-    """Split `--set` texts into overrides of the case and settings of the engine, both by key.
+def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+    """Split `--set` texts into overrides of the case by key, and settings by engine ("engine": whichever there is) and name.
 
     Raises:
         click.UsageError: not KEY=VALUE, or a key given twice.
     """
     case: dict[str, str] = {}
-    engine: dict[str, str] = {}
+    engines: dict[str, dict[str, str]] = {}
     for text in assignments:
         key, sign, value = text.partition("=")
         key = key.strip()
         if not (key and sign):
             raise click.UsageError(f'--set {as_written(text)}: give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32')
-        target, name = (engine, key.removeprefix(_ENGINE_PREFIX)) if key.startswith(_ENGINE_PREFIX) else (case, key)
+        section, point, name = key.partition(".")
+        target, name = (engines.setdefault(section, {}), name) if point and _is_engine(section) else (case, key)
         if name in target:
             values = f"{as_written(target[name])} and {as_written(value.strip())}"
             raise click.UsageError(f"--set {shortened(key)}: {values} are both given; give one of them")
         target[name] = value.strip()
-    return case, engine
+    return case, engines
 
 
-def refuse_engine_settings(settings: dict[str, str]) -> None:
+def _is_engine(section: str) -> bool:
+    from cases.keys import SECTIONS
+
+    if section == _ALL_ENGINES or section in SECTIONS:
+        return section == _ALL_ENGINES
+    from engines.registry import engine_names
+
+    return section in engine_names()
+
+
+def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str]) -> dict[str, dict[str, str]]:
+    """Settings by engine: those for all of them, and before these its own.
+
+    Raises:
+        click.UsageError: of an engine that was not asked for.
+    """
+    for name, texts in settings.items():
+        if name != _ALL_ENGINES and name not in names:
+            given = f"{name}.{shortened(next(iter(texts)))}"
+            raise click.UsageError(f"--set {given}: engine {name} does not run here; those that do are {', '.join(names)}")
+    return {name: {**settings.get(_ALL_ENGINES, {}), **settings.get(name, {})} for name in names}
+
+
+def refuse_engine_settings(settings: Mapping[str, Mapping[str, str]]) -> None:
     """For subcommands without an engine: UsageError if a setting of one was given."""
-    if settings:
-        key, value = next(iter(settings.items()))
-        given = f"{_ENGINE_PREFIX}{shortened(key)}={shortened(value)}"
+    for engine, texts in settings.items():
+        key, value = next(iter(texts.items()))
+        given = f"{engine}.{shortened(key)}={shortened(value)}"
         raise click.UsageError(f'--set {given}: engine settings have no meaning here; give values of the case, e.g. crank.length="5 in"')
+
+
+def load_all(
+    names: Sequence[str],
+    tag: str | None,
+    overrides: dict[str, str],
+    duration: str | None = None,
+    output_step: str | None = None,
+    otherwise: str | None = None,
+) -> "list[Case]":
+    """The cases of some names and patterns, and those with a tag.
+
+    Args:
+        names: as given; a pattern stands for all that match it.
+        tag: None: none besides.
+        overrides: of every case.
+        duration: see `load`.
+        output_step: likewise.
+        otherwise: tag of the cases that are meant if none are given; None: then that is an error.
+
+    Raises:
+        CaseError: no such case, or a mistake in one; two of one name.
+        click.UsageError: none is given, or see `load`.
+    """
+    from cases.errors import CaseError
+    from quickreturn.catalogue import cases, matching
+
+    tagged = [line.name for line in cases(tag)] if tag is not None else []
+    wanted = [found for name in names for found in matching(name)] + tagged
+    if not wanted:
+        if otherwise is None:
+            raise click.UsageError("Missing argument 'CASE'", click.get_current_context())
+        wanted = [line.name for line in cases(otherwise)]
+    loaded = [load(name, overrides, duration, output_step) for name in dict.fromkeys(wanted)]
+    called = [case.name for case in loaded]
+    for name in called:
+        if called.count(name) > 1:
+            raise CaseError(name, None, None, "two cases have this name", "give each a name of its own")
+    return loaded
 
 
 def load(case: str, overrides: dict[str, str], duration: str | None = None, output_step: str | None = None) -> "Case":
@@ -172,12 +278,9 @@ def load(case: str, overrides: dict[str, str], duration: str | None = None, outp
         raise CaseError(wrong.source, wrong.key, wrong.value if text is None else as_written(text), wrong.problem, wrong.accepted) from None
 
 
-def refuse_equal_names(cases: "Sequence[Case]") -> None:
-    """UsageError if two cases have one name: they could not be told apart in what comes out."""
-    names = [case.name for case in cases]
-    for name in names:
-        if names.count(name) > 1:
-            raise click.UsageError(f'two cases are called "{name}"; give each a name of its own')
+def quiet() -> bool:
+    """Whether nothing shall be told of how far things are."""
+    return bool(click.get_current_context().meta.get(QUIET))
 
 
 def opened_workshop(
@@ -192,7 +295,17 @@ def opened_workshop(
     from cases.jobs.store import Store
     from cases.jobs.workshop import Workshop
 
-    return Workshop(Store(tell=tell), LocalProcesses(jobs, allowed, (*PRELOAD, *preload)))
+    workshop = Workshop(Store(tell=tell), LocalProcesses(jobs, allowed, (*PRELOAD, *preload), quiet()))
+    click.get_current_context().meta[WORKSHOP] = workshop
+    return workshop
+
+
+def announce(cases: "Sequence[Case]", engines: Sequence[str], workshop: "Workshop") -> None:
+    """Say on standard error what begins, before what takes a while is imported."""
+    if not quiet():
+        what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
+        with contextlib.suppress(OSError):  # nobody listens
+            click.echo(f"  {what} on {', '.join(engines)}; results are kept in {workshop.store.folder}", err=True)
 
 
 def tell(sentence: str) -> None:

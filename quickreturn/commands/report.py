@@ -9,13 +9,16 @@ import click
 
 from cases.errors import as_written
 from quickreturn.commands.options import (
+    announce,
+    cases_argument,
     jobs_option,
-    load,
+    load_all,
+    main_engines_option,
     memory_limit_option,
     opened_workshop,
     path_given,
-    refuse_equal_names,
     single_option,
+    tag_option,
     tell,
     time_limit_option,
 )
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
 
 
 #: Endings of files. A folder of such a name would be created where somebody expects the page.
-_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip")
+_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
 
 
 def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:
@@ -39,7 +42,9 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
 
 
 @click.command(name="report")
-@click.argument("cases", metavar="[CASE]...", nargs=-1)
+@cases_argument
+@tag_option
+@main_engines_option
 @single_option(
     "--output",
     metavar="DIR",
@@ -51,25 +56,41 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
 @jobs_option
 @time_limit_option
 @memory_limit_option
-def command(cases: Sequence[str], output: str, jobs: int | None, time_limit: str | None, memory_limit: str | None) -> int:
+def command(
+    cases: Sequence[str],
+    tag: str | None,
+    engines: Sequence[str],
+    output: str,
+    jobs: int | None,
+    time_limit: str | None,
+    memory_limit: str | None,
+) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
 
     Exit code 0 once the page is written and every engine completed: where engines disagree is shown in the page. Exit code 3: an engine
     failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
     as they come: an interrupted report continues where it stopped.
     """
-    from cases.library import catalogue
+    from cases.recorded import tables_of
+    from engines.registry import MAIN
+    from quickreturn.catalogue import apart
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from quickreturn.questions import check_engines
+
+    loaded, (names, paths) = load_all(cases, tag, {}, otherwise="thesis"), apart(engines or MAIN)
+    check_engines(names if engines else ())
+    tables = tables_of(paths, [case.name for case in loaded])
+    workshop = opened_workshop(jobs, time_limit, memory_limit)
+    announce(loaded, names, workshop)
     from reports.report import write_report
 
-    loaded = [load(case, {}) for case in dict.fromkeys(cases or [entry.name for entry in catalogue("thesis")])]
-    refuse_equal_names(loaded)
-    workshop = opened_workshop(jobs, time_limit, memory_limit, ("reports.pictures", "matplotlib.figure"))
-    written = write_report(loaded, Path(output), workshop)
+    written = write_report(loaded, Path(output), workshop, names, tables)
     _print(written)
     for trouble in written.content.troubles:
         if trouble.is_failure:
             tell(f"{trouble.case}: engine {trouble.engine} {trouble.status}: {trouble.remark}")
+    for case, run in written.unusable:
+        tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
     if written.failed:
         return ENGINE_TROUBLE
     return BAD_INPUT if workshop.store.lost else GOOD
@@ -88,7 +109,7 @@ def _print(written: "Written") -> None:
 
 def _verdict(results: Sequence["CaseResult"]) -> str:
     """In how many comparisons engines differ by more than they claim, or why there are none."""
-    checks = [check for result in results for check in result.checks]
+    checks = [check for result in results for check in result.whole.checks]
     if not checks:
         return f"nothing could be judged: {'; '.join(dict.fromkeys(result.reason for result in results))}"
     beyond = sum(not check.passed for check in checks)

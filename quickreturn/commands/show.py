@@ -2,34 +2,72 @@
 
 import itertools
 import re
+import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from quickreturn.commands.options import case_argument, json_option, load, read_assignments, refuse_engine_settings, set_option
+from quickreturn.commands.options import (
+    cases_argument,
+    json_option,
+    load_all,
+    read_assignments,
+    refuse_engine_settings,
+    set_option,
+    tag_option,
+)
 
 if TYPE_CHECKING:
+    from cases.case import Case
     from reference_model.mechanism import Scene
 
 
 @click.command(name="show")
-@case_argument
+@cases_argument
+@tag_option
 @set_option
+@click.option("--for-other-tools", "for_others", is_flag=True, help="Print what is needed to build the scene in another tool instead.")
 @json_option
-def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
-    """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds."""
-    from cases.document import values_in_si
+def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
+    """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.
+
+    With several cases the JSON document is a list.
+    """
     from cases.jobs.processes import get_ready
-    from cases.keys import SECTIONS
     from quickreturn.questions import TELLING
     from reports.output import print_json
 
     overrides, settings = read_assignments(assignments)
     refuse_engine_settings(settings)
+    if for_others:
+        if as_json:
+            raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
+        _print_for_others(load_all(cases, tag, overrides), assignments)
+        return
     get_ready(TELLING)
-    loaded = load(case, overrides)
-    document = {
+    documents = [_document(case) for case in load_all(cases, tag, overrides)]
+    if as_json:
+        print_json(documents[0] if len(documents) == 1 else documents)
+        return
+    for number, document in enumerate(documents):
+        click.echo("\n" * (number > 0), nl=False)
+        _print(document)
+
+
+def _print_for_others(cases: "Sequence[Case]", assignments: Sequence[str]) -> None:
+    from reports.other_tools import for_other_tools
+
+    changes = [part for text in assignments for part in ("--set", text)]
+    given = [case.name if case.source == "library" else case.source for case in cases]
+    click.echo("\n\n".join(for_other_tools(case, shlex.join([name, *changes])) for case, name in zip(cases, given, strict=True)))
+
+
+def _document(loaded: "Case") -> dict[str, Any]:
+    from cases.document import values_in_si
+    from cases.keys import SECTIONS
+
+    return {
         "name": loaded.name,
         "title": loaded.title,
         "tags": loaded.tags,
@@ -40,10 +78,6 @@ def command(case: str, assignments: Sequence[str], as_json: bool) -> None:
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
         "engines": _models(loaded.scene),
     }
-    if as_json:
-        print_json(document)
-    else:
-        _print(document)
 
 
 def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:

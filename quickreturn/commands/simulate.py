@@ -1,44 +1,64 @@
-"""`quickreturn simulate`: one trajectory of one engine, from the standard start, as a CSV file."""
+"""`quickreturn simulate`: one trajectory of one engine, from the standard start, as a CSV file; or of several."""
 
-from collections.abc import Iterator, Sequence
+import dataclasses
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from quickreturn.commands.options import (
     accuracy_option,
-    case_argument,
-    engine_option,
+    cases_argument,
+    engines_option,
     json_option,
     limits,
-    load,
+    load_all,
     memory_limit_option,
     path_given,
+    quiet,
     read_assignments,
     set_option,
+    settings_of,
     single_option,
+    tag_option,
+    tell,
     time_limit_option,
 )
 
 if TYPE_CHECKING:
-    from quickreturn.questions import Simulated
+    from cases.case import Case
+    from engines.base import EngineFailure
+    from engines.trajectory import Trajectory
+    from quickreturn.solution import Solution
+
+_ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
 
 @click.command(name="simulate")
-@case_argument
-@engine_option
+@cases_argument
+@tag_option
+@engines_option
 @single_option("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
 @single_option("--output-step", metavar="S", help='Time between rows, "1 ms" or a number of seconds.')
 @accuracy_option
 @set_option
-@single_option("--output", metavar="FILE.csv", required=True, callback=path_given, help="Where the trajectory goes, as CSV.")
+@single_option(
+    "--output",
+    metavar="FILE.csv",
+    required=True,
+    callback=path_given,
+    help="Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name.",
+)
 @time_limit_option
 @memory_limit_option
 @json_option
 def command(
-    case: str,
-    engine: str,
+    cases: Sequence[str],
+    tag: str | None,
+    engines: Sequence[str],
     duration: str | None,
     output_step: str | None,
     accuracy: float | None,
@@ -52,8 +72,10 @@ def command(
 
     Exit code 3: the engine failed, did not reach the accuracy, or cannot say that it reached the one asked for, because its error
     estimate is unknown or not verified; the rows that it delivered are in the file. One that crashed or was stopped at a limit delivers
-    none. The accuracy of `thesis` is that of the integration of its own equations.
+    none. The accuracy of `thesis` is that of the integration of its own equations. With several engines or cases the JSON document is a
+    list.
     """
+    from cases.jobs.job import Job
     from cases.jobs.processes import get_ready
     from quickreturn import questions
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
@@ -61,63 +83,164 @@ def command(
 
     overrides, settings = read_assignments(assignments)
     get_ready(questions.COMPUTING)
-    loaded = load(case, overrides, duration, output_step)
-    allowed = limits(time_limit, memory_limit)
-    check_writable(Path(output), keep="" if loaded.source == "library" else case, ending=".csv")
-    found = questions.simulate(engine, loaded, settings, accuracy, output, allowed)
-    if as_json:
-        print_json(found)
-    else:
-        _print(found)
-    if found.reached:
-        return GOOD
-    click.echo(f"quickreturn: {loaded.name}: engine {engine}: {found.remark}{_kept(found)}", err=True)
-    return ENGINE_TROUBLE
+    loaded = load_all(cases, tag, overrides, duration, output_step)
+    allowed, names = limits(time_limit, memory_limit), list(dict.fromkeys(engines))
+    texts = settings_of(settings, names)
+    for case, name in itertools.product(loaded, names):
+        questions.check(name, case.scene, texts[name])
+    places = _places(output, loaded, names)
+    asked = [(case, name) for case in loaded for name in names]
+    for case, name in asked:
+        check_writable(Path(places[case.name, name]), "" if case.source == "library" else case.source, ".csv")
+    jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy)) for case, name in asked]
+    outcomes = questions.asked(jobs, "simulating", allowed, quiet())
+    documents: list[Simulated] = []
+    refusal: Exception | None = None
+    for (case, name), outcome in zip(asked, outcomes, strict=True):
+        if documents and not as_json:
+            click.echo()
+        found = Simulated(case=case.name, engine=name, output=places[case.name, name], notes=case.notes, accuracy=accuracy)
+        try:
+            documents.append(_kept(found, *questions.value_of(outcome), as_json=as_json))
+        except questions.EngineDied as death:
+            documents.append(_failed(found, Failure(None, death.outcome.explanation, _ADVICE)))
+            if not as_json:
+                _print_failed(documents[-1])
+        except Exception as error:  # the others' results are written before it is told
+            refusal = refusal or error
+    if as_json and documents:
+        print_json(documents[0] if len(asked) == 1 else documents)
+    for document in documents:
+        if not document.reached:
+            kept = f"; {document.rows} rows are kept in {document.output}" if document.rows else "; there is nothing to keep"
+            tell(f"{document.case}: engine {document.engine}: {document.remark}{kept}")
+    if refusal is not None:
+        raise refusal
+    return GOOD if all(document.reached for document in documents) else ENGINE_TROUBLE
 
 
-def _kept(found: "Simulated") -> str:
-    return f"; {found.rows} rows are kept in {found.output}" if found.rows else "; there is nothing to keep"
+def trajectories(
+    cases: "Sequence[Case]", engines: Sequence[str], settings: Mapping[str, Mapping[str, str]], accuracy: float | None
+) -> "dict[tuple[str, str], Trajectory]":
+    """Trajectories by case and engine, computed in workers; what is missed of the accuracy is told.
+
+    Raises:
+        Refusal, SettingError, UnknownEngine, EngineFailure, EngineDied: one cannot, or failed.
+    """
+    from cases.jobs.job import Job
+    from quickreturn import questions
+
+    asked = [(case, name) for case in cases for name in engines]
+    for case, name in asked:
+        questions.check(name, case.scene, settings[name])
+    jobs = [Job(f"{case.name} {name}", attempt, (case, name, settings[name], accuracy)) for case, name in asked]
+    found = {}
+    for (case, name), outcome in zip(asked, questions.asked(jobs, "simulating", quiet=quiet()), strict=True):
+        _, solution = questions.value_of(outcome)
+        if isinstance(solution, Exception):
+            raise solution
+        if not solution.reached:
+            tell(f"{case.name}: engine {name}: {solution.remark}")
+        found[case.name, name] = solution.trajectory
+    return found
 
 
-def _print(found: "Simulated") -> None:
+def _places(output: str, cases: "Sequence[Case]", engines: Sequence[str]) -> dict[tuple[str, str], str]:
+    """The file of each case and engine. UsageError: two would have the same."""
+    for what, several in (("{engine}", engines), ("{case}", cases)):
+        if len(several) > 1 and what not in output:
+            raise click.UsageError(f"--output {output}: several {what[1:-1]}s would write the same file; put {what} into its name")
+    return {(case.name, engine): output.replace("{engine}", engine).replace("{case}", case.name) for case in cases for engine in engines}
+
+
+def attempt(case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None) -> "tuple[str, Solution | EngineFailure]":
+    """Simulate, in a worker: version of the engine, and what came of it. Raises as `quickreturn.simulate` but for failures."""
+    from engines.base import EngineFailure
+    from engines.registry import usable_engine
+    from quickreturn.solution import simulate
+
+    version = usable_engine(engine).version()
+    try:
+        return version, simulate(case, engine, accuracy=accuracy, settings=settings)
+    except EngineFailure as failure:
+        return version, failure
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a simulation has no end: the last good instant (s; None where the process died), the cause and what to try."""
+
+    time: float | None
+    cause: str
+    advice: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulated:
+    """What `--json` prints; None, empty or False where there is nothing after a failure."""
+
+    case: str
+    engine: str
+    output: str
+    notes: tuple[str, ...]
+    accuracy: float | None
+    version: str | None = None
+    rows: int = 0
+    reached: bool = False
+    error_estimate: float | None = None
+    error_estimates: dict[str, float | None] = field(default_factory=dict)
+    estimate_of: str | None = None
+    remark: str = ""
+    settings: dict[str, Any] | None = None
+    setup_seconds: float | None = None
+    compile_seconds: float | None = None
+    solve_seconds: float | None = None
+    estimate_seconds: float | None = None
+    statistics: dict[str, Any] = field(default_factory=dict)
+    bodies: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    degrees_of_freedom: int | None = None
+    failure: Failure | None = None
+
+
+def _kept(asked: Simulated, version: str, found: "Solution | EngineFailure", *, as_json: bool) -> Simulated:
+    """Write the trajectory, as far as there is one, and print what there is to say unless JSON will."""
+    from engines.base import EngineFailure
+    from quickreturn.solution import as_csv
+    from reports.output import print_table, write_file
+
+    asked = dataclasses.replace(asked, version=version)
+    if isinstance(found, EngineFailure):
+        if found.partial is not None:
+            statistics, seconds = dict(found.partial.statistics), found.partial.solve_seconds
+            asked = dataclasses.replace(asked, rows=len(found.partial), solve_seconds=seconds, statistics=statistics)
+            write_file(Path(asked.output), as_csv(found.partial))
+        document = _failed(asked, Failure(found.time, found.cause, found.advice))
+        if not as_json:
+            _print_failed(document)
+        return document
+    result = found.result
+    write_file(Path(asked.output), as_csv(found.trajectory))
+    if not as_json:
+        told = found.reached or result.error_estimate is None  # else standard error tells why not
+        print_table([row for row in found.rows(asked.output) if told or row[0] != "remark"])
+    same = {each.name: getattr(result, each.name) for each in dataclasses.fields(Simulated) if hasattr(result, each.name)}
+    same |= {"settings": found.settings, "statistics": dict(found.trajectory.statistics), **vars(result.description)}
+    return dataclasses.replace(asked, rows=len(found.trajectory), **same)
+
+
+def _failed(asked: Simulated, failure: Failure) -> Simulated:
+    when = "" if failure.time is None else f"failed at t = {failure.time:.6g} s: "
+    return dataclasses.replace(asked, remark=f"{when}{failure.cause}; {failure.advice}", failure=failure)
+
+
+def _print_failed(found: Simulated) -> None:
     from reports.output import print_table
 
-    rows = [("case", found.case), ("engine", f"{found.engine} ({found.version or 'version unknown'})")]
-    if found.notes:
-        rows.append(("notes", f"{len(found.notes)} on this case: see `quickreturn show {found.case}`"))
-    if found.failure is None:
-        times = {
-            "compile": found.compile_seconds,
-            "setup": found.setup_seconds,
-            "solve": found.solve_seconds,
-            "estimate": found.estimate_seconds,
-        }
-        rows += [
-            ("rows", f"{found.rows} in {found.output}"),
-            *_estimates(found),
-            ("times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())),
-            ("settings", ", ".join(f"{name} = {value}" for name, value in (found.settings or {}).items())),
-        ]
-        if found.remark and (found.reached or found.error_estimate is None):  # else standard error tells it
-            rows.append(("remark", found.remark))
-    print_table(rows)
+    def rows() -> Iterator[tuple[str, str]]:
+        yield "case", found.case
+        yield "engine", f"{found.engine} ({found.version or 'version unknown'})"
+        if found.notes:
+            yield "notes", f"{len(found.notes)} on this case: see `quickreturn show {found.case}`"
 
-
-def _estimates(found: "Simulated") -> Iterator[tuple[str, str]]:
-    """The error estimate of every column, a row for each; of a follower that does not bend, that of the tip's place."""
-    from reports.words import ESTIMATE
-
-    name, beside = ESTIMATE[found.estimate_of or "total"]
-    each, estimate = dict(found.error_estimates), found.error_estimate
-    deflection = each.pop("tip_deflection")
-    asked = "" if found.accuracy is None else f" (asked: {found.accuracy:g})"
-    place = "deflection" if deflection is not None or estimate is None else "tip's place"
-    lines = {place: f"{_digits(estimate)}{asked}{beside and '; '}{beside}"}
-    lines |= {column.removeprefix("tip_").removeprefix("slider_").replace("_", " "): _digits(value) for column, value in each.items()}
-    width = max(map(len, lines))
-    for number, (column, text) in enumerate(lines.items()):
-        yield "" if number else name, f"{column:{width}}  {text}"
-
-
-def _digits(estimate: float | None) -> str:
-    return "unknown" if estimate is None else f"{estimate:.1e}"
+    print_table(list(rows()))

@@ -3,12 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from cases.runs.comparison import REFERENCE, CaseResult
-from cases.runs.marching import Columns
-from reference_model.mechanism import Mechanism
-from reports.findings.frozen_crank import (
+from cases.frozen_crank import (
     JointEffect,
     Range,
     converged_ranges,
@@ -17,6 +12,11 @@ from reports.findings.frozen_crank import (
     joint_effects,
     share_with_signs,
 )
+from cases.jobs.job import Job
+from cases.jobs.workshop import Workshop
+from cases.runs.comparison import REFERENCE, CaseResult
+from cases.runs.marching import Columns
+from reference_model.mechanism import Mechanism
 
 #: Signs of strains 1, 2, 3.
 ALTERNATING: Final = (1, -1, 1)
@@ -59,7 +59,7 @@ def evidence(result: CaseResult, workshop: Workshop) -> Evidence:
     reference = result.runs.get(REFERENCE)
     cycle = {name: reference.cycle[name] for name in ("crank_angle", "time")} if reference is not None and reference.usable else {}
     arguments = (result.case.mechanism, cycle)
-    job = Job("frozen crank", frozen_crank, arguments, kind="frozen crank", code=("cases", "reports.findings"))
+    job = Job("frozen crank", frozen_crank, arguments, kind="frozen crank", code=("cases.frozen_crank", "reports.findings.evidence"))
     (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
     if outcome.value is None:
         raise NoEvidence(f"{result.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}")

@@ -1,62 +1,67 @@
-"""Measured curves, measured like an engine's cycle and held against the engines."""
+"""Recorded tables against the engines, number by number; and what recordings of the experiment say to the thesis' statements."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from cases.experiment import MeasuredCurve
-from cases.measures import Measure, consensus_of, measure_cycle, time_scale
+from cases.experiment import channel_is_usable
+from cases.measures import CHANNELS, Measure, consensus_of
 from cases.runs.comparison import HALVES, CaseResult
-from reports.findings.runs import thesis_runs
+from cases.runs.request import Run
+from reports.findings.runs import run_number
 
 
 @dataclass(frozen=True)
 class MeasuredHalf:
-    """One half of a measured curve.
+    """One half of the turn that is measured in a recorded table, in one channel.
 
     Attributes:
-        curve: the curve.
-        measure: of it; extremes after a zero-phase low-pass at 200 Hz.
+        case: name of the case.
+        run: number of the thesis' run that the case is; None for any other.
+        table: the recorded table.
+        measure: of it.
         engines: engine -> the same of its cycle.
     """
 
-    curve: MeasuredCurve
+    case: str
+    run: int | None
+    table: Run
     measure: Measure
     engines: Mapping[str, Measure]
 
+    @property
+    def counts(self) -> bool:
+        """Whether it is a recording of the experiment, not made up, and of a channel that section 3.5 calls valid."""
+        recording = self.table.recording
+        if recording is None or self.run is None or not recording.of_experiment or recording.declared.get("origin") == "synthetic":
+            return False
+        return channel_is_usable(self.run, self.measure.channel)
 
-def measured_comparisons(results: Sequence[CaseResult], curves: Sequence[MeasuredCurve]) -> list[MeasuredHalf]:
-    """All curves of the runs shown, both halves each."""
-    shown = thesis_runs(results)
+
+def measured_halves(results: Sequence[CaseResult]) -> list[MeasuredHalf]:
+    """All recorded tables that can be held against the engines, both halves of each channel."""
     found = []
-    for curve in curves:
-        if curve.run not in shown:
-            continue
-        result = shown[curve.run]
-        measured = measure_cycle(
-            time_scale(result.case.mechanism), curve.time, curve.crank_angle, {curve.channel: curve.values}, measured=True
-        )
-        for measure in measured.measures:
-            engines = {}
-            for name, run in result.runs.items():
-                its = run.measure(measure.half, curve.channel)
-                if run.usable and its is not None:
-                    engines[name] = its
-            found.append(MeasuredHalf(curve, measure, engines))
+    for result in results:
+        number = run_number(result.case.name) if result.case.source == "library" else None
+        for table in (run for run in result.recorded.values() if run.usable):
+            for measure in (each for each in table.measures if each.channel in CHANNELS):
+                pairs = {name: run.measure(measure.half, measure.channel) for name, run in result.runs.items() if run.usable}
+                engines = {name: its for name, its in pairs.items() if its is not None}
+                found.append(MeasuredHalf(result.case.name, number, table, measure, engines))
     return found
 
 
 def statement_values(comparisons: Sequence[MeasuredHalf], engine: str) -> dict[str, dict[int, float]]:
     """Ratios simulation / experiment for the thesis' relations: quantity of a statement -> run -> ratio.
 
-    Made-up curves and channels that the thesis calls unusable do not count.
+    What is no recording of the experiment, made-up curves and channels that the thesis calls unusable do not count.
     """
     values: dict[str, dict[int, float]] = {}
-    valid = [item for item in comparisons if item.curve.origin != "synthetic" and item.curve.usable and engine in item.engines]
-    for run in sorted({item.curve.run for item in valid}):
+    valid = [item for item in comparisons if item.counts and engine in item.engines]
+    for run in sorted({item.run for item in valid if item.run is not None}):
         for half in HALVES:
-            here = [item for item in valid if item.curve.run == run and item.measure.half == half]
+            here = [item for item in valid if item.run == run and item.measure.half == half]
             frequency = _frequency_ratio(here, engine)
             amplitude = _amplitude_ratio(here, engine)
             if frequency is not None:

@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from cases.experiment import AxisLabels, MeasuredCurve
+from cases.experiment import AxisLabels
 from cases.measures import CHANNELS
 from cases.runs.comparison import CaseResult
 from reports.plots.picture import Picture, picture
 from reports.plots.steady_cycle import Array, direction, drawn_runs, fraction, missing_runs, name_in_legend, stacked_panels
-from reports.plots.style import BAND, MEASURED, legend_above, look, new_figure, note, number, padded
+from reports.plots.style import BAND, legend_above, look, new_figure, note, number, padded
 
 ACCELERATION: Final = "tip_acceleration"
 PERCENT: Final = 100.0  # strain is shown in percent of surface strain, as the thesis prints it
@@ -23,28 +23,24 @@ WIDEST: Final = 2.0  # times the curves' own range: an axis is not widened furth
 BEND_IN: Final = 1e-9  # a strain below this in a whole cycle is round-off of a follower that does not bend
 
 
-def cycle_figure(result: CaseResult, labels: Sequence[AxisLabels] = (), curves: Sequence[MeasuredCurve] = ()) -> Picture | None:
-    """All engines over one cycle, with the range of the printed axis labels and measured curves where there are any.
+def cycle_figure(result: CaseResult, labels: Sequence[AxisLabels] = ()) -> Picture | None:
+    """All engines over one cycle, with the range of the printed axis labels where there are any.
 
     Args:
         result: of a case.
         labels: of the case's run, first choice first (`cases.experiment.axis_labels`).
-        curves: measured curves of the case's run.
 
     Returns:
         None where no engine has a cycle to show.
     """
-    figure = draw_cycle(result, labels, curves)
+    figure = draw_cycle(result, labels)
     if figure is None:
         return None
     engines = ", ".join(drawn_runs(result))
-    alt = f"{result.case.name}: tip acceleration and surface strains over the steady cycle, engines {engines}"
-    if curves:
-        alt += f"; curves: {', '.join(f'{curve.channel} ({curve.origin})' for curve in curves)}"
-    return picture(figure, alt)
+    return picture(figure, f"{result.case.name}: tip acceleration and surface strains over the steady cycle, engines {engines}")
 
 
-def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequence[MeasuredCurve]) -> Figure | None:
+def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels]) -> Figure | None:
     """The figure before it is rendered; see `cycle_figure`."""
     runs = drawn_runs(result)
     channels = [name for name in CHANNELS if name == ACCELERATION or any(run.peak(name) > BEND_IN for run in runs.values())]
@@ -56,8 +52,6 @@ def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequenc
     for axes, channel in zip(panels, channels, strict=True):
         factor = 1.0 if channel == ACCELERATION else PERCENT
         shown = [(fraction(run.cycle["crank_angle"]), factor * run.cycle[channel], look(name).of_line) for name, run in runs.items()]
-        measured = [curve for curve in curves if curve.channel == channel]
-        shown += [((curve.crank_angle - np.pi) / (2.0 * np.pi), factor * curve.values, MEASURED.of_line) for curve in measured]
         for cycle, values, style in shown:
             axes.plot(cycle, values, **style)
         _limits(axes, [values for _, values, _ in shown], _printed_range(labels, channel), factor)
@@ -67,7 +61,7 @@ def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequenc
     for axes, channel in zip(panels, channels, strict=True):
         if channel != ACCELERATION:
             note(axes, 0.01, 0.97, f"gauge at {gauges[int(channel[-1]) - 1]:.3g} L")
-    legend_above(figure, _handles(result, labels, curves), 3)
+    legend_above(figure, _handles(result, labels), 3)
     return figure
 
 
@@ -90,12 +84,10 @@ def _limits(axes: Axes, curves: Sequence[Array], printed: tuple[float, float] | 
     axes.set_ylim(low, high)
 
 
-def _handles(result: CaseResult, labels: Sequence[AxisLabels], curves: Sequence[MeasuredCurve]) -> list[Artist]:
+def _handles(result: CaseResult, labels: Sequence[AxisLabels]) -> list[Artist]:
     handles: list[Artist] = []
     for name, run in drawn_runs(result).items():
         handles.append(Line2D([], [], label=name_in_legend(name, run), **look(name).of_sample))
-    origins = dict.fromkeys("synthetic (not measured)" if curve.origin == "synthetic" else curve.origin for curve in curves)
-    handles += [Line2D([], [], label=origin, **MEASURED.of_line) for origin in origins]
     if any(_printed_range(labels, channel) for channel in CHANNELS):
         handles.append(Patch(facecolor=BAND, edgecolor="#C9A227", linewidth=0.6, label="printed axis labels"))
     absent = missing_runs(result)

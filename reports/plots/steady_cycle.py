@@ -7,26 +7,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from cases.runs.comparison import REFERENCE, CaseResult
+from cases.runs.comparison import CaseResult
 from cases.runs.request import NOT_SETTLED, Run
 from reports.plots.style import FONT_SIZE, SMALL, number, tidy
 
 Array = NDArray[np.float64]
 
 TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
-_PREFERRED: Final = (REFERENCE, "exudyn", "mujoco", "thesis")
 
 
 def drawn_runs(result: CaseResult) -> dict[str, Run]:
     """The runs that have a whole cycle to show: settled ones, and the last cycle of one that did not settle."""
     return {name: run for name, run in result.runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
-
-
-def best_run(result: CaseResult) -> tuple[str, Run] | None:
-    """The run to look at if only one is shown: the reference's, else the next in the order of how finely engines resolve the beam."""
-    runs = drawn_runs(result)
-    names = sorted(runs, key=lambda name: (not runs[name].usable, _PREFERRED.index(name) if name in _PREFERRED else len(_PREFERRED)))
-    return (names[0], runs[names[0]]) if names else None
 
 
 def name_in_legend(name: str, run: Run) -> str:

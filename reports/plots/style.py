@@ -1,8 +1,7 @@
 """What all pictures have in common: sizes, colours and lines of the engines, axes.
 
 Pictures are 480 CSS pixels wide: two stand side by side on a screen, one fills a telephone's without its 12 pixel letters shrinking
-below 10, and printed it is 127 mm wide. Colours are those of Okabe and Ito ("Color universal design", 2008), which colour-blind
-readers tell apart; line styles and markers say the same again for grey prints.
+below 10, and printed it is 127 mm wide. Engines look as on the page.
 """
 
 import math
@@ -18,6 +17,8 @@ from matplotlib.ticker import FuncFormatter
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
+from reports.looks import looks
+
 Array = NDArray[np.float64]
 
 WIDTH: Final = 5.0  # in, 480 CSS pixels
@@ -28,12 +29,8 @@ SMALL: Final = 8.0  # pt, ticks and notes
 SAMPLE: Final = 3.4  # sizes of the letters, length of a legend's sample
 POINTS_PER_INCH: Final = 72.0
 
-BLACK: Final = "#000000"
-ORANGE: Final = "#E69F00"
-SKY_BLUE: Final = "#56B4E9"
-PALE_BLUE: Final = "#8CCBEF"  # a tint of it, on which dashes of all others show
-GREEN: Final = "#009E73"
 BLUE: Final = "#0072B2"
+ORANGE: Final = "#E69F00"
 VERMILION: Final = "#D55E00"
 PURPLE: Final = "#CC79A7"
 GREY: Final = "#666666"
@@ -63,24 +60,21 @@ class Look:
         return self.of_line | {"linestyle": line}
 
 
-#: The reference is a broad line below the others, so that one sees where they lie on it; the dashes of exudyn and mujoco alternate.
-_LOOKS: Final = {
-    "reference": Look(PALE_BLUE, "-", 2.8, "o", 2.0),
-    "thesis": Look(VERMILION, (0, (5, 1.6)), 1.2, "D", 2.1),
-    "exudyn": Look(BLACK, (0, (6, 9)), 1.2, "^", 2.3),
-    "mujoco": Look(GREEN, (7.5, (6, 9)), 1.2, "v", 2.2),
-    "fixed-shapes": Look(BLUE, (0, (9, 2)), 1.1, "s", 2.4),
-    "multiplier": Look(PURPLE, (0, (3, 1, 1, 1, 1, 1)), 1.1, "X", 2.4),
-    "stiff-spring": Look(ORANGE, (0, (4, 1.5)), 1.1, "P", 2.4),
-    "nodal-load": Look(GREY, (0, (1.5, 1.2)), 1.1, "p", 2.4),
-}
-_OTHERS: Final = (Look(PURPLE, (0, (3, 1, 1, 1, 1, 1)), 1.1, "s", 2.4), Look(ORANGE, (0, (9, 2)), 1.1, "P", 2.5))
+_MARKERS: Final = {
+    "reference": "o", "thesis": "D", "exudyn": "^", "mujoco": "v",
+    "fixed-shapes": "s", "multiplier": "X", "stiff-spring": "P", "nodal-load": "p",
+}  # fmt: skip
+#: Points for a CSS pixel of a line on the page; dashes are in widths of the line.
+SCALE: Final = 0.5
 MEASURED: Final = Look(BLUE, "-", 0.9, ".", 2.6)
 
 
 def look(engine: str) -> Look:
-    """How an engine is drawn; engines that the project does not know share two looks, chosen by their names."""
-    return _LOOKS.get(engine) or _OTHERS[sum(engine.encode()) % len(_OTHERS)]
+    """How an engine is drawn: as on the page."""
+    found = looks([engine])[engine]
+    width = max(0.9, SCALE * found.width)
+    line: LineStyleType = (0, tuple(SCALE * part / width for part in found.dash)) if found.dash else "-"
+    return Look(found.light, line, width, _MARKERS.get(engine, "h"), 2.0 + 0.05 * (found.order - 1))
 
 
 def new_figure(height: float) -> Figure:

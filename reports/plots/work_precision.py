@@ -1,4 +1,4 @@
-"""Error against solve time and against degrees of freedom, all methods of a benchmark."""
+"""Error against solve time, all methods of a benchmark."""
 
 from collections.abc import Sequence
 from typing import Any, Final
@@ -6,7 +6,7 @@ from typing import Any, Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import NullFormatter, NullLocator
+from matplotlib.ticker import NullFormatter
 
 from cases.benchmark import Benchmark, pareto_front
 from cases.benchmark.findings import Point, completed, error_of
@@ -23,42 +23,31 @@ PANELS: Final = {
 }
 #: Errors beyond these (in percent) say nothing more.
 LOWEST, HIGHEST = 1e-3, 300.0
-#: Ticks of degrees of freedom.
-FREEDOM: Final = (1, 2, 3, 5, 10, 20, 30, 50, 100, 200, 300)
 FRONT_WIDTH: Final = 5.0
 
 
 def work_precision_figure(table: Benchmark) -> Picture | None:
     """Error of four observables against solve time, with the Pareto front of each; None where no point completed."""
-    figure = draw(table, "solve_seconds")
+    figure = draw(table)
     if figure is None:
         return None
     return picture(figure, f"Error over solve time of all methods on {table.case}, four observables, both axes logarithmic")
 
 
-def work_freedom_figure(table: Benchmark) -> Picture | None:
-    """Error of four observables against degrees of freedom; None where no point completed."""
-    figure = draw(table, "degrees_of_freedom")
-    if figure is None:
-        return None
-    return picture(figure, f"Error over degrees of freedom of all methods on {table.case}, four observables, both axes logarithmic")
-
-
-def draw(table: Benchmark, across: str) -> Figure | None:
-    """The figure before it is rendered; `across` is the quantity of the x axis, a field of `Measured`."""
+def draw(table: Benchmark) -> Figure | None:
+    """The figure before it is rendered."""
     points = [point for point, _ in completed(table.points)]
     if not points:
         return None
     figure = new_figure(5.2)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     for axes, (column, words) in zip(panels.flat, PANELS.items(), strict=True):
-        if across == "solve_seconds":
-            _front(axes, points, column)
+        _front(axes, points, column)
         _unknowable(axes, table, column)
         for method in dict.fromkeys(point.method for point in points):
-            _method(axes, [point for point in points if point.method == method], column, across)
+            _method(axes, [point for point in points if point.method == method], column)
         axes.set_title(words, fontsize=9.0, pad=3.0)
-    _axes(panels, across)
+    _axes(panels)
     legend_above(figure, _legend(points), 4)
     return figure
 
@@ -76,9 +65,9 @@ def _front(axes: Axes, points: Sequence[Point], column: str) -> None:
     axes.plot(seconds, errors, color=LIGHT, linewidth=FRONT_WIDTH, solid_capstyle="round", solid_joinstyle="round", zorder=1.0)
 
 
-def _method(axes: Axes, points: Sequence[Point], column: str, across: str) -> None:
+def _method(axes: Axes, points: Sequence[Point], column: str) -> None:
     style = look(points[0].engine)
-    known = [(getattr(measured, across), error) for point, measured in completed(points) if (error := point.error(column))]
+    known = [(measured.solve_seconds, error) for point, measured in completed(points) if (error := point.error(column))]
     if not known:
         return
     x, y = zip(*known, strict=True)
@@ -98,7 +87,7 @@ def _is_variant(point: Point) -> bool:
     return point.method != point.engine
 
 
-def _axes(panels: Any, across: str) -> None:
+def _axes(panels: Any) -> None:
     for axes in panels.flat:
         axes.set_xscale("log")
         axes.set_yscale("log")
@@ -109,12 +98,8 @@ def _axes(panels: Any, across: str) -> None:
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_minor_formatter(NullFormatter())
     panels[0, 0].set_ylim(LOWEST, HIGHEST)
-    if across == "degrees_of_freedom":
-        low, high = panels[0, 0].get_xlim()
-        panels[0, 0].set_xticks([free for free in FREEDOM if low <= free <= high])
-        panels[0, 0].xaxis.set_minor_locator(NullLocator())
     for axes in panels[1]:
-        axes.set_xlabel("solve time (s)" if across == "solve_seconds" else "degrees of freedom", fontsize=9.0)
+        axes.set_xlabel("solve time (s)", fontsize=9.0)
     for axes in panels[:, 0]:
         axes.set_ylabel("error (% of RMS)", fontsize=9.0)
 

@@ -30,7 +30,6 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
             Column("level", "error", "1", "g", "%", 100.0),
             *(Column(f"{name} solve_seconds", name, "s", ".2g", shown_unit="") for name in names),
         ),
-        grouped=True,
     )
     for table in tables:
         for level in LEVELS:
@@ -102,7 +101,6 @@ def failures(tables: Sequence[Benchmark]) -> Table:
         "not_completed",
         "Settings that did not complete.",
         (Column("case", "scene"), Column("method", "method"), Column("settings", "settings"), Column("status", "what happened")),
-        grouped=True,
     )
     for table in tables:
         told: set[str] = set()
@@ -123,7 +121,6 @@ def points(tables: Sequence[Benchmark]) -> Table:
         "benchmark",
         "Every method, all settings, all scenes",
         (Column("case", "scene"), *_point_columns(), Column("status", "status")),
-        grouped=True,
         in_page=False,
     )
     for table in tables:

@@ -41,11 +41,46 @@ def departures(results: Sequence[CaseResult]) -> Table:
             Column("share", "share", "1", ".2f"),
             Column("cause", "what the numbers suggest"),
         ),
-        grouped=True,
     )
     for result in results:
         for check in result.missed:
             builder.add(**_departure(result, check))
+    return builder.table()
+
+
+def table_departures(results: Sequence[CaseResult]) -> Table:
+    """One row per number in which a recorded table and an engine differ by more than the engine claims and the measures are uncertain."""
+    builder = TableBuilder(
+        "table_departures",
+        "Every number in which a recorded table and an engine differ by more than the uncertainty of the measures and the engine's own"
+        " estimate together, relative to the engine's value, of an extreme to the column's largest magnitude in the turn.",
+        (
+            Column("case", "run"),
+            Column("table", "table"),
+            Column("other", "against"),
+            Column("quantity", "quantity"),
+            Column("half", "half"),
+            Column("channel", "column"),
+            Column("value", "value", "SI", ".4g"),
+            Column("other_value", "engine's value", "SI", ".4g"),
+            Column("difference", "difference", "1", "+.2f", "%", 100.0),
+            Column("tolerance", "tolerance", "1", ".2f", "%", 100.0),
+        ),
+    )
+    for result in results:
+        for check in (check for check in result.table_checks if not check.passed):
+            builder.add(
+                case=Cell(result.case.name, case_label(result.case.name)),
+                table=check.engine,
+                other=check.other,
+                quantity=Cell(check.quantity, QUANTITY[check.quantity]),
+                half=Cell(check.half, HALF[check.half]),
+                channel=Cell(check.channel, channel_name(check.channel)),
+                value=check.mine.value,
+                other_value=check.its.value,
+                difference=check.difference / check.scale,
+                tolerance=check.tolerance / check.scale,
+            )
     return builder.table()
 
 
@@ -110,7 +145,6 @@ def summary(results: Sequence[CaseResult]) -> Table:
             Column("used_median", "median", "1", ".2f", group="used"),
             Column("used_most", "most", "1", ".2f", group="used"),
         ),
-        grouped=True,
     )
     groups: dict[tuple[str, str, str], list[Check]] = {}
     for check in (check for result in results for check in result.checks):

@@ -28,7 +28,6 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
             Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
             *_number_columns(),
         ),
-        grouped=True,
     )
     for result in results:
         reference = result.runs.get(REFERENCE)
@@ -155,7 +154,6 @@ def settings(results: Sequence[CaseResult]) -> Table:
             Column("settling_error", "distance from steady", "1", ".2g", "%", 100.0, meaning="estimated, of the last cycle"),
             Column("settings", "settings"),
         ),
-        grouped=True,
     )
     for result in results:
         for name, run in result.runs.items():

@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from typing import Any
 
-from cases.experiment import MeasuredCurve, channel_is_usable, measured_crank_speed
+from cases.experiment import channel_is_usable, measured_crank_speed
 from cases.library import Inconsistency
-from cases.library.thesis import RUNS, run_name
+from cases.library.thesis import RUNS
 from cases.measures import Measure
 from cases.runs.comparison import REFERENCE, CaseResult
+from cases.runs.request import Run
 from reports.findings.axes import AxisComparison
 from reports.findings.measured import MeasuredHalf
 from reports.findings.runs import thesis_runs
@@ -59,59 +60,66 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
     return builder.table()
 
 
-def curves(found: Sequence[MeasuredCurve]) -> Table:
-    """The measured curves with what they declare."""
+def recorded(results: Sequence[CaseResult]) -> Table:
+    """The recorded tables with what they declare."""
     builder = TableBuilder(
-        "curves",
-        "Measured curves that were found, with what their files declare.",
+        "recorded",
+        "Recorded tables: results of other tools, earlier versions and measurements, with what their files declare.",
         (
-            Column("run", "run", form="d"),
-            Column("channel", "channel"),
+            Column("case", "run"),
+            Column("table", "table"),
+            Column("version", "version"),
             Column("origin", "origin"),
-            Column("usable", "called valid in section 3.5"),
-            Column("unit", "declared unit"),
-            Column("sign", "sign"),
-            Column("axis", "axis"),
-            Column("points", "points", form="d"),
+            Column("status", "status"),
+            Column("rows", "rows", form="d"),
+            Column("columns", "columns"),
             Column("source", "source"),
+            Column("remark", "remark"),
         ),
     )
-    for curve in found:
-        builder.add(
-            run=curve.run,
-            channel=Cell(curve.channel, channel_name(curve.channel)),
-            origin=Cell(curve.origin, mark="open" if curve.origin == "synthetic" else ""),
-            usable=curve.usable,
-            points=int(curve.values.size),
-            source=curve.source,
-            **{key: curve.declared[key] for key in ("unit", "sign", "axis")},
-        )
+    for result in results:
+        for run in result.recorded.values():
+            builder.add(
+                case=Cell(result.case.name, case_label(result.case.name)),
+                table=run.engine,
+                version=run.version,
+                origin=_origin(run),
+                status=Cell(run.status, mark="" if run.usable else "failed"),
+                rows=0 if run.recording is None else run.recording.rows,
+                columns=", ".join(channel_name(name) for name in run.cycle if name not in ("time", "crank_angle")),
+                source=run.method,
+                remark=run.remark,
+            )
     return builder.table()
 
 
+def _origin(run: Run) -> Cell:
+    origin = run.recording.declared.get("origin", "") if run.recording else ""
+    return Cell(origin or None, mark="open" if origin == "synthetic" else "")
+
+
 def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> Table:
-    """Engines over measured curves, per half."""
+    """Engines over recorded tables, per half."""
     builder = TableBuilder(
         "curve_comparison",
-        "Engines over measured curves: first-mode frequency and amplitude of the curve (measured like an engine's cycle) and each engine's"
-        " number over it. Extremes of a curve are taken after a zero-phase low-pass at 200 Hz.",
+        "Engines over recorded tables: first-mode frequency and amplitude of the table (measured like an engine's cycle) and each engine's"
+        " number over it. Extremes of what was measured or digitised are taken after a zero-phase low-pass at 200 Hz.",
         (
             Column("case", "run"),
+            Column("table", "table"),
             Column("channel", "channel"),
             Column("origin", "origin"),
             Column("half", "half"),
-            Column("frequency", "curve", "Hz", ".2f", uncertainty="frequency_uncertainty", group="first-mode frequency"),
+            Column("frequency", "table", "Hz", ".2f", uncertainty="frequency_uncertainty", group="first-mode frequency"),
             Column("frequency_uncertainty", "±", "Hz", ".2f", in_page=False),
-            *(Column(f"frequency_{name}", name, "1", ".3f", group="first-mode frequency", meaning="engine / curve") for name in engines),
-            Column("amplitude", "curve", "SI", ".3g", group="first-mode amplitude"),
-            *(Column(f"amplitude_{name}", name, "1", ".3f", group="first-mode amplitude", meaning="engine / curve") for name in engines),
-            Column("minimum", "minimum", "SI", ".3g", group="extremes of the curve"),
-            Column("maximum", "maximum", "SI", ".3g", group="extremes of the curve"),
+            *(Column(f"frequency_{name}", name, "1", ".3f", group="first-mode frequency", meaning="engine / table") for name in engines),
+            Column("amplitude", "table", "SI", ".3g", group="first-mode amplitude"),
+            *(Column(f"amplitude_{name}", name, "1", ".3f", group="first-mode amplitude", meaning="engine / table") for name in engines),
+            Column("minimum", "minimum", "SI", ".3g", group="extremes of the table"),
+            Column("maximum", "maximum", "SI", ".3g", group="extremes of the table"),
         ),
-        grouped=True,
     )
     for item in found:
-        name = run_name(item.curve.run)
         cells: dict[str, Any] = {}
         for short in ("frequency", "amplitude"):
             value = _first_mode(item.measure, short)
@@ -120,9 +128,10 @@ def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> T
                 its = _first_mode(item.engines.get(engine), short)
                 cells[f"{short}_{engine}"] = its / value if its is not None and value else None
         builder.add(
-            case=Cell(name, case_label(name)),
-            channel=Cell(item.curve.channel, channel_name(item.curve.channel)),
-            origin=Cell(item.curve.origin, mark="open" if item.curve.origin == "synthetic" else ""),
+            case=Cell(item.case, case_label(item.case)),
+            table=item.table.engine,
+            channel=Cell(item.measure.channel, channel_name(item.measure.channel)),
+            origin=_origin(item.table),
             half=Cell(item.measure.half, HALF[item.measure.half]),
             frequency_uncertainty=item.measure.first_mode_frequency_uncertainty,
             minimum=item.measure.minimum,

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cases.runs.comparison import CaseResult
-from cases.runs.request import SETTLED
-from engines.registry import engine
+from cases.runs.request import SETTLED, UNAVAILABLE, Run
+from engines.registry import OWN
 from reports.findings.agreement import engines_of
 from reports.findings.failures import Trouble
 from reports.tables.table import Cell, Column, Table, TableBuilder
@@ -13,12 +13,13 @@ from reports.words import case_label
 
 
 def engines(results: Sequence[CaseResult]) -> Table:
-    """One row per engine: method, version, default accuracy, how its runs ended."""
+    """One row per engine and recorded table: whose it is, version, method, default accuracy, how its runs ended."""
     builder = TableBuilder(
         "engines",
-        "Engines, the libraries behind them, and how their runs ended.",
+        "Engines, the libraries behind them, recorded tables, and how their runs ended.",
         (
             Column("engine", "engine"),
+            Column("origin", "from"),
             Column("version", "version"),
             Column("method", "method"),
             Column("accuracy", "accuracy asked", "1", ".2g", "%", 100.0),
@@ -26,20 +27,23 @@ def engines(results: Sequence[CaseResult]) -> Table:
             Column("settled", "settled", form="d"),
         ),
     )
-    for name in engines_of(results):
-        chosen = engine(name)
-        reason = chosen.unavailable()
-        runs = [result.runs[name] for result in results if name in result.runs]
-        asked = sorted({run.accuracy or chosen.default_accuracy for run in runs})
+    for name in engines_of([result.whole for result in results]):
+        runs = [run for result in results if (run := result.whole.runs.get(name)) is not None]
+        first = runs[0]
         builder.add(
             engine=name,
-            version=chosen.version() if reason is None else Cell(None, "not available", reason, "failed"),
-            method=chosen.method,
-            accuracy=asked[0],
+            origin="a file" if first.recording else "this project" if name in OWN else "another package",
+            version=next((run.version for run in runs if run.version), None) or _no_version(first),
+            method=first.method,
+            accuracy=first.accuracy,
             runs=len(runs),
             settled=sum(run.status == SETTLED for run in runs),
         )
     return builder.table()
+
+
+def _no_version(run: Run) -> Cell:
+    return Cell(None) if run.recording else Cell(None, "not available" if run.status == UNAVAILABLE else "unknown", run.remark, "failed")
 
 
 def machine(facts: Mapping[str, str]) -> Table:

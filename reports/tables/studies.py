@@ -106,7 +106,6 @@ def sensitivity(frame: pd.DataFrame) -> Table:
                 for quantity, channel, head in quantities
             ),
         ),
-        grouped=True,
     )
     if frame.empty:
         return builder.table()

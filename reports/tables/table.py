@@ -1,11 +1,11 @@
-"""What a table is: columns with units and formats, cells with remarks; and its CSV form."""
+"""What a table is: a data frame in SI units, and how its columns and cells are shown. Page and CSV file are made from the same cells."""
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
+
+import pandas as pd
 
 from reports.words import number
 
@@ -30,12 +30,14 @@ class Cell:
         text: what the page shows instead of the formatted value.
         note: a remark: in the page where the pointer rests, in the CSV file in a column of its own.
         mark: "missed" a tolerance, "failed", "open" (no answer, for a reason), "good".
+        run: case that it opens on the first screen.
     """
 
     value: Value
     text: str = ""
     note: str = ""
     mark: Mark = ""
+    run: str = ""
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,6 @@ class Table:
         caption: one or two sentences, with what the numbers are relative to.
         columns: at least one.
         rows: each with one cell per column; plain values are taken as cells.
-        grouped: whether rows with the same value in the first column belong together.
         in_page: False for a table that is offered as a file only.
     """
 
@@ -113,7 +114,6 @@ class Table:
     caption: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
-    grouped: bool = False
     in_page: bool = True
 
     @property
@@ -138,19 +138,6 @@ class Table:
                 spans.append((group, 1))
         return spans if any(group for group, _ in spans) else []
 
-    @property
-    def bodies(self) -> list[list[tuple[Cell, ...]]]:
-        """Rows, in groups of the same first value where the table is grouped."""
-        if not self.grouped:
-            return [list(self.rows)]
-        found: list[list[tuple[Cell, ...]]] = []
-        for row in self.rows:
-            if found and found[-1][0][0].value == row[0].value:
-                found[-1].append(row)
-            else:
-                found.append([row])
-        return found
-
     def looks(self, index: int) -> str:
         """How a column is set: "" numbers, "words" texts that stay on a line, "words prose" texts that need several."""
         if not self.columns[index].is_text:
@@ -169,21 +156,21 @@ class Table:
                 text += f" ± {number(half_width * column.factor, column.form)}"
         return text
 
-    def csv(self) -> str:
-        """The CSV file: every column in full precision, and a column of remarks beside each that has any."""
-        noted = {index for index in range(len(self.columns)) if any(row[index].note for row in self.rows)}
-        buffer = io.StringIO()
-        writer = csv.writer(buffer, lineterminator="\n")
-        heads = []
+    @property
+    def frame(self) -> pd.DataFrame:
+        """Every column in SI units under its heading with the unit, and a column of remarks beside each that has any."""
+        columns: dict[str, list[Value]] = {}
         for index, column in enumerate(self.columns):
-            heads += [column.csv_head, *([column.key + _NOTE] if index in noted else [])]
-        writer.writerow(heads)
-        for row in self.rows:
-            fields: list[str] = []
-            for index, cell in enumerate(row):
-                fields += [csv_text(cell.value), *([cell.note] if index in noted else [])]
-            writer.writerow(fields)
-        return buffer.getvalue()
+            columns[column.csv_head] = [row[index].value for row in self.rows]
+            if any(row[index].note for row in self.rows):
+                columns[column.key + _NOTE] = [row[index].note for row in self.rows]
+        found = pd.DataFrame(columns, dtype=object)
+        found.attrs |= {"caption": self.caption, "units": {column.csv_head: column.unit for column in self.columns}}
+        return found
+
+    def csv(self) -> str:
+        """The CSV file: numbers in full precision."""
+        return self.frame.map(csv_text).to_csv(index=False, lineterminator="\n")
 
 
 def csv_text(value: Value) -> str:
@@ -200,7 +187,6 @@ class TableBuilder:
     name: str
     caption: str
     columns: Sequence[Column]
-    grouped: bool = False
     in_page: bool = True
     rows: list[tuple[Cell, ...]] = field(default_factory=list)
 
@@ -219,4 +205,4 @@ class TableBuilder:
 
     def table(self) -> Table:
         """The finished table."""
-        return Table(self.name, self.caption, tuple(self.columns), tuple(self.rows), self.grouped, self.in_page)
+        return Table(self.name, self.caption, tuple(self.columns), tuple(self.rows), self.in_page)

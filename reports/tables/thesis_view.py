@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cases.frozen_crank import LBF_PER_IN, JointEffect
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, CaseResult
 from reports.findings.agreement import Difference, Kind, differences
-from reports.findings.frozen_crank import LBF_PER_IN, JointEffect
 from reports.findings.raw_extremes import Excess
 from reports.findings.verdicts import HOLDS, IN_PART, MODEL, NOT, Verdict
 from reports.tables.table import Cell, Column, Table, TableBuilder
@@ -34,7 +34,6 @@ def ratios(results: Sequence[CaseResult]) -> Table:
                 )
             ),
         ),
-        grouped=True,
     )
     rows: list[tuple[str, Kind, str | None]] = [("first-mode frequency", "frequency", None)]
     rows += [("first-mode amplitude", "amplitude", channel) for channel in CHANNELS]
@@ -77,7 +76,6 @@ def counted(excesses: Sequence[Excess]) -> Table:
                 for key, head, unit, form in kinds
             ),
         ),
-        grouped=True,
     )
     for visible in dict.fromkeys(found.visible for found in excesses):
         for channel in CHANNELS:

@@ -156,6 +156,8 @@ def assert_claims_hold(found: list[SteadyVibration]) -> None:
     for z in (np.concatenate(parts) for parts in zip(*(each.z() for each in found), strict=True)):
         assert np.mean(np.abs(z) <= 2.0) >= 0.95
     for each in found:
+        if not any(part.size for part in each.z()):
+            continue  # nothing is claimed: of a vibration that dies within the half the truth, too, depends on how it is launched (1 %)
         assert np.all(np.array(each.scatter) / np.sqrt(LAUNCHES) < 1e-3 * np.array(each.truth))  # half of the 0.2 % it must be good to
 
 

@@ -1,5 +1,7 @@
 import math
 import string
+import subprocess
+import sys
 from decimal import Decimal
 
 import pytest
@@ -7,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases import units
-from cases.units import Dimension, QuantityError, parse_quantity
+from cases.units import COMMON_UNITS, Dimension, QuantityError, parse_quantity, unit_of_pint
 
 # SI values of the definitions: 1 in = 0.0254 m, 1 lbf = 0.45359237 kg x 9.80665 m/s^2, worked out by hand in decimals.
 KNOWN = [
@@ -215,3 +217,14 @@ def test_every_unit_that_pint_knows_is_either_read_or_refused() -> None:
     names = list(units._registry())
     assert len(names) > 500
     assert all(read_or_refused(f"1 {name}", units.MASS) for name in names)
+
+
+@pytest.mark.parametrize("name", COMMON_UNITS)
+def test_the_commonest_units_are_what_pint_has(name: str) -> None:
+    factor, exponents = COMMON_UNITS[name]
+    assert unit_of_pint(name) == (Decimal(factor), exponents)
+
+
+def test_a_run_of_the_thesis_does_without_pint() -> None:
+    code = "import sys; from cases.case_file import load_case; load_case('thesis-24'); print('pint' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

@@ -38,7 +38,7 @@ def call(capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
 
     def called(*arguments: str) -> Answer:
         capfd.readouterr()
-        code = main(arguments)
+        code = main(("--quiet", *arguments) if arguments else ())  # what is on its way is told or not, by how fast the machine is
         return Answer(code, *capfd.readouterr())
 
     return called

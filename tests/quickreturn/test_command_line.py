@@ -426,7 +426,17 @@ def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.Monk
 @pytest.mark.usefixtures("call")
 def test_program_as_a_process(tmp_path: Path) -> None:
     program = started(
-        "simulate", "small.toml", "--engine", "fake", "--output", "out.csv", "--set", "engine.step=0.1", "--json", folder=tmp_path
+        "--quiet",
+        "simulate",
+        "small.toml",
+        "--engine",
+        "fake",
+        "--output",
+        "out.csv",
+        "--set",
+        "engine.step=0.1",
+        "--json",
+        folder=tmp_path,
     )
     output, errors = program.communicate()
     assert (program.returncode, errors) == (0, "")
@@ -452,11 +462,12 @@ def test_reader_that_has_enough_is_no_error(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("call")
 def test_interrupt_is_exit_130_and_leaves_nothing_behind(tmp_path: Path) -> None:
     arguments = ("simulate", "small.toml", "--engine", "fake", "--output", "out.csv", "--set", "engine.behaviour=hangs")
-    program = started(*arguments, folder=tmp_path, process_group=0)
+    program = started("--quiet", *arguments, folder=tmp_path, process_group=0)
     wait_until(lambda: any(descendants(process) for process in descendants(program.pid)), program)  # a worker below the fork server
     os.killpg(program.pid, signal.SIGINT)  # as a terminal does
     output, errors = program.communicate(timeout=300.0)
-    assert (program.returncode, output, errors) == (130, "", "quickreturn: interrupted\n")
+    told = "quickreturn: interrupted; nothing is kept, the same command begins anew\n"
+    assert (program.returncode, output, errors) == (130, "", told)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["packages", "small.toml"]
 
 

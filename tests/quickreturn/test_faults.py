@@ -16,7 +16,7 @@
 | ... where `--output` goes | --output FILE: it cannot be written (why) | 2 | the file that was there before |
 | ... where standard output goes | standard output cannot be written (why) | 2 | stored results |
 | a file where a folder should be, or none can be made | store folder F: ... ; --output F: ... (before anything runs) | 2 | everything |
-| Ctrl-C, once or again and again | interrupted | 130 | every result stored before; no half file |
+| Ctrl-C, once or again and again | interrupted; what is kept and how to go on | 130 | every result stored before; no half file |
 """
 
 import contextlib
@@ -39,7 +39,6 @@ from cases.benchmark.scenes import tried
 from cases.case_file import load_case
 from cases.jobs.job import Limits
 from cases.jobs.processes import LocalProcesses
-from reports.pictures import Pictures
 from reports.report import write_report
 from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
 from tests.quickreturn.conftest import Answer, Call
@@ -89,7 +88,7 @@ def answer_of(program: "subprocess.Popen[str]") -> Answer:
 
 def run(folder: Path, *names: str, **more: Any) -> "subprocess.Popen[str]":
     """A run of these engines, started."""
-    return started("run", "small.toml", *engines(*names), "--json", folder=folder, **more)
+    return started("run", "--quiet", "small.toml", *engines(*names), "--json", folder=folder, **more)
 
 
 def stored(folder: Path) -> list[Path]:
@@ -115,7 +114,9 @@ class Campaign:
 
     def __init__(self, folder: Path) -> None:
         limits = ("--time-limit", "12 s", "--memory-limit", "1", "--jobs", "3")
-        program = started("run", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder))
+        program = started(
+            "run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder)
+        )
         self.folder = folder
         self.answer = answer_of(program)
         self.document = json.loads(self.answer.output)
@@ -152,7 +153,6 @@ def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> No
 def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("sound", "segfaults", "not-installed")
     monkeypatch.setattr("reports.report.write_report", partial(write_report, engines=names))
-    monkeypatch.setattr("reports.report.draw_pictures", lambda *_: Pictures())
     code, output, errors = call("report", "small.toml")
     assert code == 3
     assert output.splitlines()[1:] == [
@@ -267,7 +267,9 @@ def test_an_interrupted_run_ends_at_once_and_keeps_what_it_has(place: Path) -> N
     for _ in range(20):  # an impatient user; a terminal sends it to the whole group
         os.killpg(program.pid, signal.SIGINT)
         time.sleep(0.005)
-    assert answer_of(program) == Answer(130, "", "quickreturn: interrupted\n")
+    assert answer_of(program) == Answer(
+        130, "", "quickreturn: interrupted; 2 results of this call are kept in .quickreturn; the same command goes on from there\n"
+    )
     wait_until(lambda: not any(map(running, below)))
     assert len(stored(place)) == 1
     assert nothing_half_done(place)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,13 @@ import numpy as np
 from cases.case import Case
 from cases.case_file import load_case
 from cases.measures import CHANNELS
+from cases.recorded import RecordedTable
 from cases.runs.comparison import CaseResult, compare
 from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
+from cases.runs.recorded import recorded_run
 from cases.runs.request import INACCURATE, SETTLED, Run
 from engines.trajectory import OPTIONAL, REQUIRED
+from reference_model.columns import SHAPE
 from reference_model.rigid import rigid_kinetostatics, rigid_motion
 
 ENGINES = ("thesis", "reference", "exudyn", "mujoco")
@@ -56,6 +60,8 @@ def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, s
         "slider_force": force + 2.0 * vibration,
         "crank_torque": torque,
     }
+    for place, name in enumerate(SHAPE, start=1):
+        columns[name] = columns["tip_deflection"] * (place / (len(SHAPE) + 1)) ** 2
     for gauge, name in enumerate(CHANNELS[1:], start=1):
         columns[name] = bends * 1e-4 * (gauge * np.sin(angle) + vibration)
     errors = {name: 5e-4 * float(np.max(np.abs(columns[name]))) for name in CHANNELS}
@@ -103,12 +109,21 @@ def made_up_result(name: str, statuses: dict[str, str] | None = None, seed: int 
     return compare(case, runs)
 
 
-def with_mechanism(result: CaseResult, **changes: Any) -> CaseResult:
-    """The same results under a changed mechanism."""
-    mechanism = dataclasses.replace(result.case.mechanism, **changes)
-    return dataclasses.replace(result, case=dataclasses.replace(result.case, scene=mechanism))
-
-
 def with_run(result: CaseResult, engine: str, **changes: Any) -> CaseResult:
     """The same results with another run of one engine."""
     return dataclasses.replace(result, runs={**result.runs, engine: dataclasses.replace(result.runs[engine], **changes)})
+
+
+def with_table(
+    result: CaseResult,
+    name: str,
+    columns: Sequence[str],
+    declared: Mapping[str, str] | None = None,
+    of_experiment: bool = False,
+    factor: float = 1.0,
+) -> CaseResult:
+    """The same results beside a recorded table: some columns of the reference's turn, times a factor."""
+    cycle = result.runs["reference"].cycle
+    values = {"time": cycle["time"], "crank_angle": cycle["crank_angle"], **{column: factor * cycle[column] for column in columns}}
+    table = RecordedTable(name, name, values, frozenset(), declared or {}, of_experiment)
+    return compare(result.case, result.runs, {**result.recorded, name: recorded_run(table, result.case)})

@@ -47,7 +47,6 @@ class PageReader(HTMLParser):
         self.text = ""
         self._file = ""
         self._cell: list[str] | None = None
-        self._spans: dict[str, tuple[int, tuple[str, str]]] = {}
         self.feed(page)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
@@ -64,30 +63,19 @@ class PageReader(HTMLParser):
         elif tag == "tr" and self._file:
             self.tables[self._file].append([])
         elif "data-value" in found:
-            self._cell = ["", found["data-value"], found.get("rowspan", "")]
+            self._cell = ["", found["data-value"]]
 
     def handle_endtag(self, tag: str) -> None:
         if tag in ("td", "th") and self._cell is not None:
-            text, value, span = self._cell
-            row = self.tables[self._file][-1]
-            if span:
-                self._spans[self._file] = (int(span), (text, value))
-            row.append((text, value))
+            self.tables[self._file][-1].append((self._cell[0].strip(), self._cell[1]))
             self._cell = None
         if tag == "table":
-            self.tables[self._file] = self._whole_rows(self._file)
+            self.tables[self._file] = [row for row in self.tables[self._file] if row]
             self._file = ""
 
     def handle_data(self, data: str) -> None:
+        if self.lasttag in ("script", "style"):
+            return
         self.text += data
         if self._cell is not None:
             self._cell[0] += data
-
-    def _whole_rows(self, file: str) -> list[list[tuple[str, str]]]:
-        """Body rows, those that a spanning first cell leaves short completed with it."""
-        rows: list[list[tuple[str, str]]] = []
-        for row in self.tables[file]:
-            if row:
-                short = len(row) < len(self.heads[file])
-                rows.append([rows[-1][0], *row] if short else row)
-        return rows

@@ -11,11 +11,10 @@ from cases.judging.conditioning import Conditioning
 from cases.judging.matrix import Cell, Matrix
 from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
 from cases.library.hard import IMPOSSIBLE
-from reports.page import page
-from reports.pages.content import Content
-from reports.pages.hard_scenes import hard_scenes, stored_matrix
+from reports.page.facts.methods import stored_matrix
 from reports.tables import hard_scenes as tables
-from tests.reports.reported_results import PageReader, reported_result
+from tests.reports import pages
+from tests.reports.reported_results import PageReader
 
 SCENES = ("hard-speed-x2", "hard-speed-x3")
 ENGINES = ("thesis", "reference", "exudyn", "mujoco")
@@ -59,8 +58,7 @@ def matrix(*, wrong: bool = False) -> Matrix:
 
 
 def read(found: Matrix | None) -> PageReader:
-    content = Content(results=[reported_result("thesis-24")], hard_scenes=found)
-    return PageReader(page([hard_scenes(content)], "today"))
+    return pages.read(pages.one_run(hard_scenes=found))
 
 
 def test_every_cell_says_its_verdict_in_words() -> None:
@@ -93,18 +91,19 @@ def test_the_page_explains_itself_and_tells_what_was_checked() -> None:
     text = read(matrix()).text
     assert all(meaning in text for meaning in MEANINGS.values())
     assert all(sentence in text for sentence in IMPOSSIBLE.values())
-    assert "no cell is silently wrong" in text
+    assert "none silently wrong of 3 claims" in text
     assert "1\N{NO-BREAK SPACE}cell of the matrix has not been computed" in text
 
 
 def test_a_claim_that_does_not_hold_is_shouted() -> None:
     found = read(matrix(wrong=True))
-    assert "1\N{NO-BREAK SPACE}claim did not hold: reference in hard-speed-x2" in found.text
+    assert "1\N{NO-BREAK SPACE}claim did not hold" in found.text
+    assert "Claims that did not hold: reference in hard-speed-x2" in found.text
     assert "silently wrong: claims 0.4" in found.text
-    assert "no cell is silently wrong" not in found.text
+    assert "none silently wrong" not in found.text
 
 
-def test_without_results_the_page_says_how_to_get_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "make verify" in read(None).text
-    monkeypatch.setattr("reports.pages.hard_scenes.catalogue", lambda tag: ())
+def test_without_results_there_is_no_matrix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "hard" not in read(None).anchors
+    monkeypatch.setattr("reports.page.facts.methods.catalogue", lambda tag: ())
     assert stored_matrix(Workshop(Store(tmp_path))) is None

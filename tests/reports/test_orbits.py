@@ -6,9 +6,8 @@ import math
 import pandas as pd
 import pytest
 
-from reports.pages.content import Content
-from reports.pages.studies import accuracy_and_cost
 from reports.tables.orbits import orbits
+from tests.reports.pages import one_run, text_of
 from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import reported_result
 from tests.reports.test_report import BOTH_WAYS, studies
@@ -27,19 +26,15 @@ def test_marching_is_told_from_the_largest_multiplier() -> None:
 
 
 def test_the_chapter_says_how_much_is_saved_or_that_nothing_is() -> None:
-    content = Content(results=[reported_result("thesis-24")])
-    texts = [block.text for block in accuracy_and_cost(content).blocks if hasattr(block, "text")]
     # ln 1e-3 / ln 0.768 = 26.2 cycles against 12
-    assert any("2.2 times less than marching to 0.001, 4.4 times less" in text for text in texts)
+    assert "2.2 times less than marching to 0.001, 4.4 times less" in text_of(one_run())
     marched = with_run(reported_result("thesis-24"), "reference", periodic_orbit=None)
-    texts = [block.text for block in accuracy_and_cost(Content(results=[marched])).blocks if hasattr(block, "text")]
-    assert any("every engine marched" in text for text in texts)
+    assert "every engine marched" in text_of(one_run(marched, studies=studies()))
 
 
-@pytest.mark.parametrize(("difference", "words"), [(1.3e-3, "no more than both say is left"), (1.5e-3, "(more than both say is left)")])
+@pytest.mark.parametrize(("difference", "words"), [(1.3e-3, "(no more than both say is left)"), (1.5e-3, "(more than both say is left)")])
 def test_both_starts_are_held_against_what_both_runs_say_is_left(difference: float, words: str) -> None:
     frame = pd.DataFrame([BOTH_WAYS | {"difference": difference}])
-    content = Content(results=[reported_result("thesis-24")], studies=dataclasses.replace(studies(), both_ways=frame))
-    texts = [block.text for block in accuracy_and_cost(content).blocks if hasattr(block, "text")]
-    (told,) = (text for text in texts if "exudyn in 4 and 25 cycles" in text)
+    told = text_of(one_run(studies=dataclasses.replace(studies(), both_ways=frame)))
+    assert "exudyn in 4 and 25 cycles" in told
     assert words in told

@@ -6,15 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from cases.experiment import MeasuredCurve, statements
-from cases.measures import CHANNELS, Measure
-from cases.runs.comparison import HALVES, CaseResult, Check, compare
-from cases.runs.estimates import EstimatedConsensus
-from cases.runs.request import Run
-from reports.findings.agreement import differences, spread
-from reports.findings.evidence import Evidence
-from reports.findings.failures import troubles
-from reports.findings.frozen_crank import (
+from cases.experiment import statements
+from cases.frozen_crank import (
     ANGLES,
     LBF_PER_IN,
     JointEffect,
@@ -24,11 +17,21 @@ from reports.findings.frozen_crank import (
     joint_effects,
     share_with_signs,
 )
-from reports.findings.measured import MeasuredHalf, statement_values
+from cases.measures import CHANNELS
+from cases.runs.comparison import HALVES, CaseResult, Check, compare
+from cases.runs.estimates import EstimatedConsensus
+from cases.runs.request import Run
+from reports.findings.agreement import differences, spread
+from reports.findings.evidence import Evidence
+from reports.findings.failures import troubles
+from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
 from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, verdicts
+from reports.page.answer import answer_of
+from reports.page.chapters import chapters_of
+from reports.page.content import Content
 from reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
-from tests.reports.plotted_results import with_run
+from tests.reports.plotted_results import with_run, with_table
 from tests.reports.reported_results import reported_result
 
 
@@ -127,17 +130,37 @@ def test_without_a_waveform_relations_cannot_be_checked_and_with_one_they_are() 
     assert verdict_of("pre-frequency", Basis([], None, {"pre_frequency": {24: 1.20}}))[0] == NOT
 
 
-def comparison(run_24: CaseResult, origin: str) -> MeasuredHalf:
-    curve = MeasuredCurve(24, "strain_2", np.zeros(2), np.zeros(2), np.zeros(2), 16.6, origin, "test", {}, None)  # type: ignore[arg-type]
-    measure = Measure("pre", "strain_2", 16.0, 0.1, 2e-4, 1e-5, None, -1e-3, 1e-3, "")
-    return MeasuredHalf(curve, measure, {"thesis": dataclasses.replace(measure, first_mode_frequency=18.0, first_mode_amplitude=1e-4)})
+def measured(run_24: CaseResult, origin: str, of_experiment: bool = True) -> list[MeasuredHalf]:
+    """Before the return, with numbers in place of what a made-up signal leaves unresolved."""
+    found = measured_halves([with_table(run_24, "curve.csv", ["strain_2"], {"origin": origin}, of_experiment)])
+    (half,) = (item for item in found if item.measure.half == "pre")
+    measure = dataclasses.replace(half.measure, first_mode_frequency=16.0, first_mode_frequency_uncertainty=0.1, first_mode_amplitude=2e-4)
+    its = {"thesis": dataclasses.replace(measure, first_mode_frequency=18.0, first_mode_amplitude=1e-4)}
+    return [dataclasses.replace(half, measure=measure, engines=its)]
 
 
-def test_a_synthetic_curve_has_no_weight_in_a_verdict(run_24: CaseResult) -> None:
-    assert statement_values([comparison(run_24, "synthetic")], "thesis") == {}
-    values = statement_values([comparison(run_24, "digitised")], "thesis")
+def test_recordings_of_the_experiment_alone_have_weight_in_a_verdict(run_24: CaseResult) -> None:
+    values = statement_values(measured(run_24, "digitised"), "thesis")
     assert values["pre_frequency"] == {24: pytest.approx(18.0 / 16.0)}
     assert values["pre_amplitude"] == {24: pytest.approx(0.5)}
+    assert statement_values(measured(run_24, "synthetic"), "thesis") == {}
+    assert statement_values(measured(run_24, "measured", of_experiment=False), "thesis") == {}
+
+
+def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
+    """Neither an engine of another package nor a recorded table, however far off, though both are compared."""
+    wrong = dataclasses.replace(run_24.runs["mujoco"], engine="foreign", consensus=(EstimatedConsensus("pre", 99.0, 0.1, 0.1),))
+    others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
+    before, after = Content(results=[run_24]), Content(results=[others])
+    assert after.verdicts == before.verdicts
+    assert after.axes
+    assert all(axis.ratio("tool.csv") is None for axis in after.axes)
+    facts_before, facts_after = ({chapter.id: chapter.facts for chapter in chapters_of(content)} for content in (before, after))
+    assert facts_after["experiment"]["ratios"] == facts_before["experiment"]["ratios"]
+    assert facts_after["recorded"]["names"] == ["tool.csv"]
+    assert answer_of(after).fastest == answer_of(before).fastest
+    assert answer_of(after).cubic == answer_of(before).cubic
+    assert "foreign" in answer_of(after).engines
 
 
 def test_differences_are_relative_to_the_other_engine_and_extremes_to_its_peak() -> None:

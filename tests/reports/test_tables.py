@@ -18,7 +18,7 @@ def builder() -> TableBuilder:
         Column("strain", "strain", "1", ".1f", "10⁻⁶", 1e6),
         Column("cycles", "cycles", form="d"),
     )
-    return TableBuilder("example", "An example.", columns, grouped=True)
+    return TableBuilder("example", "An example.", columns)
 
 
 def test_a_csv_file_has_every_column_in_full_precision_with_units() -> None:
@@ -53,11 +53,13 @@ def test_a_mark_does_not_rest_on_colour_alone() -> None:
     assert shown.page_text(shown.rows[0], 1).startswith("✗ ")
 
 
-def test_rows_of_one_group_are_kept_together() -> None:
+def test_a_table_is_a_frame_with_units() -> None:
     table = builder()
-    for run in ("a", "a", "b"):
-        table.add(run=run)
-    assert [len(body) for body in table.table().bodies] == [2, 1]
+    table.add(run="a", frequency=Cell(16.0, note="told"))
+    frame = table.table().frame
+    assert frame.attrs["units"] == {"run": "", "frequency [Hz]": "Hz", "width [Hz]": "Hz", "strain [1]": "1", "cycles": ""}
+    assert frame["frequency [Hz]"][0] == 16.0
+    assert frame["frequency remark"][0] == "told"
 
 
 def test_a_column_that_does_not_exist_is_an_error() -> None:

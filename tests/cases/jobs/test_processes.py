@@ -64,7 +64,7 @@ def test_a_watcher_is_told_how_far_a_job_is_and_nobody_else() -> None:
     job = Job("job", exec, (code,))
     (outcome,) = LocalProcesses(1, preload=PRELOAD).run([job], lambda job, progress: seen.append((job.name, str(progress))))
     assert outcome.completed
-    assert seen == [("job", "fake, marching"), ("job", "fake, marching, cycle 1"), ("job", "fake, marching, cycle 2")]
+    assert seen == [("job", "None"), ("job", "fake, marching"), ("job", "fake, marching, cycle 1"), ("job", "fake, marching, cycle 2")]
     assert done(exec, code).completed
 
 

@@ -1,4 +1,4 @@
-"""The progress bar: for a terminal only, and never on standard output."""
+"""What the person who waits gets to see: in place on a terminal, in lines on a pipe, and never on standard output."""
 
 import contextlib
 import os
@@ -6,35 +6,52 @@ import pty
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from cases.jobs.job import Job, answers
+from cases.jobs.display import Tally, answers, span
+from cases.jobs.job import Job, Outcome
 from cases.jobs.processes import LocalProcesses
+from engines.progress import Progress
 
 CODE = """
+from cases.jobs.display import answers
 from cases.jobs.job import Job
 from cases.jobs.processes import LocalProcesses
-from cases.jobs.job import answers
-if __name__ == "__main__":
-    work = "import time; from engines.progress import tell; tell(engine='fake', phase='marching', cycle=7); time.sleep(0.5)"
-    jobs = [Job(name, exec, (work,)) for name in ("one", "two")]
-    print([outcome.failure for outcome in answers(LocalProcesses(1, preload=()), jobs, "runs")])
+work = "import time; from engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=7, most=60); time.sleep(0.6)"
+jobs = [Job(name, exec, (work,)) for name in ("one", "two")]
+print([outcome.failure for outcome in answers(LocalProcesses(1, preload=(), quiet=False), jobs, "runs")])
 """
 
 
-def test_nothing_is_shown_where_there_is_no_terminal(capfd: pytest.CaptureFixture[str]) -> None:
+@pytest.fixture
+def script(tmp_path: Path) -> Path:
+    """Its top has no guard: that workers do not run it again is what it also shows."""
+    file = tmp_path / "watched.py"
+    file.write_text(CODE)
+    return file
+
+
+def test_nothing_is_shown_where_it_is_not_asked_for(capfd: pytest.CaptureFixture[str]) -> None:
     jobs = [Job(text, str.upper, (text,)) for text in "abc"]
     assert [outcome.value for outcome in answers(LocalProcesses(preload=()), jobs, "runs")] == ["A", "B", "C"]
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_terminal_gets_the_bar_and_what_is_at_work_and_standard_output_stays_clean(tmp_path: Path) -> None:
-    script = tmp_path / "watched.py"
-    script.write_text(CODE)
+def test_a_pipe_gets_lines_and_standard_output_stays_clean(script: Path) -> None:
+    program = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    assert program.stdout == "['', '']\n"
+    lines = program.stderr.splitlines()
+    assert any(line.startswith("  runs: 0 of 2 done after 0 s") for line in lines), lines
+    assert any(line.startswith("  one: done in 1 s; 1 of 2 done, about 1 s left") for line in lines), lines
+    assert any(line.startswith("  two: done in") and line.endswith("2 of 2 done") for line in lines), lines
+
+
+def test_a_terminal_gets_the_bar_and_what_is_at_work_and_standard_output_stays_clean(script: Path) -> None:
     reading, writing = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100"}
-    program = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, stderr=writing, env=environment)
+    program = subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, stderr=writing, env=environment)
     os.close(writing)
     shown = b""
     with contextlib.suppress(OSError):  # the other end is closed
@@ -42,5 +59,34 @@ def test_a_terminal_gets_the_bar_and_what_is_at_work_and_standard_output_stays_c
             shown += piece
     os.close(reading)
     assert program.communicate()[0] == b"['', '']\n"
-    for text in ("runs", "1/2", "left", "one: fake, marching, cycle 7", "two: fake, marching, cycle 7"):
+    for text in ("runs", "1 of 2 done", "left", "one: fake, marching, cycle 7 of at most 60", "two: fake, marching, cycle 7 of at most 60"):
         assert text in shown.decode()
+
+
+def job(name: str) -> Job[Any]:
+    return Job(name, len)
+
+
+def test_what_is_at_work_is_told_with_engine_phase_rung_and_cycle() -> None:
+    tally, one, two = Tally(3, 2), job("thesis-24 mujoco"), job("thesis-23")
+    tally.watch(one, None)
+    tally.watch(two, Progress("exudyn", "estimating the error", rung=2))
+    assert tally.at_work() == ["thesis-24 mujoco: beginning", "thesis-23: exudyn, estimating the error at rung 2"]
+    tally.watch(one, Progress("mujoco", "marching", cycle=12, most=60))
+    assert tally.at_work()[0] == "thesis-24 mujoco: marching, cycle 12 of at most 60"
+
+
+def test_the_time_left_follows_from_what_was_done() -> None:
+    tally, jobs = Tally(5, 2), [job(str(number)) for number in range(5)]
+    assert tally.left is None
+    for number in (0, 1):
+        tally.ended(Outcome(jobs[number], seconds=10.0))
+    assert tally.left == pytest.approx(15.0)  # three of ten seconds each, two at a time
+    tally.watch(jobs[2], None)
+    assert tally.left == pytest.approx(15.0, abs=1.0)
+    assert str(tally) == "2 of 5 done, about 15 s left"
+
+
+@pytest.mark.parametrize(("seconds", "text"), [(0.2, "0 s"), (59.4, "59 s"), (61.0, "1 min 1 s"), (4800.0, "1 h 20 min")])
+def test_a_span_of_time_for_a_person(seconds: float, text: str) -> None:
+    assert span(seconds) == text

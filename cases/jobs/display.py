@@ -1,0 +1,179 @@
+"""What the person who waits gets to see, on standard error: what is at work, how far it is, how much is done, what is left.
+
+A terminal shows it in place; a pipe or a file gets a line every few seconds and one for each result.
+"""
+
+import contextlib
+import functools
+import sys
+import threading
+import time
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing
+from typing import TYPE_CHECKING, Any, Final
+
+from cases.jobs.job import Executor, Job, Outcome, T
+from reference_model import machine_code
+
+if TYPE_CHECKING:
+    from engines.progress import Progress
+
+#: Until the first line, and between lines, s. What is done before needs none.
+FIRST: Final = 0.3
+EVERY: Final = 5.0
+#: Shown on a line at most.
+_MOST_AT_WORK: Final = 4
+
+
+def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator[Outcome[T], None, None]:
+    """Outcomes as they come; how far they are is shown meanwhile unless the executor is quiet. Raises as `Executor.run`."""
+    if executor.quiet or not jobs:
+        yield from executor.run(jobs)
+        return
+    _say_what_is_forgotten()
+    tally = Tally(len(jobs), executor.at_once)
+    with _shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
+        for outcome in running:
+            tally.ended(outcome)
+            done(outcome)
+            yield outcome
+
+
+def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
+    """How each of the jobs ended, in their order; their results are good for this moment and not stored. Raises as `Executor.run`."""
+    with closing(watched(executor, jobs, title)) as computed:
+        found = {id(outcome.job): outcome for outcome in computed}
+    return [found[id(job)] for job in jobs]
+
+
+class Tally:
+    """How many of the jobs are done, what is at work, and how long the rest will take."""
+
+    def __init__(self, total: int, at_once: int) -> None:
+        """`total`: number of jobs; `at_once`: how many are computed at a time."""
+        self.total, self.done, self._at_once = total, 0, at_once
+        self._began = time.monotonic()
+        self._at_work: dict[int, tuple[Job[Any], Progress | None, float]] = {}
+        self._seconds: list[float] = []
+        self._lock = threading.Lock()
+
+    def watch(self, job: Job[Any], progress: "Progress | None") -> None:
+        """A job has begun (None), or is as far as it says."""
+        with self._lock:
+            began = self._at_work[id(job)][2] if id(job) in self._at_work else time.monotonic()
+            self._at_work[id(job)] = job, progress, began
+
+    def ended(self, outcome: Outcome[Any]) -> None:
+        """A job has ended, well or not."""
+        with self._lock:
+            self._at_work.pop(id(outcome.job), None)
+            self.done += 1
+            self._seconds.append(outcome.seconds)
+
+    @property
+    def elapsed(self) -> float:
+        """Since the beginning, s."""
+        return time.monotonic() - self._began
+
+    @property
+    def left(self) -> float | None:
+        """How long the rest will take, s, if it takes on average what took so far; None before there is a result."""
+        with self._lock:
+            if not self._seconds:
+                return None
+            mean, now = sum(self._seconds) / len(self._seconds), time.monotonic()
+            begun = sum(max(0.0, mean - (now - began)) for _, _, began in self._at_work.values())
+            return (begun + mean * (self.total - self.done - len(self._at_work))) / self._at_once
+
+    def at_work(self) -> list[str]:
+        """A line for each job that is being computed."""
+        with self._lock:
+            return [_line(job, progress) for job, progress, _ in self._at_work.values()]
+
+    def __str__(self) -> str:
+        left = self.left
+        ahead = f", about {span(left)} left" if left and left >= 0.5 else ""
+        return f"{self.done} of {self.total} done{ahead}"
+
+
+def _line(job: Job[Any], progress: "Progress | None") -> str:
+    told = str(progress or "beginning")
+    engine = progress.engine if progress else ""
+    return f"{job.name}: {told.removeprefix(f'{engine}, ') if engine and engine in job.name else told}"
+
+
+def span(seconds: float) -> str:
+    """A time span for a person: "4 s", "3 min 20 s", "1 h 20 min"."""
+    whole = round(max(seconds, 0.0))
+    if whole < 60:
+        return f"{whole} s"
+    minutes = whole // 60
+    return f"{minutes} min {whole % 60} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+@contextlib.contextmanager
+def _shown(tally: Tally, title: str) -> Iterator[Any]:
+    """Show the tally until the block ends; what is yielded is told of every outcome."""
+    if sys.stderr.isatty():
+        with _in_place(tally, title):
+            yield lambda outcome: None
+    else:
+        with _in_lines(tally, title):
+            yield lambda outcome: _say(_result(outcome, tally)) if tally.total > 1 else None
+
+
+@contextlib.contextmanager
+def _in_place(tally: Tally, title: str) -> Iterator[None]:
+    """The terminal: a bar, and below it what is at work."""
+    from rich.console import Console, Group
+    from rich.live import Live
+    from rich.progress_bar import ProgressBar
+    from rich.table import Table
+    from rich.text import Text
+
+    def drawn() -> Group:
+        head = Table.grid(padding=(0, 1))
+        head.add_row(title, ProgressBar(total=tally.total, completed=tally.done, width=30), str(tally), span(tally.elapsed))
+        return Group(head, *(Text(f"  {line}", no_wrap=True, overflow="ellipsis") for line in tally.at_work()))
+
+    with Live(get_renderable=drawn, console=Console(stderr=True), transient=True, refresh_per_second=8):
+        yield
+
+
+@contextlib.contextmanager
+def _in_lines(tally: Tally, title: str) -> Iterator[None]:
+    """A pipe or a file: now and then a line, from a thread of its own, for the caller waits."""
+    ended = threading.Event()
+
+    def tell() -> None:
+        wait = FIRST
+        while not ended.wait(wait):
+            at_work = tally.at_work()
+            more = [f"{len(at_work) - _MOST_AT_WORK} more"] if len(at_work) > _MOST_AT_WORK else []
+            _say("; ".join([f"{title}: {tally} after {span(tally.elapsed)}", *at_work[:_MOST_AT_WORK], *more]))
+            wait = EVERY
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def _result(outcome: Outcome[Any], tally: Tally) -> str:
+    ended = f"done in {span(outcome.seconds)}" if outcome.completed else outcome.failure
+    return f"{outcome.job.name}: {ended}; {tally}"
+
+
+@functools.cache
+def _say_what_is_forgotten() -> None:
+    """Once in a process."""
+    if sentence := machine_code.forgotten():
+        _say(sentence)
+
+
+def _say(line: str) -> None:
+    with contextlib.suppress(OSError, ValueError):  # nobody listens
+        print(f"  {line}", file=sys.stderr, flush=True)

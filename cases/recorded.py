@@ -1,0 +1,248 @@
+"""Recorded tables: what another tool, an earlier version or a test rig wrote down, as CSV files with units in their headings.
+
+The heading names columns of the trajectory, each with its unit in brackets: `time [ms], crank_angle [deg], tip_deflection [mm]`. A heading
+without a unit means SI, so that the project's own trajectory files are recorded tables, too. Lines `# key = value` above the heading
+tell what the table is. Nothing is done to the numbers but the change of unit: no shift, no filter, no fit.
+"""
+
+import csv
+import io
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, shortened
+from cases.text_file import Kind, read_text
+from cases.units import DIMENSIONS, QuantityError, plain_number, unit_size
+from reference_model.columns import COLUMNS
+
+Array = NDArray[np.float64]
+
+#: The folder that holds recordings of the experiment, to be read instead of the project's own.
+FOLDER_VARIABLE: Final = "QUICKRETURN_CURVES"
+MOST_ROWS: Final = 1_000_000
+_KIND: Final = Kind("a recorded table", "a CSV text", 100_000_000, f"at most 100 MB and {MOST_ROWS} rows")
+
+#: What may stand above the heading, with the values accepted; free texts where there are none.
+DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
+    "case": (),
+    "version": (),
+    "origin": ("simulated", "measured", "digitised", "synthetic"),
+    "source": (),
+}
+#: Units that pint does not know, or knows as something else.
+_OTHER_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
+    "1": {"1": 1.0, "strain": 1.0, "percent": 0.01, "%": 0.01, "microstrain": 1e-6},
+    "m/s^2": {"g": 9.80665},
+}
+_HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
+
+
+@dataclass(frozen=True)
+class RecordedTable:
+    """A table as it was recorded, in SI units.
+
+    Attributes:
+        name: of the file; what the table is called among the engines.
+        path: of the file.
+        columns: names as in `reference_model.columns` -> values, each of shape (n,); "time" and at least one other.
+        bare: those whose headings have no unit.
+        declared: what the file says of itself: some of `DECLARATIONS`.
+        of_experiment: whether it lies in the folder of the experiment's recordings.
+    """
+
+    name: str
+    path: str
+    columns: Mapping[str, Array] = field(repr=False)
+    bare: frozenset[str] = frozenset()
+    declared: Mapping[str, str] = field(default_factory=dict)
+    of_experiment: bool = False
+
+    @property
+    def shown(self) -> str:
+        """The path, safe to print."""
+        return path_shown(self.path)
+
+
+def is_table(name: str) -> bool:
+    """Whether what stands in the place of an engine's name is the path of a recorded table."""
+    return name.lower().endswith(".csv")
+
+
+def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
+    """A recorded table.
+
+    Raises:
+        CaseError: the file cannot be read, or is no such table.
+    """
+    shown, text = path_shown(path), read_text(path, _KIND)
+    lines = text.splitlines()
+    declared, at = _declarations(shown, lines)
+    if at == len(lines):
+        raise CaseError(
+            shown, None, None, "is empty" if not text.strip() else "has no heading", 'write one such as "time [s],crank_angle [deg]"'
+        )
+    names, factors, bare = _heading(shown, f"line {at + 1}", lines[at])
+    values = _values(shown, names, lines, at + 1)
+    columns = {name: factor * column for name, factor, column in zip(names, factors, values.T, strict=True)}
+    table = RecordedTable(os.path.basename(path), path, columns, bare, declared, of_experiment)
+    late = np.flatnonzero(np.diff(columns["time"]) <= 0.0)
+    if late.size:
+        row = int(late[0]) + 1
+        written = f"{values[row, names.index('time')]:.12g}"
+        raise CaseError(shown, f"line {_numbers(lines, at + 1)[row]}, time", written, "does not rise", "sort the rows and drop doubles")
+    return table
+
+
+def experiment_tables(folder: str | Path | None = None) -> list[RecordedTable]:
+    """All tables in the folder of the experiment's recordings, by file name; each declares its case and its origin.
+
+    Args:
+        folder: default: what the environment variable QUICKRETURN_CURVES names, else the project's own folder.
+
+    Raises:
+        CaseError: no such folder, or a file that is no such table.
+    """
+    place = Path(folder or os.environ.get(FOLDER_VARIABLE) or str(files("cases.experiment") / "curves"))
+    if not place.is_dir():
+        raise CaseError(path_shown(str(place)), None, None, "is no folder", f"{FOLDER_VARIABLE} names a folder of CSV files")
+    tables = [read_table(str(path), of_experiment=True) for path in sorted(place.glob("*.csv"))]
+    for table in tables:
+        for key in ("case", "origin"):
+            if key not in table.declared:
+                accepted = " or ".join(DECLARATIONS[key]) or "the name of a case"
+                raise CaseError(
+                    table.shown, key, None, "this declaration is missing", f'write "# {key} = ..." above the heading, with {accepted}'
+                )
+    return tables
+
+
+def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[RecordedTable]]:
+    """Recorded tables by the name of the case that each declares; it may be left out where there is one case alone.
+
+    Raises:
+        CaseError: a table that cannot be read, or is of none of the cases; two of one name.
+    """
+    found: dict[str, list[RecordedTable]] = {}
+    for path in paths:
+        table = read_table(path)
+        if "case" not in table.declared and len(cases) > 1:
+            accepted = f'write "# case = ..." above its heading, with one of {", ".join(cases)}'
+            raise CaseError(table.shown, "case", None, "is not declared, and there are several cases", accepted)
+        case = table.declared.get("case", cases[0])
+        if case not in cases:
+            raise CaseError(table.shown, "case", as_written(case), "is not among the cases", f"these are {', '.join(cases)}")
+        if any(table.name == other.name for other in found.get(case, ())):
+            raise CaseError(table.shown, None, None, f"is the second table called {table.name}", "give each file a name of its own")
+        found.setdefault(case, []).append(table)
+    return found
+
+
+def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], int]:
+    """What stands above the heading, and the place of the heading among the lines; their number if there is none."""
+    declared: dict[str, str] = {}
+    for at, line in enumerate(lines):
+        if not line.strip():
+            continue
+        if not line.startswith("#"):
+            return declared, at
+        key, equals, value = (part.strip() for part in line.lstrip("#").partition("="))
+        place = f"line {at + 1}"
+        if not equals or not value:
+            raise CaseError(source, place, as_written(line), "declares nothing", 'write "# key = value"')
+        if key not in DECLARATIONS:
+            raise CaseError(source, place, as_written(key), "is no known key", nearest_or_all(key, tuple(DECLARATIONS)))
+        if key in declared:
+            raise CaseError(source, place, as_written(key), "is declared twice", "declare each key once")
+        if DECLARATIONS[key] and value not in DECLARATIONS[key]:
+            raise CaseError(source, f"{place}, {key}", as_written(value), "is not accepted", f"give {' or '.join(DECLARATIONS[key])}")
+        declared[key] = value
+    return declared, len(lines)
+
+
+def _heading(source: str, place: str, line: str) -> tuple[list[str], list[float], frozenset[str]]:
+    """The names of the columns, the SI values of their units, and the names that have none."""
+    for sign, word in ((";", "semicolons"), ("\t", "tabulators")):
+        if sign in line:
+            raise CaseError(
+                source, place, as_written(line), f"has {word} between its columns", "separate columns by commas, decimals by points"
+            )
+    names: list[str] = []
+    factors, bare = [], set()
+    for heading in next(csv.reader([line], skipinitialspace=True)):
+        match = _HEADING.fullmatch(heading)
+        name, unit = (match[1], match[2]) if match else (heading, None)
+        if plain_number(name.strip()) is not None:
+            raise CaseError(source, place, as_written(heading), "is a number where a heading is due", 'begin with one such as "time [s]"')
+        if name not in COLUMNS:
+            near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all"
+            raise CaseError(source, place, as_written(heading), "is no column of a trajectory", near)
+        if name in names:
+            raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
+        names.append(name)
+        factors.append(1.0 if unit is None else _size(source, f"{place}, {name}", unit.strip(), COLUMNS[name].unit.replace(" ", "*")))
+        if unit is None:
+            bare.add(name)
+    if "time" not in names or len(names) < 2:
+        lacks = "has no column time" if "time" not in names else "holds time alone"
+        raise CaseError(source, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")
+    return names, factors, frozenset(bare)
+
+
+def _size(source: str, place: str, unit: str, si_unit: str) -> float:
+    others = _OTHER_UNITS.get(si_unit, {})
+    if unit in others:
+        return others[unit]
+    if si_unit not in DIMENSIONS:
+        raise CaseError(source, place, as_written(unit), "is no unit of a pure number", f"accepted are {', '.join(others)}")
+    try:
+        return unit_size(unit, DIMENSIONS[si_unit])
+    except QuantityError as wrong:
+        raise CaseError(source, place, as_written(unit), wrong.problem, wrong.accepted) from None
+
+
+def _values(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> Array:
+    """The numbers below the heading, shape (rows, columns)."""
+    if len(lines) - first > MOST_ROWS:
+        raise CaseError(source, None, None, f"has {len(lines) - first} rows", f"at most {MOST_ROWS} are accepted")
+    if not any(line.strip() for line in lines[first:]):
+        raise CaseError(source, None, None, "has no rows below its heading", "a whole turn of the crank is needed")
+    try:
+        values = np.loadtxt(io.StringIO("\n".join(lines[first:])), delimiter=",", ndmin=2, comments=None, quotechar='"')
+    except ValueError:
+        values = None
+    if values is None or values.shape[1] != len(names) or not np.all(np.isfinite(values)):
+        raise _bad_row(source, names, lines, first)
+    return values
+
+
+def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> CaseError:
+    """What is wrong with the first row that is not one finite number for each column."""
+    for number in _numbers(lines, first):
+        cells = next(csv.reader([lines[number - 1]], skipinitialspace=True))
+        for name, cell in zip(names, cells, strict=False):
+            value = plain_number(cell.strip())
+            if value is None or not np.isfinite(value):
+                hint = " (semicolons separate it: use commas, and decimal points)" if ";" in cell else ""
+                problem = "is empty" if not cell.strip() else f"is no plain number{hint}"
+                accepted = "leave out rows that lack a number, or columns that were not recorded"
+                return CaseError(source, f"line {number}, {name}", as_written(cell), problem, accepted)
+        if len(cells) != len(names):
+            hint = "; decimals need a point, not a comma" if len(cells) > len(names) else ""
+            problem = f"has {len(cells)} numbers, the heading {len(names)} columns"
+            return CaseError(
+                source, f"line {number}", f'"{shortened(lines[number - 1])}"', problem, f"give one number for each column{hint}"
+            )
+    return CaseError(source, None, None, "cannot be read as rows of numbers", "give one plain number for each column")
+
+
+def _numbers(lines: Sequence[str], first: int) -> list[int]:
+    """Numbers of the lines that hold rows."""
+    return [number for number, line in enumerate(lines[first:], start=first + 1) if line.strip()]

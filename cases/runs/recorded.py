@@ -1,0 +1,307 @@
+"""A recorded table treated like an engine: cut into turns of the crank, and one of them measured.
+
+Engines are held against it in the same state. A table that begins in the standard start and has not settled shows a transient: its last
+whole turn stands against the same turn of each engine (`RunRequest.turn`). Any other is taken as the steady state, which settles within
+it, or is what it shows of it: one turn, or turns that noise keeps from repeating.
+
+Nothing is claimed for the table's model. What counts is the uncertainty of the measures; an extreme's is what the rows show of it, by
+how much they depart from a smooth course (noise, rounding, sampling), and how far the last turn is from repeating the one before.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.case import Case
+from cases.errors import CaseError
+from cases.measures import CHANNELS, Cycle, Measure, Settling, cut_cycles, extremes_by_half, measure_cycle, on_common_grid, time_scale
+from cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER
+from cases.measures.time_scale import TURN, TimeScale
+from cases.recorded import RecordedTable
+from cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
+from cases.runs.marching import columns_of
+from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
+from reference_model.columns import SHAPE
+from reference_model.mechanism import Mechanism
+from reference_model.rigid import crank_pace, rigid_motion
+
+Array = NDArray[np.float64]
+
+#: Columns of which no extremes are taken: they grow from turn to turn.
+GROWING: Final = ("time", "crank_angle", "dissipated_energy", "drive_work")
+#: Columns that are not compared: of a model's own, and the centre line, which the tip and the gauges speak for.
+LEFT_OUT: Final = ("constraint_gap", *SHAPE)
+#: Of a column's largest magnitude: numbers are taken to be written with five digits, no more.
+ROUNDED: Final = 1e-5
+#: Columns by which a table is told to have settled, where it has any of them.
+TELLING: Final = (*CHANNELS, "tip_deflection", "slider_force")
+#: Of a turn: rows may lie so far apart, and a single turn may lack so much at its ends.
+LARGEST_GAP: Final = 0.01
+#: Rows in a period of the first mode that its measurement takes.
+ROWS_PER_PERIOD: Final = 4.0
+#: The time of a turn may be off by this factor from what the drive says.
+OFF: Final = 2.0
+#: rad, by which the recorded crank angle may fall back: the noise of an encoder.
+BACKLASH: Final = 0.02
+#: A row is the standard start's if no column departs from it by more than this part of the column's largest magnitude and its noise.
+SAME: Final = 1e-3
+#: A table whose turns still approach a steady state that is farther than this part of the signals' RMS is none of it.
+FAR: Final = 0.1
+#: Standard deviations of a row's noise that an extreme may be off by: one row in 15,000 departs further.
+DEVIATIONS: Final = 4.0
+#: Times the usual step of the crank angle that a step between two rows may be.
+WRAPPED: Final = 100.0
+#: Units that stand for none in a heading, by their size: of time (s) and of angle (rad).
+_TIMES: Final = {1.0: "", 1e-3: "ms", 1e-6: "us", 60.0: "min"}
+_ANGLES: Final = {1.0: "", math.pi / 180.0: "deg", 2.0 * math.pi: "turn"}
+NOTHING_TO_FIT: Final = "extremes alone are measured of this column"
+
+
+def recorded_run(table: RecordedTable, case: Case) -> Run:
+    """What is measured of a table on a case.
+
+    Raises:
+        CaseError: the table declares another case, has another pace than the drive, no whole turn, too few rows or a crank that turns back.
+    """
+    mechanism = case.mechanism
+    if table.declared.get("case", case.name) != case.name:
+        raise CaseError(table.shown, "case", f'"{table.declared["case"]}"', f'is not "{case.name}"', "compare it with the case it declares")
+    columns, remarks = dict(table.columns), []
+    if "crank_angle" not in columns:
+        speed = math.copysign(crank_pace(mechanism), mechanism.crank.drive.initial_speed)
+        columns["crank_angle"] = mechanism.crank.initial_angle + speed * columns["time"]
+        start = math.degrees(mechanism.crank.initial_angle)
+        remarks.append(
+            f"no crank_angle was recorded: the crank is taken to turn evenly at {speed:.6g} rad/s, from {start:.6g} deg at time 0"
+        )
+    _check_pace(table, columns, mechanism, case.name)
+    begins = _begins_in_standard_start(table, columns, mechanism)
+    cycles = _cycles(table, {name: values for name, values in columns.items() if name not in LEFT_OUT})
+    if begins:
+        cycles = cycles[:GREATEST_NUMBER]
+    settling = _settling(cycles)
+    last = columns_of(cycles[-1])
+    turn = _number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
+    gap = float(np.max(np.diff(last["time"])))
+    period = float(last["time"][-1] - last["time"][0])
+    if gap > LARGEST_GAP * period:
+        at = float(last["time"][np.argmax(np.diff(last["time"]))])
+        told = f"{gap / period:.2g} of a turn without a row after {at:.6g} s"
+        raise CaseError(table.shown, "time", None, told, f"at most {LARGEST_GAP} of a turn are accepted")
+    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment)
+    errors = {name: _noise(last["time"], last[name]) for name in last if name not in GROWING}
+    if turn is None:
+        errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
+        if not settling.settled:
+            remarks.append(_unsettled(settling))
+    measures, consensus = _measured(mechanism, last, recording.filtered, gap)
+    return Run(
+        engine=table.name,
+        method=table.declared.get("source", "recorded table"),
+        version=table.declared.get("version"),
+        estimate_of="recorded",
+        status=TRANSIENT if turn is not None else SETTLED if settling.settled else NOT_SETTLED if _is_far(settling) else ASSUMED,
+        remark="; ".join(remarks),
+        start=STANDARD if begins else None,
+        settled=settling.settled,
+        cycles=len(cycles),
+        settling_error=settling.error_estimate if math.isfinite(settling.error_estimate) else None,
+        settling_errors=errors,
+        turn=turn,
+        recording=recording,
+        measures=measures,
+        consensus=consensus,
+        unestimated="",
+        cycle=last,
+    )
+
+
+def standard_row(mechanism: Mechanism) -> dict[str, float]:
+    """What is known of the first instant of the standard start without simulating: place and pace of the rigid mechanism, nothing bent."""
+    crank, length = mechanism.crank, mechanism.follower.length
+    motion = rigid_motion(mechanism, np.array(crank.initial_angle), crank.drive.initial_speed)
+    angle = float(motion.follower_angle)
+    return {
+        "time": 0.0,
+        "crank_angle": crank.initial_angle,
+        "crank_speed": crank.drive.initial_speed,
+        "follower_angle": angle,
+        "slider_position": float(motion.slider_position),
+        "tip_x": mechanism.pivot_distance + length * math.cos(angle),
+        "tip_y": length * math.sin(angle),
+        **dict.fromkeys(("tip_deflection", *CHANNELS[1:]), 0.0),
+    }
+
+
+def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism, case: str) -> None:
+    """Raise unless the crank turns about as fast as its drive says, with the unit that is meant where none is given."""
+    time, angle = columns["time"], columns["crank_angle"]
+    pace = crank_pace(mechanism)
+    if pace <= 0.0 or len(time) < 2:
+        return
+    if "crank_angle" in table.columns:
+        found = abs(float(angle[-1] - angle[0])) / float(time[-1] - time[0]) / pace  # 1 if all is well
+    else:  # the angle says nothing, but so many rows make a turn
+        turns = pace * float(np.median(np.diff(time))) / (2.0 * math.pi)
+        found = 1.0 if turns < LARGEST_GAP else 1e3
+    if np.any(np.abs(np.diff(angle)) > WRAPPED * np.median(np.abs(np.diff(angle)))):
+        at = int(np.argmax(np.abs(np.diff(angle))))
+        told = f"jumps from {angle[at]:.6g} to {angle[at + 1]:.6g} rad after {time[at]:.6g} s"
+        raise CaseError(table.shown, "crank_angle", None, told, "let it run on from turn to turn, and leave no gaps in time")
+    if 1.0 / OFF <= found <= OFF:
+        return
+    times = _TIMES if "time" in table.bare else {1.0: ""}
+    angles = _ANGLES if "crank_angle" in table.bare else {1.0: ""}
+    for a_time, time_unit in times.items():
+        for an_angle, angle_unit in angles.items():
+            if 1.0 / OFF <= found * an_angle / a_time <= OFF:
+                meant = [f'"{name} [{unit}]"' for name, unit in (("time", time_unit), ("crank_angle", angle_unit)) if unit]
+                told = f"a turn of the crank would take {_turn(found * pace)} s, but the drive of {case} turns it in {_turn(pace)} s"
+                raise CaseError(table.shown, "heading", None, told, f"without a unit SI is meant: write {' and '.join(meant)}")
+    told = f"a turn of the crank takes {_turn(found * pace)} s in it, but the drive of {case} turns it in {_turn(pace)} s"
+    raise CaseError(table.shown, "time, crank_angle", None, told, "check their units, or compare it with the case that it is of")
+
+
+def _turn(pace: float) -> str:
+    return f"{2.0 * math.pi / pace:.3g}" if pace > 0.0 else "for ever"
+
+
+def _begins_in_standard_start(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism) -> bool:
+    """Whether its first row is that of the standard start, and at least one column could have told otherwise."""
+    if table.declared.get("origin", "simulated") != "simulated":
+        return False
+    known = {name: value for name, value in standard_row(mechanism).items() if name in columns}
+    telling = {"crank_speed"} if mechanism.follower.is_rigid else {"tip_deflection", *CHANNELS[1:]}
+    if not telling & known.keys():
+        return False
+    time = columns["time"]
+    near = {name: SAME * float(np.max(np.abs(columns[name]))) + _noise(time, columns[name]) for name in known}
+    return all(abs(float(columns[name][0]) - value) <= near[name] for name, value in known.items())
+
+
+def _cycles(table: RecordedTable, columns: dict[str, Array]) -> list[Cycle]:
+    """All whole turns, with every column; a single turn that lacks little at its ends is closed: it is taken to repeat."""
+    time, angle = columns.pop("time"), _rising(table, columns)
+    del columns["crank_angle"]
+    cycles = cut_cycles(time, angle, columns)
+    turns = abs(float(angle[-1] - angle[0])) / (2.0 * math.pi)
+    if not cycles and 1.0 - LARGEST_GAP <= turns < 1.0 + LARGEST_GAP and len(time) > 1:
+        way, period = math.copysign(2.0 * math.pi, angle[-1] - angle[0]), float(time[-1] - time[0]) / turns
+        inside = abs(angle - angle[0]) < 2.0 * math.pi * (1.0 - 1e-9)
+        around = {name: np.concatenate([values[inside][-1:], values[inside], values[inside][:1]]) for name, values in columns.items()}
+        time, angle = time[inside], angle[inside]
+        ends = ([time[-1] - period], time, [time[0] + period]), ([angle[-1] - way], angle, [angle[0] + way])
+        cycles = cut_cycles(np.concatenate(ends[0]), np.concatenate(ends[1]), around)
+    columns |= {"time": time, "crank_angle": angle}
+    if not cycles:
+        told = f"covers {turns:.3g} turns of the crank, from {math.degrees(angle[0]):.4g} to {math.degrees(angle[-1]):.4g} deg"
+        accepted = "a whole turn is needed, from the slider's farthest place (180 deg) to the next"
+        raise CaseError(table.shown, "crank_angle", None, told, accepted)
+    return cycles
+
+
+def _number(mechanism: Mechanism, crank_angle: Array) -> int:
+    """Which whole turn since the standard start this is, counted from 1, as `cut_cycles` finds them there."""
+    way = math.copysign(1.0, crank_angle[-1] - crank_angle[0])
+    first = math.ceil((way * mechanism.crank.initial_angle - math.pi - AT_THE_END) / (2.0 * math.pi))
+    return round((way * float(crank_angle[0]) - math.pi) / (2.0 * math.pi)) - first + 1
+
+
+def _rising(table: RecordedTable, columns: Mapping[str, Array]) -> Array:
+    """The crank angle in the direction in which it turns, without what an encoder's noise and steps do to it."""
+    time, angle = columns["time"] if "time" in columns else table.columns["time"], columns["crank_angle"]
+    way = math.copysign(1.0, angle[-1] - angle[0])
+    farthest = np.maximum.accumulate(way * angle)
+    back = farthest - way * angle
+    if np.max(back) > BACKLASH:
+        at = int(np.argmax(back > BACKLASH))
+        told = f"turns back after {time[at]:.6g} s"
+        raise CaseError(table.shown, "crank_angle", None, told, "a crank that turns one way is needed, its angle running on beyond 360 deg")
+    if np.all(np.diff(way * angle) > 0.0):
+        return angle
+    new = np.flatnonzero(np.diff(farthest, prepend=-np.inf) > 0.0)
+    beyond = farthest[-1] + (time - time[new[-1]]) * (farthest[-1] - farthest[0]) / (time[-1] - time[0])
+    return np.asarray(way * np.where(time > time[new[-1]], beyond, np.interp(time, time[new], farthest[new])))
+
+
+def _settling(cycles: list[Cycle]) -> Settling:
+    settling = Settling()
+    names = [name for name in cycles[0].channels if name in TELLING] or [name for name in cycles[0].channels if name not in GROWING]
+    for cycle in cycles:
+        settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in names}))
+    return settling
+
+
+def _is_far(settling: Settling) -> bool:
+    left = settling.outlook.remaining_error
+    return left is not None and left > FAR
+
+
+def _unsettled(settling: Settling) -> str:
+    """What a table that has not settled shows of it."""
+    if settling.cycles == 1:
+        return "it holds one turn, which is taken to repeat"
+    outlook = settling.outlook
+    change = f"its last turn differs from the one before by {outlook.change:.2g} of the signals' RMS"
+    if _is_far(settling):
+        far = f"about {outlook.remaining_error:.2g} is left to the steady state"
+        return f"{change}, {far}, and it does not begin in the standard start; record longer, or from there"
+    return f"{change}: noise, or not quite settled"
+
+
+def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:
+    """How far a column may be from its steady state: its last change from turn to turn, and what the changes' ratio lets expect.
+
+    Of a single turn the change is what its end lacks to its beginning.
+    """
+    now = cycles[-1].channels[name]
+    if len(cycles) == 1:
+        return abs(float(now[-1] - now[0]))
+    pair = [on_common_grid(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name]}))[name] for cycle in cycles[-2:]]
+    ratio = settling.ratio
+    return float(np.max(np.abs(pair[1] - pair[0]))) * (max(1.0, ratio / (1.0 - ratio)) if ratio < 1.0 else 1.0)
+
+
+def _noise(time: Array, values: Array) -> float:
+    """How far rows may be off a smooth course: by what each differs from the cubic through its four neighbours, and by rounding."""
+    if len(time) < 5:
+        return math.inf
+    near = [slice(shift, len(time) - 4 + shift) for shift in (0, 1, 3, 4)]
+    here = time[2:-2]
+    weights = [np.prod([(here - time[other]) / (time[one] - time[other]) for other in near if other is not one], axis=0) for one in near]
+    differences = values[2:-2] - sum(weight * values[one] for weight, one in zip(weights, near, strict=True))
+    spread = np.sqrt(1.0 + sum(weight**2 for weight in weights))
+    return DEVIATIONS * float(np.sqrt(np.mean((differences / spread) ** 2))) + ROUNDED * float(np.max(np.abs(values)))
+
+
+def _measured(
+    mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, gap: float
+) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
+    """Measures of every column that does not grow; no estimates of errors, for nothing is claimed of the model."""
+    time, angle = cycle["time"], cycle["crank_angle"]
+    scale = time_scale(mechanism)
+    reason = "" if scale is None else _too_coarse(scale, gap)
+    channels = {name: cycle[name] for name in CHANNELS if name in cycle}
+    found = measure_cycle(None if reason else scale, time, angle, channels, filtered)
+    measures = [EstimatedMeasure(**(vars(each) | ({"reason": reason} if reason else {})), **_NONE_CLAIMED) for each in found.measures]
+    for name in cycle:
+        if name not in (*CHANNELS, *GROWING):
+            for half, (low, high) in extremes_by_half(time, angle, cycle[name], filtered).items():
+                only = Measure(half, name, None, None, None, None, None, low, high, NOTHING_TO_FIT)
+                measures.append(EstimatedMeasure(**vars(only), **_NONE_CLAIMED))
+    return tuple(measures), tuple(EstimatedConsensus(**vars(each), first_mode_frequency_estimate=0.0) for each in found.consensus)
+
+
+#: Estimates of the errors of a table's measures.
+_NONE_CLAIMED: Final[dict[str, Any]] = {f"{quantity}_estimate": 0.0 for quantity in (*VIBRATION, *EXTREMES)}
+
+
+def _too_coarse(scale: TimeScale, gap: float) -> str:
+    """Why rows at most `gap` seconds apart do not show the first mode, "" if they do."""
+    shortest = 1.0 / float(np.max(scale.frequencies(TURN)[:, 0]))
+    if gap <= shortest / ROWS_PER_PERIOD:
+        return ""
+    return f"rows lie up to {1e3 * gap:.3g} ms apart; the first mode takes {1e3 * shortest / ROWS_PER_PERIOD:.3g} ms at most"

@@ -1,0 +1,13 @@
+"""Which accuracies can be asked for."""
+
+from typing import Final
+
+LOWEST: Final = 1e-4
+HIGHEST: Final = 0.05
+
+
+def checked(accuracy: float | None) -> float | None:
+    """The accuracy. ValueError: it cannot be asked for."""
+    if accuracy is not None and not LOWEST <= accuracy <= HIGHEST:
+        raise ValueError(f"accuracy={accuracy!r}: from {LOWEST:g} to {HIGHEST:g} can be asked for")
+    return accuracy

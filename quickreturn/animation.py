@@ -1,0 +1,98 @@
+"""A moving picture of a case: the last turn of the crank, slowed down, engines over each other."""
+
+import io
+import math
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from numpy.typing import NDArray
+from PIL import Image
+
+from cases.case import Case
+from engines.trajectory import Trajectory
+from quickreturn.curves import drawing
+from quickreturn.drawing import Motion, Scenery, factor_for, legend, motion_of
+from reports.plots.style import FONT_SIZE
+
+FRAMES: Final = 72
+WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
+SLOWED: Final = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # how many times slower it may be shown
+TURN: Final = 4.0  # s that a turn is shown for, at least
+COLOURS: Final = 64  # lines and their smoothed edges need no more, and every further one makes the file larger
+
+
+def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magnify: float | None = None) -> bytes:
+    """A file's content: the moving picture, or a page with it that opens from disk.
+
+    Args:
+        case: what was simulated.
+        trajectories: of the engines by name, on one output grid.
+        ending: ".webp" or ".html".
+        magnify: see `webp`; a page does not take it.
+
+    Raises:
+        UnknownColumn, CaseError: see `webp`; a page needs a crank.
+    """
+    if ending == ".webp":
+        return webp(case, trajectories, magnify)
+    from reports.page.render import animation_page
+
+    return animation_page(case, trajectories).encode()
+
+
+def webp(case: Case, trajectories: Mapping[str, Trajectory], magnify: float | None = None) -> bytes:
+    """The file's content.
+
+    Args:
+        case: what was simulated.
+        trajectories: of the engines by name, on one output grid.
+        magnify: factor of the deflection; None: a round one that shows it.
+
+    Raises:
+        UnknownColumn: an engine does not tell the follower's shape.
+    """
+    times = last_turn(next(iter(trajectories.values())))
+    slowed = next((factor for factor in SLOWED if factor * (times[-1] - times[0]) >= TURN), SLOWED[-1])
+    motions = {name: motion_of(case.scene, trajectory, times[:-1]) for name, trajectory in trajectories.items()}
+    factor = magnify or factor_for(list(motions.values()), case.scene.follower.length)
+    frames = _frames(case, motions, factor, slowed)
+    file = io.BytesIO()
+    pause = round(1000.0 * slowed * float(times[1] - times[0]))
+    options = {"save_all": True, "append_images": frames[1:], "duration": pause, "loop": 0, "lossless": True, "method": 4}
+    frames[0].save(file, "WEBP", **options)
+    return file.getvalue()
+
+
+def last_turn(trajectory: Trajectory) -> NDArray[np.float64]:
+    """Even times (s) of the last whole turn of the crank, or of everything where there is none, one more than `FRAMES`."""
+    time, end = trajectory["time"], float(trajectory["time"][-1])
+    angle = trajectory.columns.get("crank_angle")
+    begin = float(time[0])
+    if angle is not None and abs(angle[-1] - angle[0]) > 2.0 * math.pi:
+        turned = np.abs(angle - angle[0])
+        begin = float(time[np.searchsorted(np.maximum.accumulate(turned), turned[-1] - 2.0 * math.pi)])
+    return np.linspace(begin, end, FRAMES + 1)
+
+
+def _frames(case: Case, motions: Mapping[str, Motion], factor: float, slowed: int) -> list[Image.Image]:
+    figure = drawing(HEIGHT, WIDTH)
+    axes = figure.subplots()
+    scenery = Scenery(axes, case, motions, factor)
+    speed = "" if slowed == 1 else f"; shown {slowed} times slower"
+    figure.suptitle(f"{case.name}: {case.title}{speed}", fontsize=FONT_SIZE)
+    figure.legend(handles=legend(motions, factor), loc="outside lower center", ncols=5, fontsize=FONT_SIZE - 1.0, frameon=False)
+    figure.set_dpi(DENSITY)
+    canvas, found = FigureCanvasAgg(figure), []
+    first = next(iter(motions.values()))
+    scenery.show(0, " ")
+    canvas.draw()
+    figure.set_layout_engine("none")  # so that nothing moves but the mechanism
+    for instant, time in enumerate(first.time):
+        angle = "" if first.crank_angle is None else f"  crank at {math.degrees(float(first.crank_angle[instant])) % 360.0:3.0f}°"
+        scenery.show(instant, f"{time:6.3f} s{angle}")
+        canvas.draw()
+        image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+        found.append(image.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).convert("RGB"))
+    return found

@@ -1,0 +1,158 @@
+"""`quickreturn compare`: recorded tables measured like an engine's cycle and held against engines."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from quickreturn.commands.options import (
+    accuracy_option,
+    announce,
+    jobs_option,
+    json_option,
+    load,
+    memory_limit_option,
+    opened_workshop,
+    path_given,
+    read_assignments,
+    set_option,
+    settings_of,
+    single_option,
+    time_limit_option,
+)
+
+if TYPE_CHECKING:
+    from cases.runs.comparison import CaseResult
+    from cases.runs.request import Run
+
+PICTURES: Final = (".png", ".svg", ".pdf")
+
+
+@click.command(name="compare")
+@click.argument("case", metavar="CASE")
+@click.argument("files", metavar="FILE...", nargs=-1, required=True)
+@click.option(
+    "--engine", "engines", metavar="E", multiple=True, help="Engine to hold against; may be given again. Default: the four main ones."
+)
+@accuracy_option
+@set_option
+@single_option(
+    "--output", metavar="PICTURE", callback=lambda c, o, text: text and path_given(c, o, text), help="Draw it: .png, .svg or .pdf."
+)
+@jobs_option
+@time_limit_option
+@memory_limit_option
+@json_option
+def command(
+    case: str,
+    files: Sequence[str],
+    engines: Sequence[str],
+    accuracy: float | None,
+    assignments: Sequence[str],
+    output: str | None,
+    jobs: int | None,
+    time_limit: str | None,
+    memory_limit: str | None,
+    as_json: bool,
+) -> int:
+    """Measure recorded tables of CASE and hold them against engines.
+
+    A FILE is a CSV table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from
+    another tool, an earlier version or a test rig; `quickreturn show CASE --for-other-tools` says what to record. One that begins in the
+    standard start and has not settled is held against the engines in the same turn of the crank, any other in the steady state.
+
+    Nothing is claimed of a table but the uncertainty of its measures. Exit code 1: it departs from an engine by more than that and the
+    engine's own estimate. Exit codes 2 and 3 are those of `run`.
+    """
+    from cases.recorded import read_table
+    from cases.runs.comparison import hold_against_engines
+    from engines.registry import MAIN
+    from quickreturn.commands.run import as_document, exit_code
+    from quickreturn.questions import check_engines, check_settings
+    from reports.output import check_writable, print_json
+
+    overrides, settings = read_assignments(assignments)
+    loaded = load(case, overrides)
+    names = list(dict.fromkeys(engines)) or list(MAIN)
+    check_engines(engines)
+    texts = settings_of(settings, names)
+    check_settings([loaded], names, texts)
+    if output:
+        check_writable(Path(output), "" if loaded.source == "library" else case, *PICTURES)
+    tables = [read_table(file) for file in dict.fromkeys(files)]
+    refuse_equal_tables([table.name for table in tables])
+    workshop = opened_workshop(jobs, time_limit, memory_limit)
+    announce([loaded], names, workshop)
+    results = hold_against_engines(loaded, tables, workshop, names, accuracy, texts)
+    if as_json:
+        document = as_document(results, workshop.store.notices)
+        for entry, result in zip(document["cases"], results, strict=True):
+            entry["differences"], entry["slips"] = _differences(result), _slips(result)
+        print_json(document)
+    else:
+        _print(results)
+    if output:
+        from reports.output import write_file
+        from reports.plots.recorded import drawn
+
+        write_file(Path(output), drawn(results, Path(output).suffix.lower()))
+    return exit_code(results, workshop, engines)
+
+
+def refuse_equal_tables(names: Sequence[str]) -> None:
+    """UsageError if two tables have one name: they could not be told apart in what comes out."""
+    for name in names:
+        if names.count(name) > 1:
+            raise click.UsageError(f'two tables are called "{name}"; give each file a name of its own')
+
+
+def _pairs(result: "CaseResult") -> "list[tuple[Run, Run]]":
+    """Each table with each engine that it can be held against."""
+    return [(run, other) for run in result.recorded.values() for other in result.runs.values() if run.usable and other.usable]
+
+
+def _differences(result: "CaseResult") -> dict[str, dict[str, dict[str, float]]]:
+    """Table -> engine -> column -> relative RMS difference in the turn that is compared."""
+    from cases.runs.differences import column_differences
+
+    found: dict[str, dict[str, dict[str, float]]] = {name: {} for name in result.recorded}
+    for run, other in _pairs(result):
+        found[run.engine][other.engine] = column_differences(run, other)
+    return found
+
+
+def _slips(result: "CaseResult") -> dict[str, dict[str, str]]:
+    """Table -> column -> the slip that would explain its difference from the engine that it is held against first."""
+    from cases.runs.differences import slips
+
+    return {run.engine: slips(run, other) for run, other in reversed(_pairs(result))}
+
+
+def _print(results: "Sequence[CaseResult]") -> None:
+    from quickreturn.verdict_text import text_of
+    from reports.output import print_table
+
+    for result in results:
+        click.echo(text_of(result))
+        differences = {
+            run.engine: by_engine for run, by_engine in zip(result.recorded.values(), _differences(result).values(), strict=True)
+        }
+        rows = [(f"  {column}", *_cells(differences, column)) for column in _columns(differences)]
+        if rows:
+            alone = len(differences) == 1
+            heads = [engine if alone else f"{table} - {engine}" for table, by_engine in differences.items() for engine in by_engine]
+            click.echo("  RMS difference in this turn, over the engine's RMS:")
+            print_table(rows, ("", *heads))
+        for table, found in _slips(result).items():
+            for column, told in found.items():
+                click.echo(f"  {table}, {column}: {told}")
+
+
+def _columns(differences: dict[str, dict[str, dict[str, float]]]) -> list[str]:
+    return list(dict.fromkeys(name for by_engine in differences.values() for found in by_engine.values() for name in found))
+
+
+def _cells(differences: dict[str, dict[str, dict[str, float]]], column: str) -> list[str]:
+    found: list[Any] = [columns.get(column) for by_engine in differences.values() for columns in by_engine.values()]
+    return ["-" if value is None else f"{value:.1e}" for value in found]

@@ -1,0 +1,89 @@
+"""`quickreturn plot`: a picture of cases, or curves of trajectories."""
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from quickreturn.commands.options import (
+    accuracy_option,
+    engines_option_if_any,
+    load_all,
+    path_given,
+    plotted_argument,
+    read_assignments,
+    set_option,
+    settings_of,
+    single_option,
+    tag_option,
+)
+
+if TYPE_CHECKING:
+    from cases.case import Case
+    from quickreturn.curves import Columns
+
+ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
+
+
+@click.command(name="plot")
+@plotted_argument
+@tag_option
+@engines_option_if_any
+@click.option("--column", "columns", metavar="NAME", multiple=True, help="Column to show; may be given again. Default: four of them.")
+@single_option("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
+@accuracy_option
+@set_option
+@single_option("--output", metavar="FILE", required=True, callback=path_given, help=f"Where the picture goes: {', '.join(ENDINGS)}.")
+def command(
+    sources: Sequence[str],
+    tag: str | None,
+    engines: Sequence[str],
+    columns: Sequence[str],
+    duration: str | None,
+    accuracy: float | None,
+    assignments: Sequence[str],
+    output: str,
+) -> int:
+    """Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time.
+
+    A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv): its columns are drawn, over those of
+    others.
+    """
+    from cases.recorded import is_table
+    from quickreturn.commands.simulate import trajectories
+    from reports.output import check_writable, write_file
+
+    overrides, settings = read_assignments(assignments)
+    names = list(dict.fromkeys(engines))
+    texts = settings_of(settings, names)
+    files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
+    loaded = load_all(cases, tag, overrides, duration) if cases or tag or not files else []
+    if files and loaded and not names:
+        raise click.UsageError("a case beside a file: give --engine, so that it has a trajectory as well")
+    for given, what in ((columns, "--column"), (duration, "--duration"), (accuracy, "--accuracy")):
+        if given and not names and not (files and what == "--column"):
+            raise click.UsageError(f"{what}: without --engine nothing is simulated; give --engine as well")
+    check_writable(Path(output), "", *ENDINGS)
+    if not names and not files:
+        from quickreturn.drawing import mechanisms
+
+        figure = mechanisms(loaded)
+    else:
+        from cases.recorded import read_table
+        from quickreturn.curves import curves
+
+        shown: dict[str, Columns] = {Path(file).stem: read_table(file).columns for file in files}
+        solved = trajectories(loaded, names, texts, accuracy) if loaded else {}
+        shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
+        figure = curves(shown, columns, title=_title(loaded))
+    picture = io.BytesIO()
+    figure.savefig(picture, format=Path(output).suffix.lower()[1:], dpi=150)
+    write_file(Path(output), picture.getvalue())
+    click.echo(output)
+    return 0
+
+
+def _title(cases: "Sequence[Case]") -> str:
+    return f"{cases[0].name}: {cases[0].title}" if len(cases) == 1 else ""

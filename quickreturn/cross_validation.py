@@ -1,0 +1,180 @@
+"""Engines on cases in their steady state, measured, compared and held to what they claim; and the report on that."""
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cases.case import Case
+from cases.errors import as_written, nearest_or_all
+from cases.jobs.processes import LocalProcesses
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
+from cases.library import CatalogueLine
+from cases.recorded import tables_of
+from cases.runs.comparison import CaseResult, cross_validate
+from cases.runs.request import Run
+from engines.base import AnyEngine
+from engines.registry import MAIN
+from engines.settings import as_texts
+from engines.trajectory import Trajectory
+from quickreturn.accuracy import checked
+from quickreturn.catalogue import apart, loaded
+from quickreturn.questions import check_settings
+from quickreturn.solution import framed, known_column
+from reference_model.columns import COLUMNS
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from quickreturn.curves import Drawing
+
+AnyCase = str | Case | CatalogueLine
+
+#: Of a measure, in the order of the table.
+_NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
+
+
+class CrossValidation:
+    """What came of some engines on some cases.
+
+    Attributes:
+        results: of each case: its runs by engine, the comparisons, and what became of the claims.
+        notices: sentences on stored results that were damaged or could not be written.
+    """
+
+    def __init__(self, results: Sequence[CaseResult], notices: Sequence[str] = ()) -> None:
+        self.results, self.notices = tuple(results), tuple(notices)
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether no engine departs from another by more than both claim, and all delivered; None if nothing could be judged."""
+        judged = [passed for result in self.results if (passed := result.whole.passed) is not None]
+        return all(judged) if judged else None
+
+    def __getitem__(self, place: tuple[str, str]) -> Run:
+        """All that is known of an engine on a case: `runs["thesis-24", "mujoco"]`. LookupError: there is none."""
+        case, name = place
+        results = {result.case.name: result for result in self.results}
+        for given, known in ((case, results), (name, results[case].runs if case in results else {})):
+            if given not in known:
+                raise LookupError(f"{as_written(given)}: not among these results; {nearest_or_all(given, tuple(known))}")
+        return results[case].runs[name]
+
+    @property
+    def frame(self) -> "pd.DataFrame":
+        """A row for each case, engine, half and channel; each number with its error estimate, in the unit of the last column, or Hz."""
+        import pandas as pd
+
+        rows = [
+            {"case": result.case.name, "engine": name, "half": measure.half, "channel": measure.channel}
+            | {key: value for number in _NUMBERS for key, value in _with_estimate(measure, number)}
+            | {"unit": COLUMNS[measure.channel].unit}
+            for result in self.results
+            for name, run in result.runs.items()
+            for measure in run.measures
+        ]
+        table = pd.DataFrame(rows)
+        table.attrs["units"] = {name: "Hz" if "frequency" in name else "see unit" for name in table.columns if name.startswith(_NUMBERS)}
+        return table
+
+    def cycle(self, case: str, engine: str) -> "pd.DataFrame":
+        """The last cycle of an engine on a case, from the slider's farthest place to the next. LookupError: there is none."""
+        columns = self[case, engine].cycle
+        if not columns:
+            raise LookupError(f"{engine} has no cycle of {case}: {self[case, engine].remark}")
+        return framed(Trajectory(dict(columns), 0.0), case=case, engine=engine)
+
+    def plot(self, *columns: str) -> "Drawing":
+        """The last cycles of all engines over each other, a row of panels for each case; without columns the tip's acceleration.
+
+        Raises:
+            UnknownColumn: there is none of this name.
+        """
+        from quickreturn.curves import stacked
+
+        chosen = [known_column(name, COLUMNS) for name in columns] or ["tip_acceleration"]
+        cycles = {result.case.name: {name: run.cycle for name, run in result.runs.items() if run.cycle} for result in self.results}
+        return stacked(cycles, chosen)
+
+    def __repr__(self) -> str:
+        from quickreturn.verdict_text import text_of
+
+        return "\n".join(text_of(result) for result in self.results)
+
+
+def _with_estimate(measure: Any, number: str) -> Iterable[tuple[str, float | None]]:
+    yield number, measure.number(number)
+    yield f"{number}_estimate", measure.estimate(number)
+
+
+def run(
+    cases: AnyCase | Iterable[AnyCase],
+    engines: "str | AnyEngine | Iterable[str | AnyEngine]" = MAIN,
+    *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
+    workshop: Workshop | None = None,
+) -> CrossValidation:
+    """Bring engines to their steady state on cases, each in a process of its own, measure and compare. Results are kept as they come.
+
+    Args:
+        cases: names, paths, patterns ("thesis-2*") or `Case`s, one or several.
+        engines: names, or engines that are installed, one or several; default: the four main ones. Paths of recorded tables (.csv) may
+            stand among them.
+        accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
+        settings: of an engine, by its name: {"mujoco": {"links": 16}}.
+        jobs: how many processes at a time; None: one per core.
+        quiet: whether nothing is shown on standard error meanwhile.
+        workshop: where it is computed and kept; None: here, in `.quickreturn` or what `QUICKRETURN_STORE` names.
+
+    Raises:
+        CaseError, UnknownEngine, Refusal, SettingError: something cannot be; nothing has run then.
+        StoreError: the folder of results cannot be used.
+        KeyboardInterrupt: Ctrl-C; what was computed is kept.
+    """
+    chosen, (names, paths) = loaded(cases), apart(engines)
+    texts = {name: as_texts(values) for name, values in (settings or {}).items()}
+    check_settings(chosen, names, texts)
+    tables = tables_of(paths, [case.name for case in chosen])
+    place = workshop or opened(jobs, quiet)
+    results = cross_validate(chosen, place, names, checked(accuracy), texts, tables)
+    return CrossValidation(results, place.store.notices)
+
+
+def report(
+    cases: AnyCase | Iterable[AnyCase],
+    folder: "str | os.PathLike[str]" = "reports/output",
+    engines: "str | AnyEngine | Iterable[str | AnyEngine]" = MAIN,
+    *,
+    jobs: int | None = None,
+    quiet: bool = False,
+) -> Path:
+    """Write the report on cases: a page, and its tables as CSV beside it. Results are kept as they come.
+
+    Args:
+        cases: as of `run`.
+        folder: is created where it is missing.
+        engines: as of `run`.
+        jobs: likewise.
+        quiet: likewise.
+
+    Returns:
+        The page.
+
+    Raises:
+        CaseError, StoreError, KeyboardInterrupt: as `run`.
+        OutputError: the folder cannot be written to.
+    """
+    from reports.report import write_report
+
+    chosen, (names, paths) = loaded(cases), apart(engines)
+    tables = tables_of(paths, [case.name for case in chosen])
+    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables).page
+
+
+def opened(jobs: int | None, quiet: bool) -> Workshop:
+    """The store of results and the processes of this machine. StoreError: see there."""
+    return Workshop(Store(), LocalProcesses(jobs, quiet=quiet))

@@ -1,0 +1,102 @@
+"""Columns of trajectories as curves, engines over each other."""
+
+import io
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from quickreturn.solution import UnknownColumn, known_column
+from reference_model.columns import COLUMNS
+from reports.plots.style import FONT_SIZE, look, tidy
+
+#: Shown where no columns are asked for.
+USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
+
+WIDTH: Final = 8.0  # in
+PANEL: Final = 1.9  # in, height
+NOTEBOOK: Final = 110  # dots per inch
+
+#: Unit -> what is shown in its place, and by how much a value is divided for that.
+_SHOWN: Final = {"m": ("mm", 1e-3), "1": ("1e-6", 1e-6)}
+
+
+Columns = Mapping[str, NDArray[np.float64]]
+
+
+class Drawing(Figure):
+    """A figure that a notebook shows by itself; `savefig` writes it to a file."""
+
+    def _repr_png_(self) -> bytes:
+        file = io.BytesIO()
+        self.savefig(file, format="png", dpi=NOTEBOOK)
+        return file.getvalue()
+
+
+def drawing(height: float, width: float = WIDTH) -> Drawing:
+    """An empty one, sizes in inches."""
+    return Drawing(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
+    """Columns over time, one panel for each.
+
+    Args:
+        trajectories: columns by label: an engine's name, which is drawn in its colour, or any other text.
+        columns: None given: `USUAL`, as far as they are there.
+        title: above all.
+
+    Raises:
+        UnknownColumn: none of the trajectories has it.
+    """
+    there = {name: None for trajectory in trajectories.values() for name in trajectory}
+    chosen = [known_column(name, there) for name in columns] or [name for name in USUAL if name in there]
+    if not chosen:
+        raise UnknownColumn(f"none of the usual columns is there; name some of {', '.join(name for name in there if name != 'time')}")
+    figure = drawing(0.8 + PANEL * len(chosen))
+    panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, name in zip(panels, chosen, strict=True):
+        _panel(axes, trajectories, name, "time")
+    panels[-1].set_xlabel("time [s]", fontsize=FONT_SIZE)
+    _finish(figure, panels[0], title)
+    return figure
+
+
+def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str]) -> Drawing:
+    """The last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
+    figure = drawing(0.8 + PANEL * len(cycles), max(WIDTH, 4.0 * len(columns)))
+    grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
+    for row, (case, runs) in zip(grid, cycles.items(), strict=True):
+        for axes, name in zip(row, columns, strict=True):
+            _panel(axes, runs, name, "crank_angle")
+        row[0].set_title(case, fontsize=FONT_SIZE, loc="left")
+    for axes in grid[-1]:
+        axes.set_xlabel("crank angle from the farthest place [deg], quick return at 180", fontsize=FONT_SIZE)
+    _finish(figure, grid[0, 0], "")
+    return figure
+
+
+def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: str) -> None:
+    unit, scale = _SHOWN.get(COLUMNS[column].unit, (COLUMNS[column].unit, 1.0))
+    for label, trajectory in trajectories.items():
+        if column in trajectory:
+            along: Any = trajectory["time"]
+            if over == "crank_angle":
+                angle = trajectory["crank_angle"]
+                along = np.degrees(np.abs(angle - angle[0]))
+            axes.plot(along, trajectory[column] / scale, label=label, **look(label).of_line)
+    if over == "crank_angle":
+        axes.set_xticks(range(0, 361, 90))
+        axes.axvline(180.0, color="#444444", linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
+    tidy(axes, None, f"{column.replace('_', ' ')} [{unit}]")
+
+
+def _finish(figure: Figure, first: Axes, title: str) -> None:
+    if title:
+        figure.suptitle(title, fontsize=FONT_SIZE + 1.0)
+    handles, labels = first.get_legend_handles_labels()
+    if len(handles) > 1:
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=FONT_SIZE, frameon=False)

@@ -1,0 +1,216 @@
+"""The mechanism as a person would draw it: O, P, crank, slider, follower bent, tip; any number of engines over each other."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cases.case import Case
+from engines.trajectory import Trajectory
+from quickreturn.curves import WIDTH, Drawing, drawing
+from quickreturn.solution import UnknownColumn
+from reference_model.columns import PLACES, SHAPE
+from reference_model.mechanism import Mechanism, Scene
+from reference_model.rigid import rigid_motion
+from reports.plots.style import FONT_SIZE, GREY, SMALL, VERMILION, look
+
+Array = NDArray[np.float64]
+
+SHOWN: Final = 0.15  # of the follower's length: the magnified deflection is at most that
+STRAIGHT: Final = 1e-6  # of the follower's length: less is no bending
+STEPS: Final = (1.0, 2.0, 5.0)  # of the factor, times powers of ten
+POINTS: Final = 61  # along the follower
+_CENTRED: Final[Any] = {"ha": "center", "va": "center"}
+BESIDE: Final = np.array([18.0, 11.0])  # points: how far a name is from what it names, to the side and up
+CLEAR: Final = math.radians(120.0)  # a crank angle at which nothing covers anything
+MARGIN: Final = 0.07  # of the follower's length, around everything
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Where everything is at n instants, in the frame of O, m.
+
+    Attributes:
+        time: s, shape (n,).
+        crank_angle: rad, shape (n,); None where there is no crank.
+        follower: along the line from the pivot through the slider and across it, shape (n, POINTS, 2); of a follower alone along its base.
+        direction: of that line, rad, shape (n,).
+    """
+
+    time: Array
+    crank_angle: Array | None
+    follower: Array
+    direction: Array
+
+    def placed(self, pivot: Array, factor: float) -> Array:
+        """The follower's points, the deflection times a factor, shape (n, POINTS, 2). The loop stays closed."""
+        along, across = self.follower[..., 0], factor * self.follower[..., 1]
+        c, s = np.cos(self.direction)[:, None], np.sin(self.direction)[:, None]
+        return pivot + np.stack([along * c - across * s, along * s + across * c], axis=-1)
+
+
+def motion_of(scene: Scene, trajectory: Trajectory, times: Array) -> Motion:
+    """What a trajectory says of the places, at some of its times (s, shape (n,)).
+
+    Raises:
+        UnknownColumn: the engine does not tell the follower's shape.
+    """
+    if missing := [name for name in SHAPE if name not in trajectory.columns]:
+        raise UnknownColumn(f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn')
+    found = {name: np.interp(times, trajectory["time"], values) for name, values in trajectory.columns.items()}
+    length = scene.follower.length
+    told = np.stack([np.zeros_like(times), *(found[name] for name in SHAPE), found["tip_deflection"]], axis=1)
+    clamped_free: Any = ((1, np.zeros_like(times)), (2, np.zeros_like(times)))
+    shape = CubicSpline(np.linspace(0.0, length, PLACES + 2), told, axis=1, bc_type=clamped_free)
+    x = np.linspace(0.0, length, POINTS)
+    W, base = shape(x), found["follower_angle"]
+    crank_angle = found.get("crank_angle")
+    chord = rigid_motion(scene, crank_angle, 0.0).follower_angle if isinstance(scene, Mechanism) and crank_angle is not None else base
+    turn = (base - chord)[:, None]
+    bent = np.stack([np.cos(turn) * x - np.sin(turn) * W, np.sin(turn) * x + np.cos(turn) * W], axis=-1)
+    return Motion(times, crank_angle, bent, chord)
+
+
+def unbent(case: Case) -> Motion:
+    """The mechanism with its crank at `CLEAR`, the follower straight."""
+    scene, x = case.scene, np.linspace(0.0, case.scene.follower.length, POINTS)
+    straight = np.stack([x, np.zeros_like(x)], axis=-1)[None]
+    if not isinstance(scene, Mechanism):
+        return Motion(np.zeros(1), None, straight, np.zeros(1))
+    angle = np.array([CLEAR])
+    return Motion(np.zeros(1), angle, straight, rigid_motion(scene, angle, 0.0).follower_angle)
+
+
+def factor_for(motions: Sequence[Motion], length: float) -> float:
+    """A round factor, at least 1, by which the largest deflection becomes at most `SHOWN` of the length; 1 where nothing bends."""
+    largest = max(float(np.max(np.abs(motion.follower[..., 1]))) for motion in motions)
+    if largest <= STRAIGHT * length:
+        return 1.0
+    decade = 10.0 ** math.floor(math.log10(SHOWN * length / largest))
+    return max(1.0, max(step * decade for step in STEPS if step * decade <= SHOWN * length / largest))
+
+
+class Scenery:
+    """A drawing of one case on some axes, whose moving parts can be put to any instant.
+
+    Args:
+        axes: to draw on.
+        case: gives the lengths.
+        motions: by label, an engine's name for example.
+        factor: by which deflections are magnified.
+    """
+
+    def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Motion], factor: float) -> None:
+        scene = case.scene
+        self._crank_length = scene.crank.length if isinstance(scene, Mechanism) else 0.0
+        self._pivot = np.array([scene.pivot_distance if isinstance(scene, Mechanism) else 0.0, 0.0])
+        self._motions, self._has_tip = motions, getattr(scene, "tip", None) is not None
+        self._placed = {label: motion.placed(self._pivot, factor) for label, motion in motions.items()}
+        self._frame(axes, scene.follower.length)
+        self._fixed(axes, case)
+        looks = {label: look(label) for label in motions}
+        self._followers = {label: axes.plot([], [], **(one.of_line | {"linewidth": 2.2 * one.width}))[0] for label, one in looks.items()}
+        self._tips = {
+            label: axes.plot([], [], "o", color=one.colour, markeredgecolor="black", markersize=7.0, zorder=3.5)[0]
+            for label, one in looks.items()
+        }
+        self._straight = axes.plot([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.6)[0]
+        self._crank = axes.plot([], [], color="black", linewidth=3.0, solid_capstyle="round", zorder=4.0)[0]
+        self._slider = axes.plot([], [], "s", color=VERMILION, markeredgecolor="black", markersize=7.0, zorder=6.0)[0]
+        self._said = axes.text(0.012, 0.02, "", transform=axes.transAxes, fontsize=FONT_SIZE, family="monospace", va="bottom")
+        self._names = {
+            name: axes.annotate(
+                name,
+                (0.0, 0.0),
+                (0.0, 10.0),
+                textcoords="offset points",
+                fontsize=SMALL,
+                color="#333333",
+                zorder=7.0,
+                ha="center",
+                va="center",
+            )
+            for name in (*(("crank", "slider") if self._crank_length else ()), "follower", *(("tip",) if self._has_tip else ()))
+        }
+
+    def _frame(self, axes: Axes, length: float) -> None:
+        """Equal scales, and limits that hold everything at every instant."""
+        points = np.concatenate([placed.reshape(-1, 2) for placed in self._placed.values()])
+        turn = self._crank_length * np.array([[-1.0, -1.0], [1.0, 1.0]])
+        everything = np.concatenate([points, turn, self._pivot[None], np.zeros((1, 2))])
+        low, high = everything.min(axis=0) - MARGIN * length, everything.max(axis=0) + MARGIN * length
+        axes.set_xlim(low[0], high[0])
+        axes.set_ylim(low[1] - MARGIN * length, high[1])
+        axes.set_aspect("equal")
+        axes.set_axis_off()
+
+    def _fixed(self, axes: Axes, case: Case) -> None:
+        """What does not move: the pivots with their names, the crank's circle with the quick return marked."""
+        LA, d = self._crank_length, self._pivot[0]
+        if LA:
+            turn = np.linspace(0.0, 2.0 * np.pi, 181)
+            axes.plot(LA * np.cos(turn), LA * np.sin(turn), color="#BBBBBB", linewidth=0.8, zorder=1.0)
+            # the follower swings back while the crank passes between the places where it stands across the follower
+            limit = math.acos(min(LA / d, 1.0))
+            back = np.linspace(-limit, limit, 61)
+            axes.plot(LA * np.cos(back), LA * np.sin(back), color=VERMILION, linewidth=2.0, alpha=0.6, zorder=1.1)
+            axes.plot(0.0, 0.0, "o", color="black", markersize=5.0, zorder=5.0)
+            axes.annotate("O", (0.0, 0.0), (0.0, -14.0), textcoords="offset points", fontsize=FONT_SIZE, ha="center")
+        axes.plot(*self._pivot, "^", color="black", markersize=8.0, zorder=5.0)
+        axes.annotate("P", (d, 0.0), (0.0, -16.0), textcoords="offset points", fontsize=FONT_SIZE, ha="center")
+
+    def show(self, instant: int, said: str) -> None:
+        """Put everything to an instant; `said` stands below."""
+        first = next(iter(self._motions.values()))
+        along = np.array([math.cos(first.direction[instant]), math.sin(first.direction[instant])])
+        end = self._pivot + first.follower[instant, -1, 0] * along
+        self._straight.set_data([self._pivot[0], end[0]], [self._pivot[1], end[1]])
+        for label, placed in self._placed.items():
+            self._followers[label].set_data(*placed[instant].T)
+            if self._has_tip:
+                self._tips[label].set_data(*placed[instant, -1:].T)
+        shown = next(iter(self._placed.values()))[instant]
+        where = {"follower": shown[POINTS // 5], "tip": shown[-1]}
+        if first.crank_angle is not None:
+            slider = self._crank_length * np.array([math.cos(first.crank_angle[instant]), math.sin(first.crank_angle[instant])])
+            self._crank.set_data([0.0, slider[0]], [0.0, slider[1]])
+            self._slider.set_data(slider[:1], slider[1:])
+            where |= {"crank": 0.5 * slider, "slider": slider}
+            # the crank's name on the side that is away from the follower, the slider's on the other side of that
+            across = np.array([-along[1], along[0]])
+            away = across if slider @ across < 0.0 else -across  # from the follower to O
+            beside_crank = np.array([-slider[1], slider[0]]) / self._crank_length
+            sides = {"crank": beside_crank if beside_crank @ away > 0.0 else -beside_crank, "slider": -away}
+            for name, side in sides.items():
+                self._names[name].xyann = tuple(side * BESIDE)
+        for name, text in self._names.items():
+            text.xy = (float(where[name][0]), float(where[name][1]))
+        self._said.set_text(said)
+
+
+def legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
+    """Samples of the engines' lines and of the quick return, and by how much the deflection is magnified."""
+    said = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
+    samples = [Line2D([], [], label=label, **look(label).of_sample) for label in motions]
+    samples.append(Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {said}"))
+    if any(motion.crank_angle is not None for motion in motions.values()):
+        samples.append(Line2D([], [], color=VERMILION, linewidth=2.0, alpha=0.6, label="quick return"))
+    return samples
+
+
+def mechanisms(cases: Sequence[Case]) -> Drawing:
+    """Cases with their followers straight, one below the other."""
+    motions = [unbent(case) for case in cases]
+    figure = drawing(0.3 + 3.2 * len(cases), WIDTH)
+    for axes, case, motion in zip(figure.subplots(len(cases), 1, squeeze=False)[:, 0], cases, motions, strict=True):
+        angle = "" if motion.crank_angle is None else f"crank at {math.degrees(float(motion.crank_angle[0])):g}°"
+        Scenery(axes, case, {"reference": motion}, 1.0).show(0, angle)
+        axes.set_title(f"{case.name}: {case.title}", fontsize=FONT_SIZE, loc="left")
+    figure.legend(handles=legend({"follower": motions[0]}, 1.0)[2:], loc="outside lower center", fontsize=SMALL, frameon=False)
+    return figure

@@ -1,0 +1,75 @@
+"""Natural frequencies with the crank held."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from cases.case import Case
+from engines.settings import as_texts
+from quickreturn.solution import found_engine, one_case
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from engines.base import AnyEngine
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Natural frequencies, Hz, ascending, at a crank angle (rad), and what they were computed with."""
+
+    case: str
+    crank_angle: float
+    engine: str
+    version: str
+    settings: dict[str, Any]
+    frequencies: list[float]
+
+
+def modes(
+    case: "str | Case",
+    engine: "str | AnyEngine" = "reference",
+    crank_angle: float | Sequence[float] = 0.0,
+    *,
+    count: int = 4,
+    settings: Mapping[str, Any] | None = None,
+) -> "pd.DataFrame":
+    """Natural frequencies in Hz, a row for each crank angle: follower straight, at rest, no gravity, undamped.
+
+    Args:
+        case: a name, a path or a `Case`.
+        engine: a name or an engine.
+        crank_angle: at which the crank is held, degrees; one or several.
+        count: how many at most; there are fewer columns if the model has fewer.
+        settings: of the engine, by name; None: those for its default accuracy.
+
+    Raises:
+        CaseError, UnknownEngine, Refusal, SettingError: something cannot be.
+        EngineFailure: the engine failed, or what it returned are no natural frequencies.
+    """
+    import pandas as pd
+
+    angles = [crank_angle] if isinstance(crank_angle, (int, float)) else list(crank_angle)
+    found = frozen_crank(one_case(case), engine, [math.radians(angle) for angle in angles], count, as_texts(settings or {}))
+    table = pd.DataFrame([each.frequencies for each in found], index=pd.Index(angles, name="crank angle [deg]"))
+    table.columns = pd.Index([f"mode {number} [Hz]" for number in range(1, table.shape[1] + 1)])
+    table.attrs.update(case=found[0].case, engine=found[0].engine, version=found[0].version, settings=found[0].settings)
+    return table
+
+
+def frozen_crank(
+    case: Case, engine: "str | AnyEngine", crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
+) -> list[Modes]:
+    """The same with crank angles in rad and settings as texts. Raises as `modes`."""
+    from engines.frozen_crank import natural_frequencies
+
+    chosen = found_engine(engine)
+    chosen.check(case.mechanism)
+    used = chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(settings))
+    version, shown = chosen.version(), used.as_dict()
+
+    def at(angle: float) -> list[float]:
+        return [float(frequency) for frequency in natural_frequencies(chosen, case.mechanism, angle, count, used)]
+
+    return [Modes(case.name, angle, chosen.name, version, shown, at(angle)) for angle in crank_angles]

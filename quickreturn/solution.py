@@ -1,0 +1,211 @@
+"""One trajectory of one engine on one case, from the standard start, with what can be said of its errors."""
+
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cases.case import Case
+from cases.errors import as_written, nearest_or_all
+from engines.accurate import Result
+from engines.base import AnyEngine, Engine
+from engines.registry import usable_engine
+from engines.scene import simulate_scene
+from engines.settings import as_texts
+from engines.trajectory import Trajectory
+from quickreturn.accuracy import checked
+from reference_model import machine_code
+from reference_model.columns import COLUMNS
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from quickreturn.curves import Drawing
+
+
+class UnknownColumn(LookupError):
+    """No such column; the text is one sentence with the nearest known one."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Solution:
+    """A trajectory, and how far it can be trusted.
+
+    Attributes:
+        case: what was simulated.
+        engine: name of the engine.
+        version: of the library behind it.
+        result: trajectory, settings, error estimates and times as the engine gave them.
+    """
+
+    case: Case
+    engine: str
+    version: str
+    result: Result
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The observables as plain arrays."""
+        return self.result.trajectory
+
+    @cached_property
+    def frame(self) -> "pd.DataFrame":
+        """The trajectory as a table, a row for each output step; `.attrs["units"]`: column -> unit."""
+        return framed(self.trajectory, case=self.case.name, engine=self.engine, version=self.version)
+
+    @property
+    def estimates(self) -> "pd.Series[float]":
+        """Estimated error of each column, RMS relative to the column's RMS; NaN where unknown."""
+        import pandas as pd
+
+        of = {"total": "error", "integration": "integration error", "unverified": "error, not verified"}[self.result.estimate_of]
+        return pd.Series(self.result.error_estimates, dtype=float, name=of)
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Of the engine, as they were used."""
+        return self.result.settings.as_dict()
+
+    @property
+    def reached(self) -> bool:
+        """Whether the estimate is within the accuracy; `remark` says why not."""
+        return self.result.reached
+
+    @property
+    def remark(self) -> str:
+        """A sentence, where not all is well."""
+        return self.result.remark
+
+    def __getitem__(self, column: str) -> "pd.Series[float]":
+        """A column. UnknownColumn: there is none of this name."""
+        return self.frame[known_column(column, self.trajectory.columns)]
+
+    def plot(self, *columns: str) -> "Drawing":
+        """Columns over time; without any the deflection and the acceleration of the tip, the middle strain and the slider force.
+
+        Raises:
+            UnknownColumn: there is none of this name.
+        """
+        from quickreturn.curves import curves
+
+        return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}")
+
+    def animate(self, path: "str | os.PathLike[str]", magnify: float | None = None) -> None:
+        """Write the mechanism moving to a file .webp, its last turn, or .html, a page of its own.
+
+        Args:
+            path: of the file.
+            magnify: factor of the deflection in a .webp; None: a round one that shows it.
+
+        Raises:
+            OutputError: another ending, or it cannot be written.
+            UnknownColumn, CaseError: the engine does not tell the follower's shape; a page needs a crank.
+        """
+        from quickreturn.animation import moving
+        from reports.output import check_writable, write_file
+
+        place = Path(path)
+        check_writable(place, "", ".webp", ".html")
+        write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
+
+    def rows(self, kept: str = "") -> Iterator[tuple[str, str]]:
+        """What there is to say, a name and a text each; `kept`: where the rows are."""
+        result = self.result
+        times = {part: getattr(result, f"{part}_seconds") for part in ("compile", "setup", "solve", "estimate")}
+        yield "case", self.case.name
+        yield "engine", f"{self.engine} ({self.version})"
+        if self.case.notes:
+            yield "notes", f"{len(self.case.notes)} on this case: see `quickreturn show {self.case.name}`"
+        yield "rows", f"{len(self.trajectory)}{kept and ' in '}{kept}"
+        yield from _estimates(result)
+        yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())
+        yield "settings", ", ".join(f"{name} = {value}" for name, value in self.settings.items())
+        if self.remark:
+            yield "remark", self.remark
+
+    def __repr__(self) -> str:
+        from reports.output import table_text
+
+        return table_text(list(self.rows()))
+
+
+def simulate(
+    case: "str | Case",
+    engine: "str | AnyEngine" = "reference",
+    *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Any] | None = None,
+) -> Solution:
+    """Simulate a case from its standard start, in this process.
+
+    Args:
+        case: a name, a path or a `Case`.
+        engine: a name or an engine, one of your own for example.
+        accuracy: relative error of the tip deflection asked for; None: the engine's default.
+        settings: of the engine, by name; they are taken as they are, and the error is estimated all the same.
+
+    Raises:
+        CaseError, UnknownEngine, Refusal, SettingError: something cannot be; the sentence says what is accepted.
+        EngineFailure: the run broke down; `partial` holds the trajectory as far as it came.
+    """
+    chosen, scene = found_engine(engine), one_case(case)
+    if sentence := machine_code.forgotten():
+        warnings.warn(sentence, stacklevel=2)
+    result = simulate_scene(chosen, scene.scene, scene.duration, scene.output_step, as_texts(settings or {}), checked(accuracy))
+    return Solution(scene, chosen.name, chosen.version(), replace(result, runs={}))
+
+
+def one_case(case: "str | Case") -> Case:
+    """A case by its name or path, or as it is. CaseError: there is none."""
+    from cases.case_file import load_case
+
+    return case if isinstance(case, Case) else load_case(case)
+
+
+def found_engine(engine: "str | AnyEngine") -> AnyEngine:
+    """An engine by its name, known to be usable, or as it is. UnknownEngine, Refusal: there is none, or it cannot be used here."""
+    return engine if isinstance(engine, Engine) else usable_engine(engine)
+
+
+def framed(trajectory: Trajectory, **about: str) -> "pd.DataFrame":
+    """A trajectory as a table whose attributes hold the units and what else is given."""
+    table = trajectory.table()
+    table.attrs.update(units={name: COLUMNS[name].unit for name in table.columns}, **about)
+    return table
+
+
+def known_column(name: str, columns: Mapping[str, Any]) -> str:
+    """The name. UnknownColumn: it is none of these columns."""
+    if name not in columns:
+        raise UnknownColumn(f"{as_written(name)}: no such column; {nearest_or_all(name, tuple(columns))}")
+    return name
+
+
+def as_csv(trajectory: Trajectory) -> bytes:
+    """A trajectory as CSV: every number is the shortest text that reads back as the same number."""
+    names = [name for name in COLUMNS if name in trajectory.columns]
+    rows = zip(*(trajectory[name].tolist() for name in names), strict=True)
+    return "".join(f"{','.join(line)}\n" for line in ([*names], *(map(repr, row) for row in rows))).encode("ascii")
+
+
+def _estimates(found: Result) -> Iterator[tuple[str, str]]:
+    """The error estimate of every column, a row for each; of a follower that does not bend, that of the tip's place."""
+    from reports.words import ESTIMATE
+
+    name, beside = ESTIMATE[found.estimate_of]
+    each, estimate = dict(found.error_estimates), found.error_estimate
+    deflection = each.pop("tip_deflection")
+    asked = "" if found.accuracy is None else f" (asked: {found.accuracy:g})"
+    place = "deflection" if deflection is not None or estimate is None else "tip's place"
+    lines = {place: f"{_digits(estimate)}{asked}{beside and '; '}{beside}"}
+    lines |= {column.removeprefix("tip_").removeprefix("slider_").replace("_", " "): _digits(value) for column, value in each.items()}
+    width = max(map(len, lines))
+    for number, (column, text) in enumerate(lines.items()):
+        yield "" if number else name, f"{column:{width}}  {text}"
+
+
+def _digits(estimate: float | None) -> str:
+    return "unknown" if estimate is None else f"{estimate:.1e}"

@@ -1,0 +1,76 @@
+"""What became of engines on a case, as a person reads it in a terminal or a notebook."""
+
+import math
+from typing import Final
+
+from cases.runs.comparison import REFERENCE, CaseResult, Check, largest_differences, not_judged
+from cases.runs.request import Run
+from reports.output import table_text
+
+#: Departures shown of a pair of engines.
+SHOWN: Final = 5
+
+_HEADS: Final = (
+    "engine", "status", "start", "cycles", "solve s", "estimate", "class", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2",
+)  # fmt: skip
+
+
+def text_of(result: CaseResult) -> str:
+    """A table of the engines and recorded tables, their remarks, and what was judged."""
+    whole = result.whole
+    rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
+    remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
+    judged = [f"  {line}" for line in _verdict(whole)]
+    state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
+    return "\n".join([f"{result.case.name}: {result.case.title}{state}", table_text(rows, _HEADS), *remarks, *judged])
+
+
+def _verdict(result: CaseResult) -> list[str]:
+    """What was judged and what came of it, and how far those engines lie from the reference that are not judged."""
+    lines = []
+    for (engine, other), checks in result.departures.items():
+        total = sum((check.engine, check.other) == (engine, other) for check in result.checks)
+        lines.append(f"{engine} and {other} disagree by more than they claim, in {len(checks)} of {total} comparisons:")
+        worst = sorted(checks, key=lambda check: -abs(check.difference) / check.tolerance if check.tolerance else -math.inf)
+        lines += [f"  {_departure(check)}" for check in worst[:SHOWN]]
+        if len(checks) > SHOWN:
+            lines.append(f"  and {len(checks) - SHOWN} more, which --json lists")
+    if result.passed is None:
+        lines.append(f"not judged: {result.reason}")
+    elif not result.missed:
+        names = ", ".join(dict.fromkeys(check.engine for check in result.checks))
+        others = " and ".join(dict.fromkeys(check.other for check in result.checks))
+        lines.append(f"{names}: within what is claimed of {others} in all {len(result.checks)} comparisons")
+    reference = result.runs.get(REFERENCE)
+    for name, run in result.runs.items():
+        if reference is not None and reference.usable and run.usable and name != REFERENCE and (why := not_judged(run)):
+            found = [f"{kind} {100.0 * size:.2g} %" for kind, size in largest_differences(run, reference).items() if size is not None]
+            lines.append(f"{name}, not judged ({why}): largest differences from {REFERENCE}: {', '.join(found) or 'none'}")
+    return lines
+
+
+def _departure(check: Check) -> str:
+    return (
+        f"{check.quantity}, {check.half}-return, {check.channel or 'all channels'}: {check.mine.value:.5g} and {check.its.value:.5g} differ"
+        f" by {abs(check.difference):.2g}, claimed are {check.mine.width:.2g} by {check.engine} and {check.its.width:.2g} by {check.other}"
+    )
+
+
+def _row(run: Run, accuracy_class: str | None) -> tuple[str, ...]:
+    def number(value: float | None, form: str) -> str:
+        return "-" if value is None else format(value, form)
+
+    forms = {"tip_acceleration": ".2f", "strain_2": ".3e"}
+    peaks = [number(run.peak(name) if run.usable and name in run.cycle else None, form) for name, form in forms.items()]
+    return (
+        run.engine,
+        run.status,
+        run.start or "-",
+        str(run.cycles),
+        number(run.solve_seconds, ".2f"),
+        number(run.error_estimate, ".1e"),
+        accuracy_class or "-",
+        number(run.consensus_frequency("pre"), ".3f"),
+        number(run.consensus_frequency("post"), ".3f"),
+        *peaks,
+    )

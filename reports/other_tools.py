@@ -1,0 +1,119 @@
+"""What somebody needs to build a case in another tool, as a text: values, conventions, the start, and what to record."""
+
+import math
+import textwrap
+from importlib.resources import files
+from typing import Any, Final
+
+import jinja2
+
+from cases.case import Case
+from cases.document import values_in_si
+from cases.keys import SECTIONS
+from cases.measures import time_scale
+from cases.measures.time_scale import TURN
+from cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
+from reference_model.columns import COLUMNS
+from reference_model.mechanism import Mechanism, TorqueDrive
+from reference_model.rigid import crank_pace, rigid_motion
+from reference_model.tip_force import WHOLE
+
+#: Letters in a line of prose.
+WIDTH: Final = 110
+#: Size, in SI units, below which a number of the start is zero but for rounding.
+ROUNDING: Final = 1e-12
+#: Columns that engines give of something else than a closed mechanism, or by conventions of their own.
+_NOT_ASKED: Final = (*LEFT_OUT, "base_torque", "axial_stretch", "gravity_energy", "dissipated_energy", "drive_work")
+
+
+def for_other_tools(case: Case, given: str) -> str:
+    """The text.
+
+    Args:
+        case: a closed mechanism.
+        given: the case as it was named on the command line.
+
+    Raises:
+        CaseError: there is no crank.
+    """
+    mechanism = case.mechanism
+    pace = crank_pace(mechanism)
+    columns = [(name, column.unit.replace(" ", "*"), column.meaning) for name, column in COLUMNS.items() if name not in _NOT_ASKED]
+    follower, tip, drive = mechanism.follower, mechanism.tip_body, mechanism.crank.drive
+    thick = follower.thickness > 0.0 and not follower.is_rigid
+    template = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=False).from_string(
+        (files("reports") / "templates" / "other_tools.jinja").read_text("utf-8")
+    )
+    facts: dict[str, Any] = {"torque": drive.torque} if isinstance(drive, TorqueDrive) else {}
+    text = template.render(
+        case=case,
+        given=given,
+        parts=_parts(case),
+        rigid=follower.is_rigid,
+        axial_stiffness=12.0 * follower.bending_stiffness / follower.thickness**2 if thick else 0.0,
+        length=follower.length,
+        rigid_joint=math.isinf(mechanism.slider.joint_stiffness),
+        slider_mass=mechanism.slider.mass,
+        slider_inertia=mechanism.slider.inertia,
+        gravity=any(mechanism.gravity),
+        tip_force=any(tip.force),
+        whole_turn=tip.force_to - tip.force_from >= WHOLE,
+        start=_start(mechanism),
+        columns=columns,
+        gap=_gap(mechanism, pace),
+        turn=2.0 * math.pi / pace if pace > 0.0 else math.inf,
+        header=",".join(f"{name} [{unit}]" for name, unit, _ in columns),
+        value=_value,
+        **facts,
+    )
+    return "\n".join(_wrapped(line) for line in text.splitlines())
+
+
+def _wrapped(line: str) -> str:
+    """Prose in lines of bearable length; tables and the line of headings stay as they are."""
+    if line.startswith(("  ", "time [", "Then: ")):
+        return line
+    return textwrap.fill(
+        line, WIDTH, subsequent_indent="  " if line.startswith("- ") else "", break_long_words=False, break_on_hyphens=False
+    )
+
+
+def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
+    """Section -> name, value, unit and meaning of each quantity that is not left at nothing."""
+    found: dict[str, list[tuple[str, str, str, str]]] = {}
+    for section, values in values_in_si(case).items():
+        if section == "simulation" or (section == "slider" and not _differs(values)):
+            continue
+        known = SECTIONS[section]
+        without_force = section == "tip" and not any(values["force"])
+        found[section] = [
+            (name, _value(value), known[name].unit, known[name].meaning)
+            for name, value in values.items()
+            if not (without_force and name.startswith("force"))
+        ]
+    return found
+
+
+def _differs(slider: Any) -> bool:
+    return any(value and not math.isinf(value) for value in slider.values())
+
+
+def _start(mechanism: Mechanism) -> list[tuple[str, str, str]]:
+    """Place and rates at the start: name, value, unit."""
+    row = standard_row(mechanism)
+    motion = rigid_motion(mechanism, row["crank_angle"], row["crank_speed"])  # type: ignore[arg-type]  # a number is an array, too
+    rates = {"follower_speed": (float(motion.follower_speed), "rad/s"), "slider_speed": (float(motion.slider_speed), "m/s")}
+    places = {name: (number, COLUMNS[name].unit) for name, number in row.items() if name != "time" and not name.startswith("strain")}
+    return [(name, _value(number if abs(number) > ROUNDING else 0.0), unit) for name, (number, unit) in (places | rates).items()]
+
+
+def _gap(mechanism: Mechanism, pace: float) -> float:
+    """How far apart rows may be, s: for the turn, and for the first mode."""
+    scale = time_scale(mechanism)
+    shortest = 1.0 / float(scale.frequencies(TURN)[:, 0].max()) if scale else math.inf
+    return min(LARGEST_GAP * 2.0 * math.pi / pace if pace > 0.0 else math.inf, shortest / ROWS_PER_PERIOD)
+
+
+def _value(number: Any) -> str:
+    """Digits that give the same number back."""
+    return ", ".join(map(_value, number)) if isinstance(number, (list, tuple)) else repr(float(number))

@@ -1,0 +1,117 @@
+"""The answer on the first screen: what three sentences and four numbers follow from."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from cases.benchmark import fastest_at
+from cases.benchmark.findings import LEVELS
+from cases.runs.comparison import REFERENCE, CaseResult
+from cases.runs.request import SETTLED
+from reports.findings.agreement import Spread, differences, engines_of, spread
+from reports.findings.verdicts import MODEL
+from reports.page.content import Content
+
+#: An engine tells the same story where at most this part of its numbers differ by more than claimed.
+FEW: Final = 0.05
+
+
+@dataclass(frozen=True)
+class Cubic:
+    """The thesis' model over the converged one: first-mode frequency, and the median of the peaks' ratios of the strain at mid-arm."""
+
+    frequency: Spread
+    strain: float | None
+
+
+@dataclass(frozen=True)
+class Fastest:
+    """Who is fastest to an error of the tip deflection, in s, and how many times as long the next one takes that is another engine."""
+
+    case: str
+    level: float
+    engine: str
+    seconds: float
+    next_engine: str | None
+    times: float | None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the first screen says.
+
+    Attributes:
+        cases: how many.
+        engines: names of all.
+        simulations: how many, and `settled` of them in their steady state at the accuracy asked.
+        alike: engines whose numbers agree within what is claimed, the reference first; empty where nothing could be judged.
+        departing: engines that were judged and are not alike.
+        frequency: differences of the alike from the reference in the consensus first-mode frequency.
+        amplitude: likewise in the first-mode amplitudes.
+        extreme: likewise in the extremes.
+        cubic: None where the thesis' model or the reference is missing.
+        fastest: None where nothing was measured.
+    """
+
+    cases: int
+    engines: Sequence[str]
+    simulations: int
+    settled: int
+    alike: Sequence[str]
+    departing: Sequence[str]
+    frequency: Spread | None
+    amplitude: Spread | None
+    extreme: Spread | None
+    cubic: Cubic | None
+    fastest: Fastest | None
+
+
+def answer_of(content: Content) -> Answer:
+    """The answer of a report."""
+    results = content.results
+    runs = [run for result in results for run in result.runs.values()]
+    checks = [check for result in results for check in result.checks]
+    judged = list(dict.fromkeys(check.engine for check in checks))
+    beyond = {name: [not check.passed for check in checks if check.engine == name] for name in judged}
+    alike = [name for name in judged if sum(beyond[name]) <= FEW * len(beyond[name])]
+    others = list(dict.fromkeys(check.other for check in checks)) if alike else []
+    against = others[0] if others else REFERENCE
+    found = {
+        kind: spread([each for name in alike for each in differences(results, name, kind, against)])
+        for kind in ("frequency", "amplitude", "extreme")
+    }
+    return Answer(
+        cases=len(results),
+        engines=engines_of(results),
+        simulations=len(runs),
+        settled=sum(run.status == SETTLED for run in runs),
+        alike=[*others, *alike],
+        departing=[name for name in judged if name not in alike],
+        frequency=found["frequency"],
+        amplitude=found["amplitude"],
+        extreme=found["extreme"],
+        cubic=_cubic(results),
+        fastest=_fastest(content),
+    )
+
+
+def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
+    frequency = spread(differences(results, MODEL, "frequency"))
+    if frequency is None:
+        return None
+    pairs = [(result.runs[MODEL], result.runs[REFERENCE]) for result in results if {MODEL, REFERENCE} <= set(result.runs)]
+    ratios = [mine.peak("strain_2") / its.peak("strain_2") for mine, its in pairs if mine.usable and its.usable and its.peak("strain_2")]
+    return Cubic(frequency, float(np.median(ratios)) if ratios else None)
+
+
+def _fastest(content: Content) -> Fastest | None:
+    for table in content.benchmarks[:1]:
+        found = fastest_at(table.points, LEVELS[1])
+        if found:
+            (name, (point, measured)), *rest = found.items()
+            next_one = next(((other, its.solve_seconds) for other, (each, its) in rest if each.engine != point.engine), None)
+            ratio = None if next_one is None else next_one[1] / measured.solve_seconds
+            return Fastest(table.case, LEVELS[1], name, measured.solve_seconds, next_one[0] if next_one else None, ratio)
+    return None

@@ -1,0 +1,64 @@
+"""The chapters of a report: which there are, from which facts. Their words are in `templates/chapters/`.
+
+A chapter is a template with two macros, `finding` for its heading and `body`, both made from the chapter's facts. Tables and plots stand
+among the facts; whatever table is there is written as a CSV file beside the page.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from reports.page.content import Content
+from reports.page.facts import agreement, methods, own, recorded, run_by_run, studies, thesis
+from reports.tables.table import Table
+
+Facts = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A chapter with its facts; the template is named by its `id`."""
+
+    id: str
+    name: str
+    facts: Facts
+
+    @property
+    def tables(self) -> Iterator[Table]:
+        """All tables among the facts, in their order."""
+        return tables_in(self.facts.values())
+
+
+def tables_in(values: Any) -> Iterator[Table]:
+    """Tables that have rows, also those in lists."""
+    for value in values:
+        if isinstance(value, Table):
+            yield from [value] if value.rows else []
+        elif isinstance(value, (list, tuple)):
+            yield from tables_in(value)
+
+
+#: Chapter, its name, and what makes its facts: None where a report has nothing for it.
+_CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
+    ("agreement", "Who agrees with whom", agreement.agreement),
+    ("runs", "Every run on every engine", agreement.runs),
+    ("recorded", "Recorded tables", recorded.recorded),
+    ("methods", "Which method excels", methods.methods),
+    ("thesis", "What the thesis saw", thesis.thesis),
+    ("open", "What the thesis leaves open", studies.open_points),
+    ("accuracy", "Accuracy and cost", studies.accuracy),
+    ("hard", "Hard scenes", methods.hard_scenes),
+    ("experiment", "The experiment", thesis.experiment),
+    ("inconsistencies", "Published inconsistencies", thesis.inconsistencies_found),
+    ("each", "Run by run", run_by_run.run_by_run),
+    ("next", "What to do next", own.next_steps),
+    ("provenance", "Provenance", own.provenance),
+)
+
+
+def chapters_of(content: Content) -> list[Chapter]:
+    """Those for which there is something to say, in their order; the last lists all files."""
+    made = ((name, title, make(content)) for name, title, make in _CHAPTERS)
+    chapters = [Chapter(name, title, facts) for name, title, facts in made if facts is not None]
+    listed = own.files(content, [table for chapter in chapters for table in chapter.tables])
+    return [*chapters, Chapter("files", "Tables as files", listed)]

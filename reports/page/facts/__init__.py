@@ -1,0 +1,1 @@
+"""What each chapter tells: numbers, tables and plots, without words."""

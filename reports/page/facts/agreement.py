@@ -1,0 +1,96 @@
+"""Who agrees with whom, and every run on every engine."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from cases.runs.comparison import REFERENCE, CaseResult, not_judged
+from reports.findings.agreement import differences, engines_of, resolvable
+from reports.findings.verdicts import MODEL
+from reports.page.answer import answer_of
+from reports.page.content import Content
+from reports.tables import claims, engines
+from reports.tables.table import Cell, Column, Mark, Table, TableBuilder
+from reports.words import case_label
+
+
+def agreement(content: Content) -> dict[str, Any] | None:
+    """None where there is one engine alone."""
+    results = content.results
+    names = engines_of(results)
+    if len(names) < 2:
+        return None
+    checks = [check for result in results for check in result.checks]
+    judged = {check.engine for check in checks} | {check.other for check in checks}
+    return {
+        "answer": answer_of(content),
+        "checks": len(checks),
+        "missed": [check for check in checks if not check.passed],
+        "cases": [result.case.name for result in results if result.missed],
+        "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
+        "unjudged": {name: _why(results, name) for name in names if name not in judged},
+        "model": MODEL,
+        "map": run_map(results),
+        "summary": claims.summary(results),
+        "departures": claims.departures(results),
+        "classes": claims.classes(results),
+    }
+
+
+def _why(results: Sequence[CaseResult], name: str) -> str:
+    return next((why for result in results if name in result.runs and (why := not_judged(result.runs[name]))), "nothing to compare with")
+
+
+def run_map(results: Sequence[CaseResult]) -> Table:
+    """A row per case: of each engine how far it is from the reference, and in how many numbers they differ by more than they claim."""
+    names = [name for name in engines_of(results) if name != REFERENCE]
+    builder = TableBuilder(
+        "map",
+        f"Differences to {REFERENCE}: the larger of first-mode frequency (consensus of the channels) before and after the return, the"
+        " largest of the extremes (relative to the channel's largest magnitude), and in how many numbers the two differ by more than they"
+        " claim (✗). A cell opens its run.",
+        (
+            Column("case", "run"),
+            *(
+                column
+                for name in names
+                for column in (
+                    Column(f"{name}_frequency_difference", "f₁", "1", "+.2f", "%", 100.0, group=name),
+                    Column(f"{name}_extreme_difference", "peaks", "1", "+.2f", "%", 100.0, group=name),
+                    Column(f"{name}_beyond", "beyond", form="d", group=name),
+                )
+            ),
+        ),
+    )
+    for result in results:
+        cells: dict[str, Any] = {"case": Cell(result.case.name, case_label(result.case.name), run=result.case.name)}
+        for name in names:
+            if name in result.runs:
+                cells |= _map_cells(result, name)
+        builder.add(**cells)
+    return builder.table()
+
+
+def _map_cells(result: CaseResult, name: str) -> dict[str, Cell]:
+    run, opens = result.runs[name], result.case.name
+    if not run.usable:
+        return {f"{name}_frequency_difference": Cell(None, run.status, run.remark, "failed", opens)}
+    why, beyond = not_judged(run), sum(not check.passed for check in result.checks if check.engine == name)
+    mark: Mark = "missed" if beyond else "open" if why else "good"
+    cells = {}
+    for kind in ("frequency", "extreme"):
+        found = [found.relative for found in differences([result], name, kind)]
+        largest = max(found, key=abs, default=None)
+        cells[f"{name}_{kind}_difference"] = Cell(largest, "n. r." if largest is None else "", why, "open" if why else "good", opens)
+    return cells | {f"{name}_beyond": Cell(None, "–", why, mark, opens) if why else Cell(beyond, mark=mark, run=opens)}
+
+
+def runs(content: Content) -> dict[str, Any]:
+    """All measures."""
+    names = engines_of(content.results)
+    return {
+        "troubles": content.troubles,
+        "cases": len(content.results),
+        "resolved": {name: resolvable(content.results, name) for name in names},
+        "table": engines.run_by_engine(content.results),
+        "measures": engines.measures(content.results),
+    }

@@ -1,0 +1,74 @@
+"""What to do next, where the page came from, and its files."""
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+from cases.runs.request import SETTLED
+from reference_model.mechanism import TorqueDrive
+from reports.findings.failures import MEANINGS
+from reports.findings.runs import thesis_runs
+from reports.page.content import Content
+from reports.tables import engines as engine_tables
+from reports.tables import provenance as tables
+from reports.tables.table import Column, Table, TableBuilder
+
+STANDARD_GRAVITY: Final = 9.80665  # m/s²
+
+
+def next_steps(content: Content) -> dict[str, Any] | None:
+    """For a report on one's own cases; None for one on the thesis' runs."""
+    if content.thesis_results:
+        return None
+    return {
+        "cases": [result.case for result in content.results],
+        "failures": [run for result in content.results for run in result.failures],
+        "departing": [result.case.name for result in content.results if result.missed],
+        "measured": bool(content.benchmarks),
+    }
+
+
+def provenance(content: Content) -> dict[str, Any]:
+    """Engines, versions, machine, settings, failures, assumptions, verification."""
+    torque, weight = _gravity(content)
+    return {
+        "troubles": content.troubles,
+        "meanings": {status: meaning for status, meaning in MEANINGS.items() if status in {each.status for each in content.troubles}},
+        "settled": MEANINGS[SETTLED],
+        "study_failures": () if content.studies is None else content.studies.failures,
+        "notices": content.notices,
+        "of_thesis": bool(content.thesis_results),
+        "torque": torque,
+        "weight": weight,
+        "date": content.facts.get("date", ""),
+        "verification": content.verification,
+        "failures": tables.troubles(content.troubles),
+        "engines": tables.engines(content.results),
+        "machine": tables.machine({**content.facts, "code": content.code}),
+        "settings": engine_tables.settings(content.results),
+        "verified": [_table(f"verification_{index}", part) for index, part in enumerate(content.verification.chapters, start=1)],
+    }
+
+
+def _gravity(content: Content) -> tuple[float | None, float | None]:
+    """Driving torque of a run of the thesis, N m, and what in-plane gravity would do to its crank at most."""
+    for result in thesis_runs(content.results).values():
+        crank = result.case.mechanism.crank
+        if isinstance(crank.drive, TorqueDrive):
+            return crank.drive.torque, crank.mass * STANDARD_GRAVITY * crank.center_of_mass
+    return None, None
+
+
+def _table(name: str, part: dict[str, Any]) -> Table:
+    heads, rows = list(part["columns"]), list(part["rows"])
+    numeric = [any(isinstance(row[i], float) for row in rows) for i in range(len(heads))]
+    columns = [Column(f"column_{i}", str(head), form=".4g" if numeric[i] else "") for i, head in enumerate(heads)]
+    builder = TableBuilder(name, str(part["title"]), columns)
+    for row in rows:
+        builder.add(**{column.key: value for column, value in zip(columns, row, strict=True)})
+    return builder.table()
+
+
+def files(content: Content, listed: Sequence[Table]) -> dict[str, Any]:
+    """The list of all CSV files, which is itself one."""
+    about = {"date": content.facts.get("date", ""), "code": content.code}
+    return {"count": len(listed), "table": tables.catalogue(listed, about)}

@@ -1,0 +1,96 @@
+"""What belongs to the thesis: its model against the converged one, its statements, the experiment, its inconsistencies."""
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from cases.experiment import statements
+from cases.experiment.stiffness import stiffness_reading
+from cases.library import inconsistencies
+from cases.measures import CHANNELS
+from engines.registry import OWN
+from reports.findings.agreement import differences, engines_of
+from reports.findings.raw_extremes import Excess, counted_excess
+from reports.findings.verdicts import CANNOT_FOLLOW, MODEL, NOT
+from reports.page.content import Content
+from reports.tables import experiment as experiment_tables
+from reports.tables import thesis_view as tables
+from reports.words import HALF
+
+#: Hz, the mode that section 3.4 reads off run 24.
+SECOND_MODE: Final = next(found.low for found in statements() if found.id == "second-mode")
+#: Channels in which the thesis' slow part is large.
+STRAINS: Final = CHANNELS[1:]
+#: A difference of an excess between the halves that a reader of plots would notice.
+MARKED: Final = 0.02
+
+
+def thesis(content: Content) -> dict[str, Any] | None:
+    """None without a run of the thesis."""
+    results = content.thesis_results
+    if not results:
+        return None
+    medians = {}
+    for half in HALF:
+        ratios = [difference.ratio for difference in differences(results, MODEL, "frequency", half=half)]
+        if ratios:
+            medians[half] = float(np.median(ratios))
+    excesses = counted_excess(results)
+    fitted = [difference.relative for difference in differences(results, MODEL, "frequency")]
+    joints = content.evidence.joints if content.evidence is not None else ()
+    return {
+        "verdicts": content.verdicts,
+        "contradicted": [verdict.statement.words for verdict in content.verdicts if verdict.verdict == NOT],
+        "not_following": [verdict.statement.words for verdict in content.verdicts if verdict.verdict == CANNOT_FOLLOW],
+        "medians": medians,
+        "fitted": fitted,
+        "strains": {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF},
+        "larger_after": _larger_after(excesses),
+        "marked": MARKED,
+        "joints": joints,
+        "second_mode": SECOND_MODE,
+        "stiffness": stiffness_reading(fitted),
+        "ratios": tables.ratios(results),
+        "statements": tables.statements(content.verdicts),
+        "counted": tables.counted(excesses),
+        "joint_table": tables.joints(joints, "run 24"),
+    }
+
+
+def _larger_after(excesses: Sequence[Excess]) -> list[bool]:
+    """Of each threshold, whether the counted excess is larger after the return in every strain by more than `MARKED`."""
+    larger = []
+    for visible in dict.fromkeys(found.visible for found in excesses):
+        gaps = []
+        for channel in STRAINS:
+            medians = {found.half: found.median for found in excesses if (found.visible, found.channel) == (visible, channel)}
+            gaps += [medians["post"] - medians["pre"]] if len(medians) == len(HALF) else []
+        larger.append(bool(gaps) and min(gaps) > MARKED)
+    return larger
+
+
+def experiment(content: Content) -> dict[str, Any] | None:
+    """What is left of the experiment; None without a run of the thesis."""
+    if not content.thesis_results:
+        return None
+    ratios: dict[str, dict[str, list[float]]] = {}
+    for channel in ("strain", "tip_acceleration"):
+        for engine in (name for name in engines_of(content.results) if name in OWN):
+            found = [ratio for axis in content.axes if axis.channel == channel and (ratio := axis.ratio(engine)) is not None]
+            if found:
+                ratios.setdefault(channel, {})[engine] = found
+    return {
+        "model": MODEL,
+        "ratios": ratios,
+        "recorded": any(item.counts for item in content.comparisons),
+        "speeds": experiment_tables.speeds_and_axes(content.results, content.axes),
+    }
+
+
+def inconsistencies_found(content: Content) -> dict[str, Any] | None:
+    """Where the thesis contradicts itself; None without one of its runs."""
+    if not content.thesis_results:
+        return None
+    found = inconsistencies()
+    return {"found": found, "table": experiment_tables.inconsistencies(found)}

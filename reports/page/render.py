@@ -1,0 +1,137 @@
+"""Templates, style, script and data put together into one file that needs nothing but itself."""
+
+import base64
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import bokeh
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from cases.case import Case
+from cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from engines.trajectory import Trajectory
+from reports import words
+from reports.looks import looks
+from reports.page.answer import answer_of
+from reports.page.chapters import Chapter
+from reports.page.content import Content
+from reports.page.view import View, cycles, shown_first, trajectories
+from reports.tables.table import csv_text
+
+#: The script's parts, in their order; and those of chapters.
+SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js")
+OF_CHAPTERS: Final = ("tables.js", "plots.js")
+#: The plotting library's files, in the folder of its package.
+BOKEH: Final = ("bokeh.min.js", "bokeh-api.min.js")
+#: What templates say numbers with.
+WORDS: Final = (
+    "number", "percent", "percents", "size", "span", "times", "duration", "counted", "listed", "in_words", "case_label", "place",
+    "channel_name", "HALF", "QUANTITY",
+)  # fmt: skip
+#: What an engine is, in two words for a person.
+KINDS: Final = {
+    "thesis": "one curve, 1999",
+    "reference": "many curves",
+    "exudyn": "finite elements",
+    "mujoco": "rigid links",
+    "fixed-shapes": "curves that stay",
+    "multiplier": "constraint force",
+    "stiff-spring": "stiff spring",
+    "nodal-load": "force on nodes",
+}
+
+
+def environment() -> Environment:
+    """The templates; everything put in is escaped."""
+    made = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    made.globals |= {name: getattr(words, name) for name in WORDS}
+    made.filters["csv"] = csv_text
+    made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    return made
+
+
+def rendered(template: str, view: View, more: tuple[str, ...] = (), **values: Any) -> str:
+    """A page around a view.
+
+    Args:
+        template: one that extends `page.html`.
+        view: what moves.
+        more: parts of the script besides `SCRIPT`.
+        values: what the template asks for.
+    """
+    made = environment()
+    found = looks(view.engines)
+    shared = {
+        "view": view,
+        "document": view.document | {"start": values.pop("start", view.runs[0]["name"])},
+        "looks": found,
+        "kinds": KINDS,
+        "cyclic": view.axis == "crank_angle",
+        "groups": _groups(view),
+        "style": Markup(made.get_template("style.css").render(looks=found)),
+        "script": Markup("\n".join(made.get_template(f"script/{part}").render() for part in (*SCRIPT, *more))),
+    }
+    return made.get_template(template).render(shared | values)
+
+
+def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
+    """The page of a report."""
+    results, answer = content.results, answer_of(content)
+    view = cycles(results, answer.engines)
+    first = shown_first(results)
+    shown = next(result for result in results if result.case.name == first)
+    modules = environment()
+    simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
+    return rendered(
+        "report.html",
+        view,
+        OF_CHAPTERS,
+        start=first,
+        title=shown.case.title if len(results) == 1 else "Cross-validation of flexible-multibody engines",
+        subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
+        answer=answer,
+        of_thesis=len(content.thesis_results) == len(results),
+        title_of_case=shown.case.title if len(results) == 1 else "",
+        first_mode=_first_mode(shown),
+        first_mode_case=first,
+        chapters=[{**vars(chapter), "parts": modules.get_template(f"chapters/{chapter.id}.html").module} for chapter in chapters],
+        bokeh=_library(),
+    )
+
+
+def _first_mode(result: CaseResult) -> str:
+    """First-mode frequencies before and after the return by the engine that leads, "" where none is resolvable."""
+    lead = result.runs.get(REFERENCE) or next(iter(result.runs.values()))
+    found = [lead.consensus_frequency(half) if lead.usable else None for half in HALVES]
+    return " / ".join("n. r." if value is None else f"{value:.1f}" for value in found) + " Hz" if any(found) else ""
+
+
+def _library() -> str:
+    """The plotting library's script, deflated, in base64; the page unpacks it when the first plot is shown."""
+    folder = Path(bokeh.__file__).parent / "server" / "static" / "js"
+    content = b"\n;\n".join((folder / name).read_bytes() for name in BOKEH)
+    return base64.b64encode(zlib.compress(content, 9)).decode("ascii")
+
+
+def animation_page(case: Case, motions: Mapping[str, Trajectory]) -> str:
+    """A page of its own with the moving mechanism of a case.
+
+    Args:
+        case: gives geometry and title.
+        motions: engine -> its trajectory.
+
+    Raises:
+        CaseError: the case has no crank and no slider.
+    """
+    view = trajectories(case, {name: motion.columns for name, motion in motions.items()})
+    return rendered("animation.html", view, title=case.title, subtitle="motion from the standard start")
+
+
+def _groups(view: View) -> dict[str, list[dict[str, Any]]]:
+    """The runs of the thesis by their crank's length, if there are no others; else none: they are chosen from a list."""
+    if len(view.runs) < 2 or not all(run["group"] for run in view.runs):
+        return {}
+    return {group: [run for run in view.runs if run["group"] == group] for group in dict.fromkeys(run["group"] for run in view.runs)}

@@ -1,0 +1,143 @@
+"""What moves on the first screen: engines, signals, and for each case its geometry and the engines' motion, as data for the script."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.case import Case
+from cases.library.thesis import RUNS
+from cases.runs.comparison import CaseResult
+from cases.runs.request import NOT_SETTLED, Run
+from cases.studies import ACCURACY_CASE
+from engines.registry import RIVALS
+from reference_model.columns import COLUMNS, SHAPE
+from reference_model.mechanism import Mechanism
+from reports.findings.runs import of_run, run_number
+from reports.looks import looks
+from reports.page.packing import packed
+from reports.words import case_label
+
+Array = NDArray[np.float64]
+
+#: Signals that the curve can show -> name, unit on the screen, factor from SI to it.
+SIGNALS: Final = {
+    "tip_acceleration": ("tip acceleration", "m/s²", 1.0),
+    "tip_deflection": ("tip deflection", "mm", 1e3),
+    "strain_1": ("strain at gauge 1", "10⁻⁶", 1e6),
+    "strain_2": ("strain at gauge 2", "10⁻⁶", 1e6),
+    "strain_3": ("strain at gauge 3", "10⁻⁶", 1e6),
+    "slider_force": ("slider force", "N", 1.0),
+    "slider_position": ("slider position", "mm", 1e3),
+    "crank_speed": ("crank speed", "rad/s", 1.0),
+    "crank_torque": ("crank torque", "N m", 1.0),
+}
+#: What places the mechanism besides.
+_PLACES: Final = ("time", "crank_angle", "follower_angle")
+
+
+@dataclass
+class View:
+    """All that the script draws.
+
+    Attributes:
+        axis: over which column curves are drawn: "crank_angle" of a cycle, "time" of a trajectory.
+        engines: names.
+        runs: one per case, in the form that the script reads.
+        blobs: the packed motions of each of them.
+    """
+
+    axis: str
+    engines: Sequence[str]
+    runs: list[dict[str, Any]] = field(default_factory=list)
+    blobs: list[str] = field(default_factory=list)
+
+    def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str]) -> None:
+        """A case with the columns of each engine that has a motion; `facts` says a word on each engine."""
+        number = run_number(case.name) if case.source == "library" else None
+        kept = {name: _kept(columns) for name, columns in motions.items()}
+        blob, layouts = packed(kept, frozenset(SHAPE))
+        self.blobs.append(blob)
+        self.runs.append(
+            {
+                "name": case.name,
+                "label": case_label(case.name) if number else case.title,
+                "title": case.title,
+                "short": str(number or case.name),
+                "group": f"crank {RUNS[number].crank_length} in" if number else "",
+                "scene": _scene(case.mechanism),
+                "engines": layouts,
+                "facts": dict(facts),
+            }
+        )
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """What goes to the script besides the blobs."""
+        signals = {name: dict(zip(("label", "unit", "factor"), about, strict=True)) for name, about in SIGNALS.items()}
+        engines = [{"name": name} for name in self.engines]
+        units = {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)}
+        return {
+            "axis": self.axis,
+            "looks": {name: vars(look) for name, look in looks((*self.engines, *RIVALS)).items()},
+            "engines": engines,
+            "signals": signals,
+            "units": units,
+            "runs": self.runs,
+        }
+
+
+def cycles(results: Sequence[CaseResult], engines: Sequence[str]) -> View:
+    """The steady cycles of all cases, from the slider's farthest place to the next; recorded tables stand behind the engines."""
+    view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
+    for result in results:
+        runs = result.whole.runs
+        motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
+        view.add(result.case, motions, {name: _fact(run) for name, run in runs.items()})
+    return view
+
+
+def trajectories(case: Case, motions: Mapping[str, Mapping[str, Array]]) -> View:
+    """Trajectories of one case from its start."""
+    view = View("time", list(motions))
+    view.add(case, motions, {})
+    return view
+
+
+def _fact(run: Run) -> str:
+    """A word on a run: peak of the tip acceleration and first-mode frequency, or how it ended."""
+    if not run.usable:
+        return run.status
+    found = [f"{run.peak('tip_acceleration'):.1f} m/s²"] if "tip_acceleration" in run.cycle else []
+    frequency = run.consensus_frequency("post") or run.consensus_frequency("pre")
+    return ", ".join(found + ([f"{frequency:.1f} Hz"] if frequency else []))
+
+
+def _kept(columns: Mapping[str, Array]) -> dict[str, Array]:
+    """The columns that are drawn; one with a gap is left out."""
+    found = {name: np.asarray(columns[name]) for name in (*_PLACES, *SIGNALS, *SHAPE) if name in columns}
+    return {name: values for name, values in found.items() if np.all(np.isfinite(values))}
+
+
+def _scene(mechanism: Mechanism) -> dict[str, Any]:
+    """Lengths in m, and between which crank angles (rad, either side of 0) the follower swings back: where the crank is square to it."""
+    ratio = mechanism.crank.length / mechanism.pivot_distance
+    return {
+        "pivot": mechanism.pivot_distance,
+        "crank": mechanism.crank.length,
+        "follower": mechanism.follower.length,
+        "tip": mechanism.tip is not None,
+        "rigid": mechanism.follower.is_rigid,
+        "quick": math.acos(ratio) if ratio < 1.0 else None,
+    }
+
+
+def shown_first(results: Sequence[CaseResult]) -> str:
+    """The case with which the page opens: the thesis' example, else of those where most engines have a cycle the first."""
+    example = of_run(results, run_number(ACCURACY_CASE) or 0)
+    if example is not None and all(run.usable for run in example.runs.values()):
+        return example.case.name
+    return max(results, key=lambda result: sum(run.usable for run in result.runs.values())).case.name

@@ -1,0 +1,65 @@
+"""Recorded tables over the turn that is compared, with the engines that they are held against."""
+
+import io
+import itertools
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from cases.runs.comparison import CaseResult
+from cases.runs.recorded import GROWING, TELLING
+from reference_model.columns import COLUMNS
+from reports.plots.steady_cycle import direction, fraction, stacked_panels
+from reports.plots.style import MEASURED, ORANGE, PURPLE, VERMILION, Look, legend_above, look, new_figure, note
+
+#: Columns drawn of a table.
+MOST_PANELS: Final = 8
+PER_INCH: Final = 192
+#: Of tables, on top of the engines; from the fifth on again from the first.
+_LOOKS: Final = (MEASURED, *(Look(colour, "-", MEASURED.width, MEASURED.marker, MEASURED.order) for colour in (VERMILION, PURPLE, ORANGE)))
+
+
+def drawn(results: Sequence[CaseResult], ending: str) -> bytes:
+    """A picture file of them all; `ending` is ".png", ".svg" or ".pdf"."""
+    file = io.BytesIO()
+    draw_recorded(results).savefig(file, format=ending.removeprefix("."), dpi=PER_INCH)
+    return file.getvalue()
+
+
+def draw_recorded(results: Sequence[CaseResult]) -> Figure:
+    """The columns of the tables of each result over the turn that is compared."""
+    names = [_names(result) for result in results]
+    figure = new_figure(1.2 + 1.25 * sum(map(len, names)))
+    panels = list(np.ravel(figure.subplots(sum(map(len, names)), 1, sharex=True, squeeze=False)))
+    styles = dict(zip([name for result in results for name in result.recorded], itertools.cycle(_LOOKS), strict=False))
+    handles: dict[str, Artist] = {}
+    labels, place = [], 0
+    for result, shown in zip(results, names, strict=True):
+        for run in (run for run in result.whole.runs.values() if run.cycle and (run.usable or run.recording)):
+            style = styles.get(run.engine) or look(run.engine)
+            handles[run.engine] = Line2D([], [], label=_plain(run.engine), **style.of_sample)
+            for axes, name in zip(panels[place:], shown, strict=False):
+                if name in run.cycle:
+                    axes.plot(fraction(run.cycle["crank_angle"]), run.cycle[name], **style.of_line)
+        turn = next(iter(result.recorded.values())).turn
+        note(panels[place], 0.01, 0.97, "steady state" if turn is None else f"turn {turn} from the standard start")
+        labels += [f"{name.replace('_', ' ')}\n({COLUMNS[name].unit.replace('^2', '²')})" for name in shown]
+        place += len(shown)
+    stacked_panels(panels, labels, direction(next(iter(results[0].recorded.values()))))
+    legend_above(figure, list(handles.values()), 3)
+    return figure
+
+
+def _names(result: CaseResult) -> list[str]:
+    """The columns drawn of a result: those that tell of vibration first."""
+    names = [name for name in (*TELLING, *COLUMNS) if name not in GROWING and any(name in run.cycle for run in result.recorded.values())]
+    return list(dict.fromkeys(names))[:MOST_PANELS]
+
+
+def _plain(name: str) -> str:
+    """The name as plain text: matplotlib would take what stands between two dollar signs for a formula, and hide what begins with _."""
+    return name.replace("$", r"\$").lstrip("_")

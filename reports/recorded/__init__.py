@@ -1,0 +1,150 @@
+"""Results of the long studies as small tables beside this file, which the page shows where the user's own are missing.
+
+A row is a dataclass: fields of fields have names with a dot, mappings are JSON, numbers have six digits. `python -m reports.recorded`
+writes them; `about.csv` says of each study when, with which versions and with which code it was made.
+"""
+
+import csv
+import dataclasses
+import io
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import NoneType
+from typing import Any, Final, TypeVar, get_args, get_type_hints
+
+from cases.benchmark import Benchmark
+from cases.benchmark.findings import Point
+from cases.case import Case
+from cases.jobs.key import SIMULATION, code_fingerprint
+from cases.jobs.records import decoded, encoded
+from cases.jobs.store import Record
+from cases.judging.conditioning import Conditioning
+from cases.judging.matrix import Cell, Matrix
+from engines.registry import MAIN
+
+T = TypeVar("T")
+
+FOLDER: Final = Path(__file__).parent
+#: Study -> the code that it depends on.
+CODE: Final[Mapping[str, tuple[str, ...]]] = {
+    "benchmark": (*SIMULATION, "cases.benchmark"),
+    "hard scenes": (*SIMULATION, "cases.judging"),
+}
+#: Significant digits of recorded numbers.
+DIGITS: Final = 6
+
+
+@dataclass(frozen=True)
+class About:
+    """When and with what a study was recorded."""
+
+    study: str
+    date: str
+    versions: str
+    code: str
+
+    @property
+    def current(self) -> bool:
+        """Whether the code is still what it was."""
+        return self.code == code_fingerprint(CODE[self.study])
+
+
+@dataclass(frozen=True)
+class RecordedPoint:
+    """A point of a benchmark, and its scene."""
+
+    case: str
+    point: Point
+
+
+@dataclass(frozen=True)
+class RecordedConditioning:
+    """The conditioning of a hard scene, and the claimed error of its converged solution."""
+
+    scene: str
+    converged: float | None
+    conditioning: Conditioning
+
+
+@cache
+def about(study: str) -> About | None:
+    """When and with what a study was recorded; None if it was not."""
+    return next((found for found in table("about", About) if found.study == study), None)
+
+
+@cache
+def benchmarks() -> Mapping[str, Benchmark]:
+    """Scene -> what was measured of it."""
+    points: dict[str, list[Point]] = {}
+    for each in table("benchmark", RecordedPoint):
+        points.setdefault(each.case, []).append(each.point)
+    return {scene.case: dataclasses.replace(scene, points=tuple(points[scene.case])) for scene in table("benchmark_scenes", Benchmark)}
+
+
+def matrix(cases: Iterable[Case]) -> Matrix | None:
+    """The hard scenes; None if they were not recorded."""
+    cells = {(cell.scene, cell.engine): cell for cell in table("hard_scenes", Cell)}
+    if not cells:
+        return None
+    known = table("hard_scenes_conditioning", RecordedConditioning)
+    shown = tuple(case for case in cases if any(scene == case.name for scene, _ in cells))
+    return Matrix(shown, MAIN, cells, {each.scene: each.conditioning for each in known}, {each.scene: each.converged for each in known})
+
+
+def table(name: str, kind: type[T]) -> list[T]:
+    """The rows of a table; none if it is not there."""
+    path = FOLDER / f"{name}.csv"
+    if not path.exists():
+        return []
+    return [_whole(kind, row) for row in csv.DictReader(path.read_text("utf-8").splitlines())]
+
+
+def text_of(rows: Iterable[Any]) -> str:
+    """Rows as the text of a table. ValueError: there are none."""
+    flat = [_flat(row) for row in rows]
+    if not flat:
+        raise ValueError("a table without rows")
+    heads = list(dict.fromkeys(name for row in flat for name in row))
+    buffer = io.StringIO()
+    writer = csv.DictWriter(buffer, heads, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(flat)
+    return buffer.getvalue()
+
+
+def _flat(item: Any, prefix: str = "") -> dict[str, str]:
+    row: dict[str, str] = {}
+    for field in dataclasses.fields(item):
+        value, name = getattr(item, field.name), prefix + field.name
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            row |= _flat(value, f"{name}.")
+        elif value is not None:
+            row[name] = value if isinstance(value, str) else json.dumps(_short(encoded(value).document), separators=(",", ":"))
+    return row
+
+
+def _short(value: Any) -> Any:
+    """The same with numbers of `DIGITS` digits."""
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
+    if isinstance(value, dict):
+        return {name: _short(each) for name, each in value.items()}
+    return [_short(each) for each in value] if isinstance(value, list) else value
+
+
+def _whole(kind: Any, row: Mapping[str, str], prefix: str = "") -> Any:
+    hints, values = get_type_hints(kind), dict[str, Any]()
+    for field in dataclasses.fields(kind):
+        hint, name = hints[field.name], prefix + field.name
+        inner = next((each for each in get_args(hint) if each is not NoneType), hint) if NoneType in get_args(hint) else hint
+        if dataclasses.is_dataclass(inner):
+            there = any(text and head.startswith(f"{name}.") for head, text in row.items())
+            values[field.name] = _whole(inner, row, f"{name}.") if there else None
+        elif row.get(name):
+            values[field.name] = row[name] if inner is str else decoded(hint, Record(json.loads(row[name])))
+        else:
+            values[field.name] = "" if hint is str else None
+    return kind(**values)

@@ -1,0 +1,75 @@
+"""Write the recorded tables: `python -m reports.recorded`; what is not stored is computed, which takes hours; `--stored` takes what is."""
+
+import dataclasses
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any, Final
+
+from cases.benchmark import SCENES, Benchmark, measure, stored
+from cases.case_file import load_case
+from cases.jobs.key import LIBRARIES, code_fingerprint
+from cases.jobs.store import Store, write_atomically
+from cases.jobs.workshop import Workshop
+from cases.judging.matrix import Matrix, judge_scenes
+from cases.library import catalogue
+from cases.library.hard import TAG
+from engines.registry import MAIN, engine
+from reports.machine import version
+from reports.recorded import CODE, FOLDER, About, RecordedConditioning, RecordedPoint, about, text_of
+
+#: What the page shows of a solver's statistics.
+STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_gap", "spurious_share")
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write all tables; exit code 2 for an option that is none."""
+    if set(arguments) - {"--stored"}:
+        print(f"python -m reports.recorded: {' '.join(arguments)}: accepted: --stored", file=sys.stderr)
+        return 2
+    workshop, compute = Workshop(Store()), not arguments
+    cases = [load_case(name) for name in SCENES]
+    found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if compute else None)) is not None]
+    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=compute)
+    made = {study: about(study) for study in CODE}
+    if found:
+        _write_benchmarks(found)
+        made["benchmark"] = _made("benchmark")
+    if matrix.cells:
+        _write_matrix(matrix)
+        made["hard scenes"] = _made("hard scenes")
+    _write("about", [each for each in made.values() if each])
+    print(f"{len(found)} of {len(cases)} scenes of the benchmark, {len(matrix.cells)} cells of the hard scenes")
+    return 0
+
+
+def _made(study: str) -> About:
+    versions = [f"{name} {version(name)}" for name in LIBRARIES] + [str(engine(name).version()) for name in ("exudyn", "mujoco")]
+    return About(study, time.strftime("%Y-%m-%d", time.gmtime()), ", ".join(versions), code_fingerprint(CODE[study]))
+
+
+def _write_benchmarks(found: Sequence[Benchmark]) -> None:
+    points = []
+    for table in found:
+        for point in table.points:
+            measured = point.measured and dataclasses.replace(
+                point.measured, statistics={name: value for name, value in point.measured.statistics.items() if name in STATISTICS}
+            )
+            points.append(RecordedPoint(table.case, dataclasses.replace(point, measured=measured)))
+    _write("benchmark", points)
+    _write("benchmark_scenes", [dataclasses.replace(table, points=()) for table in found])
+
+
+def _write_matrix(matrix: Matrix) -> None:
+    _write("hard_scenes", [matrix.cells[case.name, name] for case in matrix.cases for name in MAIN if (case.name, name) in matrix.cells])
+    known = [(case.name, matrix.conditionings[case.name]) for case in matrix.cases if case.name in matrix.conditionings]
+    _write("hard_scenes_conditioning", [RecordedConditioning(name, matrix.converged.get(name), found) for name, found in known])
+
+
+def _write(name: str, rows: Sequence[Any]) -> None:
+    if rows:
+        write_atomically(FOLDER / f"{name}.csv", text_of(rows).encode())
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,208 @@
+"""A recorded table is measured in the state that it shows, and held against an engine in the same: against tables of known descent."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from cases.case_file import load_case
+from cases.errors import CaseError
+from cases.recorded import read_table
+from cases.runs.comparison import CaseResult, compare
+from cases.runs.differences import column_differences, slips
+from cases.runs.recorded import recorded_run
+from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, TRANSIENT, Run, RunRequest
+from cases.runs.steady_state import steady_state
+from engines.accurate import simulate
+from engines.registry import engine
+from engines.start import standard_start
+
+CASE = load_case("thesis-24")
+TURN = 2.0 * np.pi / 16.617773
+COLUMNS = ["time", "crank_angle", "crank_speed", "tip_deflection", "tip_acceleration", "strain_2"]
+Recorded = Callable[..., Run]
+
+
+def table_of(duration: float) -> pd.DataFrame:
+    found = simulate(engine("reference"), CASE.mechanism, standard_start(CASE.mechanism), duration, 1e-3, {"modes": "6"})
+    return found.trajectory.table()
+
+
+@pytest.fixture(scope="module")
+def transient() -> pd.DataFrame:
+    return table_of(2.0)
+
+
+@pytest.fixture(scope="module")
+def settled() -> pd.DataFrame:
+    return table_of(12.0)
+
+
+@pytest.fixture(scope="module")
+def in_turn_5() -> Run:
+    return steady_state(RunRequest(mechanism=CASE.mechanism, duration=1.95, engine="reference", turn=5))
+
+
+@pytest.fixture(scope="module")
+def steady() -> Run:
+    return steady_state(RunRequest(mechanism=CASE.mechanism, duration=2.0, engine="reference"))
+
+
+@pytest.fixture
+def recorded(tmp_path: Path) -> Recorded:
+    """The run of a table that is written to a file and read again."""
+
+    def made(table: pd.DataFrame, head: str = "", **columns: Any) -> Run:
+        changed = table[[name for name in COLUMNS if name in table]].assign(**columns)
+        (tmp_path / "tool.csv").write_text(head + changed.to_csv(index=False))
+        return recorded_run(read_table(str(tmp_path / "tool.csv")), CASE)
+
+    return made
+
+
+def held(run: Run, other: Run) -> CaseResult:
+    return compare(CASE, {"reference": other}, {run.engine: run}).whole
+
+
+def test_a_table_from_the_standard_start_is_held_against_the_same_turn(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
+    run = recorded(transient)
+    assert (run.status, run.turn, in_turn_5.status, in_turn_5.turn) == (TRANSIENT, 5, TRANSIENT, 5)
+    result = held(run, in_turn_5)
+    assert result.passed is True, result.missed
+    assert {check.quantity for check in result.checks} == {
+        "consensus_frequency", "first_mode_frequency", "first_mode_amplitude", "minimum", "maximum",
+    }  # fmt: skip
+    assert {check.channel for check in result.checks} == {None, *COLUMNS[2:]}
+    # the reference claims 0.1 % at its default
+    assert column_differences(run, in_turn_5)["strain_2"] < 1e-3
+    assert slips(run, in_turn_5) == {}
+
+
+def test_what_is_off_by_more_than_is_claimed_is_told_apart(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
+    run = recorded(transient, strain_2=-1.03 * transient["strain_2"], tip_deflection=1e3 * transient["tip_deflection"])
+    result = held(run, in_turn_5)
+    assert result.passed is False
+    assert {check.channel for check in result.missed if check.quantity in ("minimum", "maximum")} == {"strain_2", "tip_deflection"}
+    told = slips(run, in_turn_5)
+    assert set(told) == {"strain_2", "tip_deflection"}
+    assert "sign" in told["strain_2"]
+    assert "1000" in told["tip_deflection"]
+
+
+@pytest.mark.parametrize("share", [0.003, 0.01, 0.03])
+def test_noise_is_no_disagreement(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, share: float) -> None:
+    random = np.random.default_rng(1)
+    noisy = {name: transient[name] + share * transient[name].std() * random.standard_normal(len(transient)) for name in COLUMNS[3:]}
+    run = recorded(transient, **noisy)
+    assert run.turn == 5
+    result = held(run, in_turn_5)
+    assert result.passed is True, result.missed
+    # and it is not bought with a tolerance that lets everything pass: an extreme may be off by some five times the noise
+    for name in COLUMNS[3:]:
+        assert run.settling_errors is not None
+        assert 3.0 < run.settling_errors[name] / (share * transient[name].std()) < 6.0
+
+
+@pytest.mark.parametrize("digits", [4, 5, 8])
+def test_neither_are_few_digits_and_another_sampling(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, digits: int) -> None:
+    some = transient[::2] if digits < 8 else transient.drop(index=range(3, 2001, 7))
+    rounded = {name: [float(f"{value:.{digits}g}") for value in some[name]] for name in COLUMNS[1:]}
+    result = held(recorded(some, **rounded), in_turn_5)
+    assert result.passed is True, result.missed
+
+
+def test_a_table_that_settles_is_held_against_the_steady_state(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
+    run = recorded(settled)
+    assert (run.status, run.turn) == (SETTLED, None)
+    result = held(run, steady)
+    assert result.passed is True, result.missed
+    assert result.accuracy_class("tool.csv") in ("0.1 %", "0.3 %")
+
+
+def test_a_single_turn_is_taken_to_repeat(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
+    last = settled[(settled["crank_angle"] > 61 * np.pi) & (settled["crank_angle"] < 63 * np.pi)]
+    assert 0.0 < float(last["crank_angle"].iloc[0]) - 61 * np.pi < 0.06  # the turn lacks a little at both its ends
+    run = recorded(last, "# origin = digitised\n", crank_angle=last["crank_angle"] - 60 * np.pi, time=last["time"] - last["time"].iloc[0])
+    assert (run.status, run.cycles) == (ASSUMED, 1)
+    assert "one turn" in run.remark
+    result = held(run, steady)
+    assert result.passed is True, result.missed
+
+
+def test_a_table_on_its_way_from_elsewhere_is_not_judged(transient: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
+    later = table_of(4.0)
+    later = later[later["time"] > 0.5]
+    run = recorded(later)
+    assert run.status == NOT_SETTLED
+    assert "record longer" in run.remark
+    result = held(run, steady)
+    assert result.passed is None
+    assert result.failures == (result.runs["tool.csv"],)
+
+
+def test_beside_a_steady_engine_a_transient_table_has_not_settled(transient: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
+    result = held(recorded(transient), steady)
+    assert result.runs["tool.csv"].status == NOT_SETTLED
+    assert "compare" in result.runs["tool.csv"].remark
+    assert result.checks == ()
+
+
+def test_without_a_crank_angle_the_crank_is_taken_to_turn_evenly(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
+    run = recorded(transient[["time", "strain_2"]])
+    assert "16.6178 rad/s" in run.remark
+    assert run.turn == 5
+    ours, its = (found.measure("post", "strain_2") for found in (run, in_turn_5))
+    assert ours is not None
+    assert its is not None
+    assert ours.first_mode_frequency == pytest.approx(its.first_mode_frequency, rel=0.01)  # the crank's speed varies by 2.5 %
+
+
+def test_rows_too_far_apart_for_the_first_mode(transient: pd.DataFrame, recorded: Recorded) -> None:
+    stiff = load_case("thesis-24", {"follower.bending_stiffness": "100000 N*m^2"})
+    run = recorded(transient)
+    assert run.recording is not None
+    found = recorded_run(read_table(run.recording.path), stiff).measure("pre", "strain_2")
+    assert found is not None
+    assert found.first_mode_frequency is None
+    assert "rows lie up to" in found.reason
+
+
+def test_encoders_with_steps_and_noise(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
+    step = np.radians(1.5)  # more than the crank turns in a millisecond
+    run = recorded(transient, crank_angle=step * np.floor(transient["crank_angle"] / step))
+    ours = run.measure("pre", "tip_acceleration")
+    assert ours is not None
+    assert in_turn_5.consensus_frequency("pre") == pytest.approx(ours.first_mode_frequency, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"time": lambda t: 1e3 * t["time"]}, ["378 s", "0.378 s", '"time [ms]"']),
+        ({"crank_angle": lambda t: np.degrees(t["crank_angle"])}, ['"crank_angle [deg]"']),
+        (
+            {"time": lambda t: 1e3 * t["time"], "crank_angle": lambda t: np.degrees(t["crank_angle"])},
+            ['"time [ms]" and "crank_angle [deg]"'],
+        ),
+        ({"time": lambda t: 7.0 * t["time"]}, ["2.65 s", "0.378 s", "thesis-24"]),
+        ({"crank_angle": lambda t: t["crank_angle"] % (2.0 * np.pi)}, ["crank_angle", "jumps", "run on"]),
+        ({"crank_angle": lambda t: t["crank_angle"] - 0.2 * np.sin(50.0 * t["crank_angle"])}, ["turns back"]),
+    ],
+)
+def test_tables_that_cannot_be_of_the_case(transient: pd.DataFrame, recorded: Recorded, changes: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(CaseError) as told:
+        recorded(transient, **changes)
+    for word in words:
+        assert word in str(told.value)
+
+
+def test_too_little_of_it(transient: pd.DataFrame, recorded: Recorded) -> None:
+    with pytest.raises(CaseError, match=r"covers 0\.79\d* turns"):
+        recorded(transient[:300])
+    with pytest.raises(CaseError, match=r"of a turn without a row after 1\.789"):
+        recorded(transient[(transient["time"] < 1.79) | (transient["time"] > 1.8)])
+    with pytest.raises(CaseError, match='case: "thesis-23" is not "thesis-24"'):
+        recorded(transient, "# case = thesis-23\n")

@@ -1,0 +1,132 @@
+"""Recorded tables are read as they declare themselves, and what cannot be read is told with place, value and what is accepted."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases import recorded
+from cases.errors import CaseError
+from cases.recorded import experiment_tables, read_table
+
+HEADING = "time [ms],crank_angle [deg],tip_deflection [mm],strain_1 [percent]"
+ROWS = "0,180,-2.5,0\n1,181,1e-3,0.1\n"
+
+
+def written(folder: Path, text: str, name: str = "tool.csv") -> str:
+    (folder / name).write_bytes(text.encode())
+    return str(folder / name)
+
+
+def refusal(folder: Path, text: str) -> str:
+    with pytest.raises(CaseError) as told:
+        read_table(written(folder, text))
+    return str(told.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"{HEADING}\n{ROWS}",
+        f"\ufeff{HEADING}\r\n{ROWS}".replace("\n", "\r\n"),  # as Excel writes it
+        f"\n# case = x\n# version = Tool 7\n\n{HEADING}\n\n{ROWS}\n\n",
+        '"time [ms]", "crank_angle (deg)","tip_deflection [mm]","strain_1 [%]"\n"0",180,-2.5,0\n1, 181 ,1e-3,0.1',
+    ],
+)
+def test_units_are_turned_into_si_and_nothing_else_is_touched(tmp_path: Path, text: str) -> None:
+    table = read_table(written(tmp_path, text))
+    assert table.name == "tool.csv"
+    assert table.bare == frozenset()
+    np.testing.assert_allclose(table.columns["time"], [0.0, 1e-3], rtol=1e-15)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 181.0]), rtol=1e-15)
+    np.testing.assert_allclose(table.columns["tip_deflection"], [-2.5e-3, 1e-6], rtol=1e-15)
+    np.testing.assert_allclose(table.columns["strain_1"], [0.0, 1e-3], rtol=1e-15)
+    assert table.declared in ({}, {"case": "x", "version": "Tool 7"})
+
+
+@pytest.mark.parametrize(
+    ("heading", "size"),
+    [
+        ("tip_acceleration [g]", 9.80665),
+        ("tip_acceleration [in/s^2]", 0.0254),
+        ("strain_3 [microstrain]", 1e-6),
+        ("strain_3", 1.0),
+        ("crank_torque [lbf*in]", 0.1129848290276167),
+        ("kinetic_energy [mJ]", 1e-3),
+        ("crank_speed [rpm]", np.pi / 30.0),
+    ],
+)
+def test_units(tmp_path: Path, heading: str, size: float) -> None:
+    table = read_table(written(tmp_path, f"time,{heading}\n0,2\n"))
+    (name,) = set(table.columns) - {"time"}
+    np.testing.assert_allclose(table.columns[name], [2.0 * size], rtol=1e-15)
+    assert (name in table.bare) == ("[" not in heading)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ["is empty"]),
+        ("# case = x\n", ["no heading"]),
+        ("time,tip_deflection\n", ["no rows"]),
+        ("time,tip_deflecton [mm]\n0,1", ["line 1", "tip_deflecton", "tip_deflection", "--for-other-tools"]),
+        ("time;tip_deflection\n0;1", ["line 1", "semicolons", "commas"]),
+        ("time\ttip_deflection\n0\t1", ["line 1", "tabulators"]),
+        ("time,tip_deflection\n0;1\n", ["line 2, time", "0;1", "semicolons"]),
+        ("time,tip_deflection\n0,1,5\n", ["line 2", "0,1,5", "3 numbers", "2 columns", "comma"]),
+        ("time,tip_deflection [kg]\n0,1", ["line 1, tip_deflection", "kg", "a mass", "a length", "mm"]),
+        ("time,tip_deflection [m m]\n0,1", ["line 1, tip_deflection", "unreadable unit"]),
+        ("time,strain_1 [mm]\n0,1", ["strain_1", "mm", "microstrain", "percent"]),
+        ("time,crank_speed [Hz]\n0,1", ["crank_speed", "Hz", "rpm"]),
+        ("time,tip_x\n0,1\n2,1\n\n1,2", ["line 5, time", "1", "does not rise"]),
+        ("time,tip_x\n0,1\n0,2", ["line 3, time", "does not rise"]),
+        ("time,tip_x\n0,1\n1,nan", ["line 3, tip_x", "nan"]),
+        ("time,tip_x\n0,1\n1,1e999", ["line 3, tip_x", "1e999"]),
+        ("time,tip_x\n0,1\n1,", ["line 3, tip_x", "is empty", "leave out"]),
+        ("time,tip_x\n0,1\n1", ["line 3", "1 numbers", "2 columns"]),
+        ("time,tip_x\n0,1_0", ["line 2, tip_x", "1_0"]),
+        ("time,tip_x\n[s],[m]\n0,1", ["line 2, time", "[s]"]),
+        ("0,1\n1,2", ["line 1", "heading"]),
+        ("time,time [ms]\n0,1", ["line 1", "second time"]),
+        ("tip_x\n0", ["no column time"]),
+        ("time\n0", ["time alone"]),
+        ("# orgin = x\ntime,tip_x\n0,1", ["line 1", "orgin", "origin"]),
+        ("# origin = guessed\ntime,tip_x\n0,1", ["line 1, origin", "guessed", "measured"]),
+        ("# case = a\n# case = b\ntime,tip_x\n0,1", ["line 2", "twice"]),
+        ("# just a remark\ntime,tip_x\n0,1", ["line 1", "# key = value"]),
+    ],
+)
+def test_what_cannot_be_read_is_told(tmp_path: Path, text: str, words: list[str]) -> None:
+    told = refusal(tmp_path, text)
+    assert told.startswith(f"{tmp_path}/tool.csv: ")
+    assert "\n" not in told
+    for word in words:
+        assert word in told
+
+
+def test_files_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(CaseError, match=r"no such file; give the path of a recorded table"):
+        read_table(str(tmp_path / "none.csv"))
+    (tmp_path / "excel.csv").write_bytes("time,tip_x\n0,1\n".encode("utf-16"))
+    with pytest.raises(CaseError, match="not in UTF-8"):
+        read_table(str(tmp_path / "excel.csv"))
+    monkeypatch.setattr(recorded, "MOST_ROWS", 3)
+    with pytest.raises(CaseError, match="has 5 rows; at most 3 are accepted"):
+        read_table(written(tmp_path, "time,tip_x\n" + "\n".join(f"{row},0" for row in range(5))))
+
+
+def test_there_is_no_recording_of_the_experiment_and_none_is_invented() -> None:
+    assert experiment_tables() == []
+
+
+def test_recordings_of_the_experiment_say_what_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(recorded.FOLDER_VARIABLE, str(tmp_path))
+    written(tmp_path, "# case = thesis-24\n# origin = digitised\ntime,tip_x\n0,1", "b.csv")
+    (table,) = experiment_tables()
+    assert table.of_experiment
+    assert table.declared == {"case": "thesis-24", "origin": "digitised"}
+    written(tmp_path, "# case = thesis-24\ntime,tip_x\n0,1", "a.csv")
+    with pytest.raises(CaseError, match="origin: this declaration is missing"):
+        experiment_tables()
+    with pytest.raises(CaseError, match="is no folder"):
+        experiment_tables(tmp_path / "none")

@@ -1,0 +1,80 @@
+"""`quickreturn compare` from outside: tables of the program's own trajectories, changed or not, held against an engine."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from quickreturn.command_line import main
+from tests.quickreturn.conftest import Call
+
+
+@pytest.fixture(scope="module")
+def trajectory(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    file = tmp_path_factory.mktemp("trajectory") / "out.csv"
+    assert main(["simulate", "thesis-24", "--engine", "reference", "--output", str(file)]) == 0
+    return pd.read_csv(file)
+
+
+def test_our_own_trajectory_in_other_units_passes(call: Call, trajectory: pd.DataFrame) -> None:
+    table = pd.DataFrame(
+        {
+            "time [ms]": 1e3 * trajectory["time"],
+            "crank_angle [deg]": np.degrees(trajectory["crank_angle"]),
+            "tip_deflection [mm]": 1e3 * trajectory["tip_deflection"],
+            "strain_2 [microstrain]": 1e6 * trajectory["strain_2"],
+        }
+    )
+    Path("tool.csv").write_text("# version = 7.1\n" + table.to_csv(index=False))
+    trajectory.to_csv("own.csv", index=False)
+    answer = call("compare", "thesis-24", "tool.csv", "own.csv", "--engine", "reference", "--json", "--output", "picture.png")
+    assert answer.code == 0, answer.errors
+    (case,) = json.loads(answer.output)["cases"]
+    assert (case["case"], case["turn"], case["passed"]) == ("thesis-24", 5, True)
+    reference, tool, own = case["engines"]
+    assert [found["engine"] for found in (reference, tool, own)] == ["reference", "tool.csv", "own.csv"]
+    assert tool["version"] == "7.1"
+    assert {(found["half"], found["channel"]) for found in tool["measures"]} == {
+        (half, channel) for half in ("pre", "post") for channel in ("tip_deflection", "strain_2")
+    }
+    frequency = {found["half"]: found["first_mode_frequency"] for found in tool["consensus"]}
+    for found in reference["consensus"]:
+        assert frequency[found["half"]] == pytest.approx(found["first_mode_frequency"], rel=0.01)
+    assert case["differences"]["own.csv"]["reference"]["tip_deflection"] < 2e-3
+    assert Path("picture.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_table_that_departs_is_told_with_the_slip(call: Call, trajectory: pd.DataFrame) -> None:
+    trajectory.assign(strain_2=-trajectory["strain_2"]).to_csv("tool.csv", index=False)
+    answer = call("compare", "thesis-24", "tool.csv", "--engine", "reference")
+    assert answer.code == 1
+    assert "strain_2: of the opposite sign" in answer.output
+    assert "tool.csv and reference disagree by more than they claim" in answer.output
+    assert "turn 5" in answer.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["tool.csv"], ["tool.csv", "no such file"]),
+        (["bad.csv"], ["bad.csv", "line 1", "tip_deflecton", "tip_deflection"]),
+        (["good.csv", "--engine", "nobody"], ["nobody"]),
+        (["good.csv", "folder/good.csv"], ["two tables", "good.csv"]),
+        (["good.csv", "--output", "picture.gif"], ["picture.gif", ".png", ".svg"]),
+        (["good.csv", "--output", "none/picture.png"], ["none"]),
+        ([], ["FILE"]),
+    ],
+)
+def test_bad_input(call: Call, trajectory: pd.DataFrame, arguments: list[str], words: list[str]) -> None:
+    Path("folder").mkdir()
+    for name in ("good.csv", "folder/good.csv"):
+        trajectory.to_csv(name, index=False)
+    Path("bad.csv").write_text("time,tip_deflecton\n0,1\n")
+    answer: Any = call("compare", "thesis-24", *arguments)
+    assert (answer.code, answer.output) == (2, "")
+    assert answer.errors.count("\n") == 1
+    for word in words:
+        assert word in answer.errors

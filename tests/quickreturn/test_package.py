@@ -1,0 +1,153 @@
+"""Three lines of Python: what `import quickreturn as qr` offers, on engines that cost nothing."""
+
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import quickreturn as qr
+from tests.engines.fake_engine import FakeEngine
+from tests.engines.fake_package import FAKE_ENGINE, install
+from tests.quickreturn.scene_file import SCENE
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a case file, in which an engine is installed."""
+    install(tmp_path / "packages", "fakes", {"package_fake": FAKE_ENGINE}, {"fake": "package_fake:FakeEngine"})
+    monkeypatch.syspath_prepend(tmp_path / "packages")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SCENE)
+    return tmp_path
+
+
+def test_every_name_is_there_and_listed() -> None:
+    for name in qr.__all__:
+        assert getattr(qr, name) is not None
+    assert set(qr.__all__) < set(dir(qr))
+    assert qr.__version__[0].isdigit()
+    with pytest.raises(AttributeError, match="simulat"):
+        _ = qr.simulat
+
+
+def test_importing_it_loads_nothing_else() -> None:
+    code = "import sys; before = set(sys.modules); import quickreturn; print(*sorted(set(sys.modules) - before))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not {name.partition(".")[0] for name in loaded} & {"numpy", "numba", "pandas", "scipy", "matplotlib", "pint", "engines", "cases"}
+
+
+def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
+    case = qr.case("thesis-24", {"crank.length": "5 in"}, duration=0.5)
+    assert case.mechanism.crank.length == pytest.approx(0.127)
+    assert case.duration == 0.5
+    shown = repr(case)
+    assert shown.startswith("thesis-24: Run 24")
+    assert "crank.length" in shown
+    assert "0.127" in shown
+    assert len(shown.splitlines()) < 50
+
+
+def test_simulate_gives_a_table_with_units_and_estimates(place: Path) -> None:
+    solution = qr.simulate("small.toml", "fake", accuracy=1e-2)
+    assert isinstance(solution.frame, pd.DataFrame)
+    assert len(solution.frame) == 101
+    assert solution.frame.attrs["units"]["tip_acceleration"] == "m/s^2"
+    assert (solution.frame.attrs["case"], solution.frame.attrs["engine"]) == ("small", "fake")
+    assert np.array_equal(solution["tip_deflection"], solution.trajectory["tip_deflection"])
+    assert solution.reached
+    assert solution.estimates["tip_deflection"] < 1e-2
+    assert np.isnan(solution.estimates["slider_force"])
+    assert solution.settings == {"step": 0.025, "behaviour": "good"}
+    assert len(repr(solution).splitlines()) < 20
+
+
+def test_settings_are_given_as_they_are_and_an_engine_may_be_ones_own(place: Path) -> None:
+    named = qr.simulate(qr.case("small.toml"), qr.engine("fake"), settings={"step": 0.05})
+    own = qr.simulate("small.toml", FakeEngine(), settings={"step": 0.05, "behaviour": "good"})
+    assert named.settings == own.settings == {"step": 0.05, "behaviour": "good"}
+    assert named.frame.equals(own.frame)
+
+
+def test_a_failure_carries_what_was_computed(place: Path) -> None:
+    with pytest.raises(qr.EngineFailure, match="the beam snapped") as failure:
+        qr.simulate("small.toml", "fake", settings={"behaviour": "fails"})
+    assert failure.value.partial is not None
+    assert len(failure.value.partial) == 3
+
+
+def test_a_misspelt_name_is_answered_with_the_nearest(place: Path) -> None:
+    with pytest.raises(qr.CaseError, match="nearest one is thesis-"):
+        qr.case("thesis-25")
+    with pytest.raises(qr.CaseError, match=r"crank\.length"):
+        qr.case("thesis-24", {"crank.lenght": "5 in"})
+    with pytest.raises(qr.CaseError, match=r"accepted: .*thesis"):
+        qr.cases("thesys")
+    with pytest.raises(qr.UnknownEngine, match="perhaps mujoco"):
+        qr.simulate("small.toml", "mujco")
+    with pytest.raises(qr.UnknownEngine, match="perhaps mujoco"):
+        qr.run("small.toml", ["mujco"])
+    with pytest.raises(qr.SettingError, match="step"):
+        qr.simulate("small.toml", "fake", settings={"stp": 1})
+    with pytest.raises(qr.SettingError, match="mujoco is not among"):
+        qr.run("small.toml", "fake", settings={"mujoco": {"links": 16}})
+    with pytest.raises(ValueError, match=r"0\.0001 to 0\.05"):
+        qr.simulate("small.toml", "fake", accuracy=0.5)
+    solution = qr.simulate("small.toml", "fake")
+    for asked in (lambda: solution["tip_deflecton"], lambda: solution.plot("tip_deflecton")):
+        with pytest.raises(qr.UnknownColumn, match="nearest known one is tip_deflection"):
+            asked()
+
+
+def test_lists_are_small_tables_of_things_with_names() -> None:
+    found = qr.cases("thesis")
+    assert [line.name for line in found] == [f"thesis-{run:02d}" for run in range(1, 25)]
+    assert len(repr(found).splitlines()) == 25
+    assert "mujoco" in repr(qr.engines())
+
+
+def test_a_plot_is_a_figure_that_a_notebook_shows(place: Path) -> None:
+    figure = qr.simulate("small.toml", "fake").plot("tip_deflection", "strain_1")
+    assert len(figure.axes) == 2
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    (line,) = figure.axes[0].lines
+    assert len(line.get_xdata()) == 101
+
+
+def test_natural_frequencies_are_a_table(place: Path) -> None:
+    table = qr.modes("small.toml", "fake", [0.0, 90.0], count=2)
+    assert table.to_numpy() == pytest.approx(np.array([[10.0, 20.0], [10.0 + np.pi / 2, 20.0 + np.pi / 2]]))
+    assert list(table.index) == [0.0, 90.0]
+
+
+def test_run_takes_names_and_gives_frames(place: Path) -> None:
+    from tests.engines.faulty_engines import install_faulty_engines
+
+    install_faulty_engines(place)
+    found = qr.run(qr.case("small.toml"), ["sound", "also-sound"])
+    assert found.passed is True
+    assert set(found.frame["engine"]) == {"sound", "also-sound"}
+    assert found["small", "sound"].settled
+    cycle = found.cycle("small", "also-sound")
+    assert cycle.attrs["units"]["strain_1"] == "1"
+    assert "within what is claimed" in repr(found)
+    with pytest.raises(LookupError, match="also-sound"):
+        _ = found["small", "also-sond"]
+    assert len(found.plot().axes) == 1
+    with pytest.raises(qr.UnknownColumn, match="tip_x"):
+        found.plot("tip_z")
+
+
+def test_code_that_is_not_kept_is_said(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("reference_model.machine_code.forgotten", lambda: "compiled code cannot be kept here")
+    with pytest.warns(UserWarning, match="cannot be kept"):
+        qr.simulate("small.toml", "fake")
+    monkeypatch.undo()
+    monkeypatch.chdir(place)
+    monkeypatch.syspath_prepend(place / "packages")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        qr.simulate("small.toml", "fake")

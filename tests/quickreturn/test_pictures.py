@@ -1,0 +1,122 @@
+"""Pictures of cases and trajectories, and the moving one."""
+
+import io
+import itertools
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import quickreturn as qr
+from cases.case_file import load_case
+from engines.registry import engine
+from engines.scene import simulate_scene
+from engines.trajectory import Trajectory
+from quickreturn.animation import FRAMES, last_turn, webp
+from quickreturn.drawing import POINTS, SHOWN, factor_for, motion_of, unbent
+from reference_model.columns import SHAPE
+from reference_model.mechanism import Mechanism
+from reports.output import OutputError
+from tests.quickreturn.conftest import Call
+from tests.quickreturn.scene_file import SCENE
+
+CASE = load_case("thesis-24")
+
+
+@pytest.fixture(scope="module")
+def trajectory() -> Trajectory:
+    """Half a second of run 24: more than one turn."""
+    return simulate_scene(engine("reference"), CASE.scene, 0.5, 1e-3, {"modes": "3", "tolerance": "1e-6"}).trajectory
+
+
+def test_the_drawn_follower_passes_through_the_slider_and_ends_at_the_tip(trajectory: Trajectory) -> None:
+    mechanism, rows = CASE.mechanism, slice(0, None, 50)
+    times = trajectory["time"][rows]
+    motion = motion_of(mechanism, trajectory, times)
+    pivot = np.array([mechanism.pivot_distance, 0.0])
+    largest = np.abs(trajectory["tip_deflection"]).max()
+    placed = motion.placed(pivot, 1.0)
+    # arc length is drawn as distance: what foreshortening makes of it is a few percent of the deflection
+    tip = np.stack([trajectory["tip_x"][rows], trajectory["tip_y"][rows]], axis=1)
+    assert np.abs(placed[:, -1] - tip).max() < 0.05 * largest
+    for factor in (1.0, 5.0):  # whatever it is magnified by, the loop stays closed
+        for instant, angle in enumerate(trajectory["crank_angle"][rows]):
+            slider = mechanism.crank.length * np.array([np.cos(angle), np.sin(angle)])
+            off = np.hypot(*(motion.placed(pivot, factor)[instant] - slider).T).min()
+            spacing = mechanism.follower.length / (POINTS - 1)
+            assert off < 0.5 * spacing + 0.05 * factor * largest
+
+
+def test_the_deflection_is_magnified_by_a_round_factor(trajectory: Trajectory) -> None:
+    motion, length = motion_of(CASE.scene, trajectory, trajectory["time"]), CASE.scene.follower.length
+    largest, factor = np.abs(motion.follower[..., 1]).max(), factor_for([motion], length)
+    assert 0.4 * SHOWN * length < factor * largest <= SHOWN * length
+    assert factor in (1.0, 2.0, 5.0, 10.0)
+    assert factor_for([unbent(CASE)], length) == 1.0
+
+
+def test_the_last_whole_turn_is_shown(trajectory: Trajectory) -> None:
+    times = last_turn(trajectory)
+    angle = np.interp(times, trajectory["time"], trajectory["crank_angle"])
+    assert len(times) == FRAMES + 1
+    assert angle[-1] - angle[0] == pytest.approx(2.0 * np.pi, abs=0.02)
+
+
+def test_the_moving_picture_moves_and_is_small(trajectory: Trajectory) -> None:
+    content = webp(CASE, {"reference": trajectory})
+    assert len(content) < 500_000
+    image = Image.open(io.BytesIO(content))
+    frames = []
+    for number in range(image.n_frames):  # type: ignore[attr-defined]
+        image.seek(number)
+        frames.append(np.asarray(image.convert("L"), dtype=float))
+    assert len(frames) == FRAMES
+    assert all(np.abs(one - other).max() > 100.0 for one, other in itertools.pairwise(frames))
+
+
+def test_a_trajectory_that_does_not_tell_its_shape_is_refused(trajectory: Trajectory) -> None:
+    columns = {name: values for name, values in trajectory.columns.items() if name != SHAPE[3]}
+    with pytest.raises(qr.UnknownColumn, match=SHAPE[3]):
+        motion_of(CASE.scene, Trajectory(columns, 0.0), trajectory["time"])
+
+
+def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(trajectory: Trajectory, tmp_path: Path) -> None:
+    solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6})
+    solution.animate(tmp_path / "out.html")
+    page = (tmp_path / "out.html").read_text()
+    assert "<canvas" in page
+    assert "Run 24" in page
+    assert not re.search(r"(src|href)=.https?:", page), "it opens without a network"
+    solution.animate(tmp_path / "out.webp", magnify=2.0)
+    assert (tmp_path / "out.webp").read_bytes().startswith(b"RIFF")
+    with pytest.raises(OutputError, match="gif"):
+        solution.animate(tmp_path / "out.gif")
+
+
+def test_a_case_without_a_crank_can_be_drawn() -> None:
+    case = load_case("spin-up")
+    assert not isinstance(case.scene, Mechanism)
+    found = simulate_scene(engine("reference"), case.scene, 1.0, 0.05, {"modes": "3", "tolerance": "1e-6"}).trajectory
+    assert Image.open(io.BytesIO(webp(case, {"reference": found}))).size == (720, 390)
+
+
+@pytest.mark.parametrize(("ending", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF"), ("webp", b"RIFF")])
+def test_plot_writes_what_the_ending_says(call: Call, tmp_path: Path, ending: str, begins: bytes) -> None:
+    answer = call("plot", "thesis-24", "--output", f"out.{ending}")
+    assert answer == (0, f"out.{ending}\n", "")
+    assert (tmp_path / f"out.{ending}").read_bytes().startswith(begins)
+
+
+def test_plot_draws_engines_and_files(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "small.toml").write_text(SCENE)
+    assert call("simulate", "small.toml", "--engine", "fake", "--output", "run.csv", "--set", "engine.step=0.1").code == 0
+    both = ("plot", "small.toml", "run.csv", "--engine", "fake", "--column", "tip_x", "--column", "strain_1", "--output", "out.svg")
+    assert call(*both).code == 0
+    assert call("plot", "small.toml", "run.csv", "--output", "other.svg").code == 2
+    (tmp_path / "bad.csv").write_text("time,tip_x\n0,much\n")
+    for file, word in (("bad.csv", "tip_x"), ("small.toml.csv", "no such file")):
+        answer = call("plot", file, "--output", "other.svg")
+        assert (answer.code, word in answer.errors, answer.errors.count("\n")) == (2, True, 1)
+    assert not (tmp_path / "other.svg").exists()

@@ -1,0 +1,133 @@
+"""Several cases, engines and angles in one call; what the shell may ask; what is told meanwhile."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from quickreturn.command_line import COMMANDS, main
+from tests.engines.faulty_engines import install_faulty_engines
+from tests.quickreturn.conftest import Call
+from tests.quickreturn.program import PROGRAM, started
+from tests.quickreturn.scene_file import SCENE
+
+
+@pytest.fixture(autouse=True)
+def _scenes(tmp_path: Path) -> None:
+    """Three case files in the folder from which the program is called."""
+    install_faulty_engines(tmp_path)
+    for name in ("small", "smaller", "other"):
+        (tmp_path / f"{name}.toml").write_text(SCENE.replace('"small"', f'"{name}"'))
+
+
+def simulated(call: Call, *arguments: str) -> Any:
+    answer = call("simulate", *arguments, "--set", "engine.step=0.1", "--json")
+    assert answer.code == 0, answer
+    return json.loads(answer.output)
+
+
+def test_one_engine_on_one_case_is_one_document_and_several_are_a_list(call: Call, tmp_path: Path) -> None:
+    one = simulated(call, "small.toml", "--engine", "fake", "--output", "{engine}.csv")
+    assert one["output"] == "fake.csv"
+    several = simulated(call, "small*.toml", "--engine", "fake", "--output", "{case}.csv")
+    assert [(each["case"], each["output"]) for each in several] == [("small", "small.csv"), ("smaller", "smaller.csv")]
+    assert (tmp_path / "smaller.csv").read_text() == (tmp_path / "fake.csv").read_text()
+    engines = simulated(call, "small.toml", "--engine", "fake", "--engine", "sound", "--output", "{engine}.csv")
+    assert [each["engine"] for each in engines] == ["fake", "sound"]
+
+
+def test_one_that_fails_does_not_keep_the_others_from_being_written(call: Call, tmp_path: Path) -> None:
+    answer = call("simulate", "small.toml", "--engine", "raises", "--engine", "sound", "--output", "{engine}.csv", "--json")
+    assert answer.code == 3
+    assert [each["reached"] for each in json.loads(answer.output)] == [False, True]
+    assert (tmp_path / "sound.csv").exists()
+    assert "engine raises: " in answer.errors
+
+
+def test_settings_of_one_engine_among_several(call: Call) -> None:
+    both = ("--engine", "fake", "--engine", "sound", "--output", "{engine}.csv", "--json", "--set", "engine.step=0.1")
+    found = json.loads(call("simulate", "small.toml", *both, "--set", "sound.step=0.05").output)
+    assert [each["settings"]["step"] for each in found] == [0.1, 0.05]
+
+
+def test_angles_give_a_list_with_both_ends(call: Call) -> None:
+    asked = ("modes", "small.toml", "--engine", "fake", "--count", "1", "--crank-angle")
+    found = json.loads(call(*asked, "0:360:90", "--json").output)
+    assert [each["crank_angle"] for each in found] == pytest.approx([0.0, 1.570796, 3.141593, 4.712389, 6.283185], abs=1e-6)
+    assert [each["frequencies"][0] - 10.0 for each in found] == pytest.approx([each["crank_angle"] for each in found])
+    assert json.loads(call(*asked, "90", "--json").output) == found[1]
+    assert "crank deg  1\n0          10\n" in call(*asked, "0:360:90").output
+    assert len(json.loads(call(*asked, "10:-10:-0.1", "--json").output)) == 201
+
+
+def test_show_takes_patterns_and_tags(call: Call) -> None:
+    found = json.loads(call("show", "small*.toml", "--json").output)
+    assert [each["name"] for each in found] == ["small", "smaller"]
+    assert call("show", "other.toml", "small.toml").output.count("what follows") == 2
+
+
+def test_run_takes_a_pattern(call: Call) -> None:
+    found = json.loads(call("run", "small*.toml", "--engine", "sound", "--json").output)
+    assert [each["case"] for each in found["cases"]] == ["small", "smaller"]
+
+
+def test_a_tag_stands_for_its_cases() -> None:
+    from quickreturn.commands.options import load_all
+
+    assert next(case.name for case in load_all(["example"], "literature", {})) == "example"
+    assert all("literature" in case.tags for case in load_all([], "literature", {}))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_can_be_quiet(call: Call, command: str) -> None:
+    assert "--quiet" in call(command, "--help").output
+
+
+def test_the_version_is_told(call: Call) -> None:
+    from importlib.metadata import version
+
+    assert call("--version").output == f"quickreturn {version('quickreturn')}\n"
+
+
+@pytest.mark.parametrize(
+    ("typed", "completed"),
+    [
+        ("quickreturn sim", "plain,simulate"),
+        ("quickreturn show thesis-2", "plain,thesis-24"),
+        ("quickreturn show thesis-2", "file,thesis-2"),
+        ("quickreturn run thesis-24 --engine muj", "plain,mujoco"),
+        ("quickreturn simulate thesis-24 --acc", "plain,--accuracy"),
+    ],
+)
+def test_the_shell_is_answered(typed: str, completed: str) -> None:
+    asked = {"_QUICKRETURN_COMPLETE": "bash_complete", "COMP_WORDS": typed, "COMP_CWORD": str(len(typed.split()) - 1)}
+    answer = subprocess.run([PROGRAM], env={**os.environ, **asked}, capture_output=True, text=True, check=True)
+    assert completed in answer.stdout.splitlines()
+
+
+def test_the_shell_gets_its_script() -> None:
+    environment = {**os.environ, "_QUICKRETURN_COMPLETE": "zsh_source"}
+    assert "compdef" in subprocess.run([PROGRAM], env=environment, capture_output=True, text=True, check=True).stdout
+
+
+@pytest.mark.usefixtures("call")
+def test_a_pipe_hears_what_is_at_work_and_a_quiet_one_does_not(tmp_path: Path) -> None:
+    arguments = ("run", "small.toml", "--engine", "sound", "--engine", "also-sound", "--json")
+    told = started(*arguments, folder=tmp_path, variables={"QUICKRETURN_STORE": "one"}).communicate()
+    assert "small sound" in told[1]
+    assert "of 2 done" in told[1]
+    quiet = started(*arguments, "--quiet", folder=tmp_path, variables={"QUICKRETURN_STORE": "two"}).communicate()
+    assert quiet[1] == ""
+    assert json.loads(told[0])["cases"][0]["passed"] is json.loads(quiet[0])["cases"][0]["passed"] is True
+
+
+def test_nothing_is_known_of_a_store_where_none_is_used(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("cases.case_file.load_case", interrupted)
+    assert main(["show", "thesis-24"]) == 130
+    assert "nothing is kept" in capsys.readouterr().err

@@ -1,0 +1,82 @@
+"""The package as others get it: a wheel, in an environment of its own, far from the checkout."""
+
+import os
+import subprocess
+import sys
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+#: No guard, no path: what a person types into a file. Workers must not run it again.
+SCRIPT = """
+import quickreturn as qr
+from pathlib import Path
+print("begun")
+assert "site-packages" in qr.__file__ and "site-packages" in __import__("reference_model").__file__
+case = qr.case("thesis-24", {"crank.length": "5 in"}, duration=0.2)
+solution = qr.simulate(case, "thesis")
+assert len(solution.frame) == 201 and solution.frame.attrs["units"]["time"] == "s"
+solution.plot().savefig("plot.png")
+runs = qr.run("thesis-24", "thesis")
+assert runs["thesis-24", "thesis"].usable and len(runs.frame) > 0
+print(solution, runs, qr.engines(), sep="\\n")
+"""
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Built from what git knows: nothing that lies about by accident."""
+    folder = tmp_path_factory.mktemp("wheel")
+    files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=False).stdout.split(b"\0")
+    if len(files) < 2:
+        pytest.skip("not a git checkout")
+    for name in filter(None, map(os.fsdecode, files)):
+        target = folder / "source" / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if (ROOT / name).is_file():
+            target.write_bytes((ROOT / name).read_bytes())
+    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder), str(folder / "source")]
+    subprocess.run(command, check=True, capture_output=True, cwd=folder)
+    (found,) = folder.glob("quickreturn-*.whl")
+    return found
+
+
+def test_the_wheel_holds_every_package_with_its_data_and_no_tests(wheel: Path) -> None:
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {name.partition("/")[0] for name in names if "dist-info" not in name} == {
+        "reference_model", "engines", "cases", "reports", "quickreturn",
+    }  # fmt: skip
+    for needed in ("quickreturn/py.typed", "cases/library/example.toml", "cases/data/thesis_runs.csv"):
+        assert needed in names
+    here = {
+        path.relative_to(ROOT).as_posix() for path in (ROOT / "reports/templates").rglob("*") if path.is_file() and path.suffix != ".pyc"
+    }
+    assert here <= set(names)
+
+
+@pytest.mark.verify
+def test_three_lines_of_python_and_the_program_run_far_from_the_checkout(wheel: Path, tmp_path: Path) -> None:
+    venv.create(tmp_path / "venv", with_pip=True)
+    python = tmp_path / "venv/bin/python"
+    install = [python, "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt", wheel]
+    subprocess.run(install, check=True, cwd=tmp_path, capture_output=True)
+    work = tmp_path / "work"
+    work.mkdir()
+    (work / "script.py").write_text(SCRIPT)
+    clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "QUICKRETURN", "NUMBA"))}
+
+    def run(*command: str | Path) -> str:
+        found = subprocess.run(command, cwd=work, env=clean, capture_output=True, text=True, check=False)
+        assert found.returncode == 0, found.stderr
+        return found.stdout
+
+    assert run(python, "script.py").count("begun") == 1
+    assert (work / "plot.png").read_bytes().startswith(b"\x89PNG")
+    program = tmp_path / "venv/bin/quickreturn"
+    assert run(program, "--version").startswith("quickreturn ")
+    run(program, "simulate", "thesis-24", "--engine", "mujoco", "--duration", "0.1", "--output", "out.csv")
+    assert len((work / "out.csv").read_text().splitlines()) == 102

@@ -1,0 +1,91 @@
+"""Recorded results: what is written is read back, and what is recorded comes out again."""
+
+import dataclasses
+import json
+import os
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from cases.benchmark import Benchmark
+from cases.case_file import load_case
+from cases.judging.matrix import Cell
+from engines.accurate import run_once
+from engines.registry import engine
+from engines.start import standard_start
+from engines.trajectory import Trajectory
+from reports import recorded
+from reports.recorded import About, RecordedPoint, table, text_of
+from reports.recorded.__main__ import main
+from tests.reports import pages
+from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.test_hard_scenes_page import matrix
+
+#: Bytes of all recorded tables together.
+MOST = 200_000
+#: Cells that are computed anew: scene, engine, and which of its recorded settings, counted from the coarsest.
+CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24", "mujoco", 0)]
+
+
+def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorded, "FOLDER", tmp_path)
+    measured, found = made_up_benchmark(), matrix(wrong=True)
+    (tmp_path / "points.csv").write_text(text_of([RecordedPoint(measured.case, point) for point in measured.points]))
+    (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, points=())]))
+    (tmp_path / "cells.csv").write_text(text_of(found.cells.values()))
+    points = table("points", RecordedPoint)
+    for mine, its in zip(points, measured.points, strict=True):
+        assert mine.case == measured.case
+        assert (mine.point.method, mine.point.settings, mine.point.status) == (its.method, its.settings, its.status)
+        assert (mine.point.measured is None) == (its.measured is None)
+        if mine.point.measured and its.measured:
+            assert mine.point.measured.errors == pytest.approx(its.measured.errors, rel=1e-5)  # six digits
+    assert table("scenes", Benchmark) == [dataclasses.replace(measured, points=())]
+    assert table("cells", Cell) == list(found.cells.values())
+    assert table("nothing", Cell) == []
+
+
+def test_a_recorded_result_is_labelled_as_such() -> None:
+    about = About("benchmark", "2001-02-03", "numpy 1", "f" * 64)
+    told = pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()], recorded={"benchmark": about}))
+    assert "Recorded: measured on 2001-02-03 with numpy 1, code ffffffffffff, which is older than this page’s." in told
+    assert "Recorded" not in pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()]))
+
+
+def test_an_unknown_option_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--all"]) == 2
+    assert "--all" in capsys.readouterr().err
+
+
+def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
+    files = sorted(recorded.FOLDER.glob("*.csv"))
+    assert files
+    assert sum(os.path.getsize(file) for file in files) <= MOST
+    made = [recorded.about(study) for study in recorded.CODE]
+    assert any(made)
+    assert all(each.date and each.versions and len(each.code) == 64 for each in made if each)
+    assert bool(recorded.benchmarks()) == (recorded.about("benchmark") is not None)
+
+
+@cache
+def solved(case: str, name: str, settings: str) -> Trajectory:
+    """One run of a scene of the benchmark; the settings as JSON."""
+    scene, chosen = load_case(case), engine(name)
+    texts = {key: str(value) for key, value in json.loads(settings).items()}
+    used = chosen.settings_for(1e-4, scene.mechanism).with_texts(texts)
+    return run_once(chosen, scene.mechanism, standard_start(scene.mechanism), scene.duration, scene.output_step, used)[0]
+
+
+@pytest.mark.parametrize(("case", "name", "rank"), CELLS)
+def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> None:
+    found = recorded.benchmarks().get(case)
+    if found is None:
+        pytest.fail(f"{case} is not recorded")
+    done = [point for point in found.points if point.method == name and point.measured]
+    point = sorted(done, key=lambda each: each.measured.degrees_of_freedom if each.measured else 0)[rank]
+    truth = solved(case, found.truth["engine"], json.dumps(found.truth["settings"]))
+    mine = solved(case, name, json.dumps(point.settings))
+    difference = ((mine["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
+    # recorded with six digits; the rest is what another machine's rounding may do to adaptive steps
+    assert difference / found.truth["sizes"]["tip_deflection"] == pytest.approx(point.error(), rel=1e-3)
