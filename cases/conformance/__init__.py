@@ -15,7 +15,9 @@ from cases.conformance.frequencies import frequencies
 from cases.conformance.motion import motion
 from cases.conformance.quantities import quantities
 from cases.conformance.resolution import resolution
-from cases.jobs.job import Executor, Job, watched
+from cases.jobs.display import watched
+from cases.jobs.job import Executor, Job
+from engines.accurate import raised_at
 from engines.base import AnyEngine, Refusal
 
 __all__ = ["GROUPS", "Check", "Conformance", "conform"]
@@ -73,16 +75,6 @@ def checks_of(group: str, engine: AnyEngine | str) -> list[Check]:
         cause = f"the engine raises {type(error).__name__}{where}: {error}"
         checks.append(Check(group, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user"))
     return checks
-
-
-def raised_at(error: BaseException) -> str:
-    """Where an exception came from: " at my_engine.py, line 12"."""
-    trace = error.__traceback__
-    while trace is not None and trace.tb_next is not None:
-        trace = trace.tb_next
-    if trace is None:
-        return ""
-    return f" at {trace.tb_frame.f_code.co_filename.rsplit('/', 1)[-1]}, line {trace.tb_lineno}"
 
 
 def _told(name: str, checks: list[Check]) -> Conformance:

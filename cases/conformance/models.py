@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -73,7 +73,7 @@ def _noise(name: str, known: Truth, tolerances: Mapping[str, float] | None) -> f
 def _models(scene: Mechanism) -> Iterator[tuple[str, str, Mechanism, bool]]:
     """What it may be, the advice, the scene, and whether its effect is in proportion."""
     crank, drive = scene.crank, scene.crank.drive
-    own_words = [
+    own_words: list[tuple[str, dict[str, Any]]] = [
         ("no tip body", {"tip": None}),
         ("tip.mass ignored", {"tip.mass": 0.0}),
         ("tip.inertia ignored", {"tip.inertia": 0.0}),
@@ -88,7 +88,10 @@ def _models(scene: Mechanism) -> Iterator[tuple[str, str, Mechanism, bool]]:
             ("crank.damping ignored", {"crank.drive.damping": 0.0}),
             ("crank.torque ignored", {"crank.drive.torque": 0.0}),
             ("crank.torque of the wrong sign", {"crank.drive.torque": -drive.torque}),
-            ("crank.damping of the wrong sign, as a drive", {"crank.drive.torque": drive.torque + 2.0 * drive.damping * drive.initial_speed}),
+            (
+                "crank.damping of the wrong sign, as a drive",
+                {"crank.drive.torque": drive.torque + 2.0 * drive.damping * drive.initial_speed},
+            ),
             ("the crank's speed prescribed", {"crank.drive": PrescribedSpeed(speed=drive.initial_speed)}),
         ]
     for words, values in own_words:

@@ -39,23 +39,26 @@ def motion(bench: Bench) -> Iterator[Check]:
         return
     known = truth(bench.scene)
     tolerances = bench.tolerances(known, bench.scene)
-    yield from _rows(bench, run, tolerances, wrong)
     yield from _pieces(bench, run, tolerances)
+    late, depending = _rows(bench, run, tolerances)
+    wrong.update(late)
+    yield from late.values()
     yield from _columns(bench, "column", bench.scene, run, known, tolerances, wrong)
+    yield from (check for column, check in depending.items() if column not in wrong)  # a column explained needs no second word
+    wrong.update(depending)
     yield from _identities(run, bench.scene, wrong)
     yield _first_row("first row of the standard start", bench.scene, standard_start(bench.scene), run, wrong)
     yield from _bent(bench, wrong)
 
 
-def _rows(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | None, wrong: set[str]) -> Iterator[Check]:
-    """The same motion with a coarser output step: a column that is a row late comes later."""
-    name = "rows: the same with another output step"
+def _rows(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | None) -> tuple[dict[str, Check], dict[str, Check]]:
+    """The same motion with a coarser output step: columns that come late with it, and others that depend on it."""
+    name, step = "the same with another output step", _COARSER * OUTPUT_STEP
     try:
-        coarse = bench.run(bench.scene, duration=_COARSER * OUTPUT_STEP * (len(run) // _COARSER), output_step=_COARSER * OUTPUT_STEP)
+        coarse = bench.run(bench.scene, duration=step * (len(run) // _COARSER), output_step=step)
     except EngineFailure as failure:
-        yield Check(name, "failed", f"with {1e3 * _COARSER * OUTPUT_STEP:g} ms between rows: {failure.cause}", failure.advice)
-        return
-    found = []
+        return {"time": Check(name, "failed", f"with {1e3 * step:g} ms between rows: {failure.cause}", failure.advice)}, {}
+    late, depending = dict[str, Check](), dict[str, Check]()
     for column in bench.columns(run.columns):
         fine, there = run[column], coarse[column]
         allowed = max(0.0 if tolerances is None else tolerances[column], (_SAME if tolerances is None else 1e-4) * _swing(fine))
@@ -63,19 +66,16 @@ def _rows(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | None,
         if off <= allowed:
             continue
         for lag in (1, 2, -1):
-            shifted = _later(fine, lag, len(there))
-            if rms(there[3:-3] - shifted[3:-3]) <= 0.3 * off:
+            if rms(there[3:-3] - _later(fine, lag, len(there))[3:-3]) <= 0.3 * off:
                 words = f"{column} comes {abs(lag)} row{'s' if abs(lag) > 1 else ''} {'late' if lag > 0 else 'early'}"
-                found.append((column, words, "take it at the instant of the row, after the last step, with everything brought up to date"))
+                advice = "take it at the instant of the row, after the last step, with everything brought up to date"
+                late[column] = Check(f"{name}: {column}", "failed", words, advice)
                 break
         else:
             words = f"{column} changes by {percent(off / max(_swing(fine), 1e-300))} with the distance of the rows"
-            found.append((column, words, "compute it from the state at the instant of the row, not from rows before and after"))
-    if not found:
-        yield Check(name, "passed")
-    for column, words, advice in found:
-        wrong.add(column)
-        yield Check(f"{name}: {column}", "failed", words, advice)
+            advice = "compute it from the state at the instant of the row, not from rows before and after"
+            depending[column] = Check(f"{name}: {column}", "failed", words, advice)
+    return late, depending or {"": Check(name, "passed" if not late else "not judged")}
 
 
 def _later(fine: Array, lag: int, rows: int) -> Array:
@@ -95,10 +95,11 @@ def _pieces(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | Non
     simulation = bench.engine.prepare(scene, standard_start(scene), bench.settings(scene))
     pieces: list[Trajectory] = []
     try:
-        for _ in range(3):
-            pieces.append(simulation.advance(rows * OUTPUT_STEP, OUTPUT_STEP))
+        pieces.extend(simulation.advance(rows * OUTPUT_STEP, OUTPUT_STEP) for _ in range(3))
     except Exception as error:  # an author's engine may raise anything
-        yield Check(name, "failed", f"advancing a second time raises {type(error).__name__}: {error}", "keep the state between calls of advance")
+        yield Check(
+            name, "failed", f"advancing a second time raises {type(error).__name__}: {error}", "keep the state between calls of advance"
+        )
         return
     cause, advice = "", "keep the state in the simulation and begin each piece with the row that the one before ended with"
     for number, piece in enumerate(pieces):
@@ -111,7 +112,10 @@ def _pieces(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | Non
                 cause = "the time begins at zero again in each piece"
             advice = "count time in the simulation: `self.time` plus the grid"
         elif number and abs(simulation.time - 3 * rows * OUTPUT_STEP) > 0.1 * OUTPUT_STEP:
-            cause, advice = f"`time` of the simulation is {simulation.time:.4g} s after {3 * rows} ms", "add the duration to it in each advance"
+            cause, advice = (
+                f"`time` of the simulation is {simulation.time:.4g} s after {3 * rows} ms",
+                "add the duration to it in each advance",
+            )
         else:
             off = _jumps(bench, piece, run, begin, tolerances)
             if off and all(column in ("dissipated_energy", "drive_work") for column in off):
@@ -159,8 +163,8 @@ def _columns(
     if len(found) > 1:
         model = acts_as_if(scene, start, {name: run[name] for name in moves}, known, tolerances)
         if model is not None:
-            off = max((rms(run[name] - known.columns[name]) / rms(known.columns[name]), name) for name in found)
-            cause = f"{model.cause} ({off[1]} is {percent(off[0])} off)"
+            worst = max((rms(run[name] - known.columns[name]) / rms(known.columns[name]), name) for name in found)
+            cause = f"{model.cause} ({worst[1]} is {percent(worst[0])} off)"
             yield Check(f"{kind}s together", "failed", cause, model.advice)
             wrong.update(found)
             return
@@ -242,7 +246,9 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
         run = bench.run(scene, duration=_BENT_DURATION, start=start)
     except (EngineFailure, Refusal) as failure:
         cause = failure.cause if isinstance(failure, EngineFailure) else str(failure)
-        yield Check(check, "failed", f"it is not accepted: {cause}", "see engines.start_state.reconstruct: it closes the loop for any start")
+        yield Check(
+            check, "failed", f"it is not accepted: {cause}", "see engines.start_state.reconstruct: it closes the loop for any start"
+        )
         return
     known = truth(scene, _BENT_DURATION, start=start)
     tolerances = bench.tolerances(known, scene, duration=_BENT_DURATION, start=start)
@@ -255,7 +261,9 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
         "the start's deflection rate is ignored: the follower begins bent and is not bending": Start(
             start.crank_angle, start.crank_speed, start.deflection
         ),
-        "the start's deflection is ignored: the follower begins straight": Start(start.crank_angle, start.crank_speed, None, start.deflection_rate),
+        "the start's deflection is ignored: the follower begins straight": Start(
+            start.crank_angle, start.crank_speed, None, start.deflection_rate
+        ),
     }
     off = _departure(run, known.columns)
     for cause, other in ignored.items():
@@ -263,6 +271,10 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
             yield Check(check, "failed", cause, "see engines.start_state.reconstruct: it tells place and velocity of every point")
             return
     yield first
+    if not {"slider_position", "crank_angle"} & wrong and rms(_bow(run.columns, scene)) < 0.3 * rms(_bow(known.columns, scene)):
+        cause = "slider_position is the straight distance from the pivot, not the arc length"
+        yield Check(f"{check}: slider_position", "failed", cause, "integrate along the bent centre line")
+        wrong.add("slider_position")
     if first.status == "failed":
         yield Check(check, "not judged", "it does not begin where it should", TELL_THE_AUTHOR)
         return
@@ -273,3 +285,9 @@ def _departure(run: Trajectory, columns: Mapping[str, Array]) -> float:
     """How far the follower's bend is from another one, relative to that."""
     names = ("tip_deflection", "strain_1", "strain_2", "strain_3")
     return float(np.mean([rms(run[name] - columns[name]) / rms(columns[name]) for name in names]))
+
+
+def _bow(columns: Mapping[str, Array], scene: Mechanism) -> Array:
+    """By how much the arc length to the slider exceeds its straight distance from the pivot, m."""
+    crank, angle = scene.crank.length, columns["crank_angle"]
+    return columns["slider_position"] - np.hypot(crank * np.cos(angle) - scene.pivot_distance, crank * np.sin(angle))

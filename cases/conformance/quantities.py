@@ -81,9 +81,7 @@ def _size(known: list[Truth], column: str) -> float:
     return max(rms(each.columns[column] - np.mean(each.columns[column])) for each in known) + 1e-6 * rms(known[1].columns[column])
 
 
-def _worst(
-    bench: Bench, before: Mechanism, after: Mechanism, found: list[Trajectory], known: list[Truth], names: list[str]
-) -> str | None:
+def _worst(bench: Bench, before: Mechanism, after: Mechanism, found: list[Trajectory], known: list[Truth], names: list[str]) -> str | None:
     """The column that is farthest beyond what the engine says of its own error; "" if none is, None where it does not say."""
     over: dict[str, float] = dict.fromkeys(names, 0.0)
     for number, scene in enumerate((before, after)):
@@ -111,5 +109,3 @@ def _mistake(change: Change, before: Mechanism, shown: Array, due: Array, known:
         tried.append((rms(shown - share * due), f"{change.name} acts {share:.3g} times as strongly as it should"))
     best = min(tried, key=lambda each: each[0])
     return best[1] if best[0] <= _EXPLAINED * left else ""
-
-

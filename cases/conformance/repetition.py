@@ -6,7 +6,8 @@ from typing import Final
 from cases.conformance.bench import COMPARED, Bench, found_engine
 from cases.conformance.checks import Array, Check, rms
 from cases.conformance.scenes import OUTPUT_STEP, changed
-from cases.jobs.job import Job, answers
+from cases.jobs.display import answers
+from cases.jobs.job import Job
 from cases.jobs.processes import LocalProcesses
 from engines.accurate import run_once
 from engines.base import AnyEngine, EngineFailure
@@ -50,7 +51,9 @@ def repetition(bench: Bench, other: dict[str, Array] | str) -> Iterator[Check]:
         yield Check(name, "failed", cause, keep) if differ else Check(name, "passed")
     name = "the same from another process"
     if isinstance(other, str):
-        foreign = "raised" in other and ("Error" in other and "import" in other.lower() or "Attribute" in other or "pickle" in other.lower())
+        foreign = "raised" in other and (
+            ("Error" in other and "import" in other.lower()) or "Attribute" in other or "pickle" in other.lower()
+        )
         cause = f"the engine's class cannot be had in another process ({other})" if foreign else f"another process ends: {other}"
         advice = "give it a module of its own and announce it as an entry point" if foreign else "see what it says there"
         yield Check(name, "not judged" if foreign else "failed", cause, advice)

@@ -1,5 +1,6 @@
 """An engine's ladder: it gets finer, ends, and its estimates hold."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from typing import Final
@@ -51,7 +52,9 @@ def _ends(bench: Bench, settings: Settings) -> Check:
             cause = "`finer` gives back the settings that it was given" if finer == seen[-1] else "`finer` goes round in circles"
             return Check(name, "failed", f"{cause}: {finer}", "return finer settings, or None at the end of the ladder")
         seen.append(finer)
-    return Check(name, "failed", f"`finer` has gone on for {_MOST_RUNGS} rungs, to {seen[-1]}", "return None where a finer rung is not affordable")
+    return Check(
+        name, "failed", f"`finer` has gone on for {_MOST_RUNGS} rungs, to {seen[-1]}", "return None where a finer rung is not affordable"
+    )
 
 
 def _truth(bench: Bench) -> Truth | Trajectory:
@@ -83,7 +86,7 @@ def _gets_finer(bench: Bench, coarse: Settings) -> Iterator[Check]:
         rungs.append(finer)
     errors = [_error(bench.run(scene, rung), known) for rung in rungs]
     listed = ", ".join(f"{error:.2g}" for error in errors)
-    for before, after in zip(errors, errors[1:], strict=False):
+    for before, after in itertools.pairwise(errors):
         if after > max(_WORSE * before, 0.3 * errors[0], _NOISE):
             cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {listed}"
             yield Check(name, "failed", cause, "return settings with a smaller error; look at the direction of steps and sizes")
@@ -97,10 +100,15 @@ def _gets_finer(bench: Bench, coarse: Settings) -> Iterator[Check]:
         yield Check(name, "passed", f"errors {listed}")
     picked = _error(bench.run(scene, default), known)
     if picked > max(_WORSE * errors[0], _NOISE):
-        cause = f"`settings_for` gives coarser settings for {bench.engine.default_accuracy:g} than for 0.05: errors {picked:.2g}, {errors[0]:.2g}"
+        asked = f"{bench.engine.default_accuracy:g} than for 0.05"
+        cause = f"`settings_for` gives coarser settings for {asked}: errors {picked:.2g}, {errors[0]:.2g}"
         yield Check("ladder: a smaller accuracy is finer", "failed", cause, "look at the direction of the table behind settings_for")
     else:
-        yield Check("ladder: a smaller accuracy is finer", "passed", f"errors {errors[0]:.2g} at 0.05, {picked:.2g} at {bench.engine.default_accuracy:g}")
+        yield Check(
+            "ladder: a smaller accuracy is finer",
+            "passed",
+            f"errors {errors[0]:.2g} and {picked:.2g}",
+        )
 
 
 def _estimates(bench: Bench, words: str, settings: Settings) -> Iterator[Check]:
@@ -111,7 +119,9 @@ def _estimates(bench: Bench, words: str, settings: Settings) -> Iterator[Check]:
     pairs = bench.engine.comparisons(settings, bench.scene, 1e-3)
     found = bench.estimates(bench.scene, settings)
     if found is None:
-        yield Check(name, "not judged", f"no estimate can be made of {settings}", "let `comparisons` name a run that is not the same and completes")
+        yield Check(
+            name, "not judged", f"no estimate can be made of {settings}", "let `comparisons` name a run that is not the same and completes"
+        )
         return
     known = _truth(bench)
     uncertain = known.uncertainty if isinstance(known, Truth) else {}
@@ -140,7 +150,9 @@ def _estimates(bench: Bench, words: str, settings: Settings) -> Iterator[Check]:
         yield Check(name, "failed", cause, advice)
     else:
         shown = _error(run, known)
-        yield Check(name, "passed", f"error {shown:.2g}, estimate {found['tip_deflection'] / (rms(known.columns['tip_deflection']) or 1.0):.2g}")
+        yield Check(
+            name, "passed", f"error {shown:.2g}, estimate {found['tip_deflection'] / (rms(known.columns['tip_deflection']) or 1.0):.2g}"
+        )
 
 
 def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth | Trajectory) -> float | None:
@@ -150,5 +162,3 @@ def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth | Tr
     except EngineFailure:
         return None
     return other / error if error > 0.2 * _NOISE else None
-
-

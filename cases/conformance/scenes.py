@@ -73,9 +73,13 @@ class Change:
     alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
 
 
+#: A crank of the same inertia without a first moment.
+_NO_MOMENT: Final = {"crank.center_of_mass": 0.0, "crank.inertia": BASE.crank.inertia_about_pivot}
+_TURNED: Final = "tip.force has the wrong sign, or turns with the follower"
 _SOFT_JOINT: Final = {"slider.joint_stiffness": 5e3}
 _TOOL: Final = {"tip.force": (0.0, 1.5)}
 _SLOT: Final = {"tip.force_from": math.radians(200.0), "tip.force_to": math.radians(300.0)}
+_WHOLE_TURN: Final = {"tip.force_from": 0.0, "tip.force_to": 2.0 * math.pi}
 _CUT: Final = {**_TOOL, **_SLOT}
 #: Every quantity that can show in a motion. The width of the section does not.
 CHANGES: Final = (
@@ -84,16 +88,18 @@ CHANGES: Final = (
         "mechanism.gravity along n1",
         {"gravity": (9.81, 0.0)},
         alike={
+            "gravity acts with the wrong sign": {"gravity": (-9.81, 0.0)},
             "gravity acts along n2 in place of n1": {"gravity": (0.0, 9.81)},
-            "gravity does not act on the crank": {"gravity": (9.81, 0.0), "crank.center_of_mass": 0.0, "crank.inertia": 2e-3 + 1.2 * 0.03**2},
+            "gravity does not act on the crank": {"gravity": (9.81, 0.0), **_NO_MOMENT},
         },
     ),
     Change(
         "mechanism.gravity along n2",
         {"gravity": (0.0, 9.81)},
         alike={
+            "gravity acts with the wrong sign": {"gravity": (0.0, -9.81)},
             "gravity acts along n1 in place of n2": {"gravity": (9.81, 0.0)},
-            "gravity does not act on the crank": {"gravity": (0.0, 9.81), "crank.center_of_mass": 0.0, "crank.inertia": 2e-3 + 1.2 * 0.03**2},
+            "gravity does not act on the crank": {"gravity": (0.0, 9.81), **_NO_MOMENT},
         },
     ),
     Change("crank.length", {"crank.length": 0.09}),
@@ -114,8 +120,8 @@ CHANGES: Final = (
     Change("follower.thickness", {"follower.thickness": 2e-3}),
     Change(
         "follower.damping",
-        {"follower.damping": 4.0},
-        alike={"follower.damping is taken for the damping of the base": {"base.damping": 4.0}},
+        {"follower.damping": 40.0},
+        alike={"follower.damping is taken for the damping of the base": {"base.damping": 40.0}},
     ),
     Change("follower.strain_gauges", {"follower.strain_gauges": (0.08, 0.22, 0.54)}),
     Change("tip.mass", {"tip.mass": 0.12}),
@@ -125,10 +131,10 @@ CHANGES: Final = (
         {"tip.center_of_mass": 0.08},
         alike={"tip.center_of_mass is measured towards the pivot, not beyond the end": {"tip.center_of_mass": -0.08}},
     ),
-    Change("tip.force along n1", {"tip.force": (6.0, 0.0)}, alike={"the force turns with the follower": {"tip.force": (-6.0, 0.0)}}),
-    Change("tip.force along n2", {"tip.force": (0.0, 1.5)}, alike={"the force turns with the follower": {"tip.force": (0.0, -1.5)}}),
-    Change("tip.force_from", {"tip.force_from": math.radians(250.0)}, _CUT, {"the force acts over the whole turn": {"tip.force_from": 0.0, "tip.force_to": 2.0 * math.pi}}),
-    Change("tip.force_to", {"tip.force_to": math.radians(250.0)}, _CUT, {"the force acts over the whole turn": {"tip.force_from": 0.0, "tip.force_to": 2.0 * math.pi}}),
+    Change("tip.force along n1", {"tip.force": (6.0, 0.0)}, alike={_TURNED: {"tip.force": (-6.0, 0.0)}}),
+    Change("tip.force along n2", {"tip.force": (0.0, 1.5)}, alike={_TURNED: {"tip.force": (0.0, -1.5)}}),
+    Change("tip.force_from", {"tip.force_from": math.radians(250.0)}, _CUT, {"the force acts over the whole turn": _WHOLE_TURN}),
+    Change("tip.force_to", {"tip.force_to": math.radians(250.0)}, _CUT, {"the force acts over the whole turn": _WHOLE_TURN}),
     Change("tip.force_ramp", {"tip.force_ramp": math.radians(45.0)}, _CUT),
     Change("slider.mass", {"slider.mass": 0.5}),
     Change("slider.inertia", {"slider.inertia": 2e-3}),
