@@ -39,9 +39,9 @@ def motion(bench: Bench) -> Iterator[Check]:
         return
     known = truth(bench.scene)
     tolerances = bench.tolerances(known, bench.scene)
-    yield from _pieces(bench, run, tolerances)
     late, depending = _rows(bench, run, tolerances)
     wrong.update(late)
+    yield from _pieces(bench, run, tolerances, wrong | set(depending))
     yield from late.values()
     yield from _columns(bench, "column", bench.scene, run, known, tolerances, wrong)
     yield from (check for column, check in depending.items() if column not in wrong)  # a column explained needs no second word
@@ -88,7 +88,7 @@ def _swing(values: Array) -> float:
     return rms(values - np.mean(values))
 
 
-def _pieces(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | None) -> Iterator[Check]:
+def _pieces(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | None, wrong: set[str]) -> Iterator[Check]:
     """A simulation advanced in pieces goes on where it stood."""
     name, rows = "pieces continue", 60
     scene = bench.scene
@@ -117,7 +117,7 @@ def _pieces(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | Non
                 "add the duration to it in each advance",
             )
         else:
-            off = _jumps(bench, piece, run, begin, tolerances)
+            off = [column for column in _jumps(bench, piece, run, begin, tolerances) if column not in wrong]
             if off and all(column in ("dissipated_energy", "drive_work") for column in off):
                 cause, advice = f"{' and '.join(off)} begins anew in each piece", "sum from the start of the simulation"
             elif off and abs(piece["crank_angle"][0] - run["crank_angle"][0]) < 1e-9:

@@ -1,4 +1,4 @@
-"""Engines that are `reference` with one mistake each are found out; those that are as they should be, or coarse and honest, are not accused."""
+"""Engines that are `reference` with one mistake each are found out; sound ones, and coarse ones that say so, are not accused."""
 
 import math
 import re
