@@ -23,13 +23,13 @@ from engines.base import AnyEngine, Refusal
 __all__ = ["GROUPS", "Check", "Conformance", "conform"]
 
 #: Groups of checks by name, in the order in which they are told.
-GROUPS: Final[Mapping[str, Callable[[Bench], Iterator[Check]]]] = {
+GROUPS: Final[Mapping[str, Callable[..., Iterator[Check]]]] = {
     "motion": motion,
     "quantities": quantities,
     "resolution": resolution,
     "frequencies": frequencies,
     "failures": failures,
-    "repetition": lambda bench: repetition.repetition(bench, repetition.elsewhere(bench.engine)),
+    "repetition": repetition.repetition,
 }
 
 
@@ -46,10 +46,13 @@ def conform(engine: AnyEngine | str, executor: Executor | None = None, groups: t
         Refusal: it cannot be used here.
     """
     name = engine if isinstance(engine, str) else engine.name
+    given: dict[str, tuple[Any, ...]] = {}
+    if "repetition" in groups:  # a job's process may have no process of its own
+        given["repetition"] = (repetition.elsewhere(engine),)
     if executor is None:
         found = found_engine(engine)
-        return _told(name, [check for group in groups for check in checks_of(group, found)])
-    jobs: list[Job[Any]] = [Job(group, checks_of, (group, engine)) for group in groups]
+        return _told(name, [check for group in groups for check in checks_of(group, found, *given.get(group, ()))])
+    jobs: list[Job[Any]] = [Job(group, checks_of, (group, engine, *given.get(group, ()))) for group in groups]
     outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
     checks: list[Check] = []
     for group in groups:
@@ -60,8 +63,8 @@ def conform(engine: AnyEngine | str, executor: Executor | None = None, groups: t
     return _told(name, checks)
 
 
-def checks_of(group: str, engine: AnyEngine | str) -> list[Check]:
-    """The checks of one group; what an engine raises that no engine may ends them."""
+def checks_of(group: str, engine: AnyEngine | str, *given: Any) -> list[Check]:
+    """The checks of one group, with what else that needs; what an engine raises that no engine may ends them."""
     found = found_engine(engine)
     try:
         bench = Bench(found)
@@ -69,7 +72,7 @@ def checks_of(group: str, engine: AnyEngine | str) -> list[Check]:
         return [Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]
     checks: list[Check] = []
     try:
-        checks.extend(GROUPS[group](bench))
+        checks.extend(GROUPS[group](bench, *given))
     except Exception as error:  # an author's engine may raise anything
         where = raised_at(error)
         cause = f"the engine raises {type(error).__name__}{where}: {error}"

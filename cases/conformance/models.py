@@ -14,8 +14,10 @@ from engines.base import EngineFailure
 from engines.start import Start
 from reference_model.mechanism import ImpossibleMechanism, Mechanism, PrescribedSpeed, TorqueDrive
 
-#: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion.
+#: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
+#: are small beside the follower's.
 _TRIED: Final = 1.02
+_TRIED_OF_SMALL: Final = 2.0
 #: A quantity explains a difference if it leaves no more than this part of it.
 _EXPLAINED: Final = 0.25
 _SCALED: Final = (
@@ -60,7 +62,10 @@ def acts_as_if(
         left = rms(shown - amount * effect) / size
         if left < _EXPLAINED and (best is None or left < 0.7 * best[0]):
             if scaled:
-                best = left, Finding(f"the motion is that with {words} {1.0 + amount * (_TRIED - 1.0):.4g} times as large", advice, True)
+                best = (
+                    left,
+                    Finding(f"the motion is that with {words} {1.0 + amount * (_tried(words) - 1.0):.4g} times as large", advice, True),
+                )
             else:
                 best = left, Finding(f"the motion is that with {words}", advice, True)
     return None if best is None else best[1]
@@ -68,6 +73,10 @@ def acts_as_if(
 
 def _noise(name: str, known: Truth, tolerances: Mapping[str, float] | None) -> float:
     return (0.01 if tolerances is None else 1e-4) * rms(known.columns[name]) + (0.0 if tolerances is None else tolerances[name])
+
+
+def _tried(name: str) -> float:
+    return _TRIED_OF_SMALL if name in ("base.inertia", "tip.inertia") else _TRIED
 
 
 def _models(scene: Mechanism) -> Iterator[tuple[str, str, Mechanism, bool]]:
@@ -103,6 +112,6 @@ def _models(scene: Mechanism) -> Iterator[tuple[str, str, Mechanism, bool]]:
         if isinstance(owner, float) and math.isfinite(owner) and owner != 0.0:
             name = path.replace("drive.", "")
             try:
-                yield name, f"look where {name} enters", changed(scene, {path: _TRIED * owner}), True
+                yield name, f"look where {name} enters", changed(scene, {path: _tried(name) * owner}), True
             except ImpossibleMechanism:
                 continue

@@ -99,6 +99,12 @@ def _gets_finer(bench: Bench, coarse: Settings) -> Iterator[Check]:
     else:
         yield Check(name, "passed", f"errors {listed}")
     picked = _error(bench.run(scene, default), known)
+    up = bench.engine.finer(default, (2.0,) * max(1, len(bench.engine.comparisons(default, scene, 1e-3))), 1e-3)
+    if up is not None and bench.run(scene, default).solve_seconds <= _SLOW:
+        above = _error(bench.run(scene, up), known)
+        if above > max(_WORSE * picked, 0.3 * errors[0], _NOISE):
+            cause = f"`finer` makes the default settings coarser: the error of the tip deflection goes from {picked:.2g} to {above:.2g}"
+            yield Check("ladder: above the default", "failed", cause, "return settings with a smaller error")
     if picked > max(_WORSE * errors[0], _NOISE):
         asked = f"{bench.engine.default_accuracy:g} than for 0.05"
         cause = f"`settings_for` gives coarser settings for {asked}: errors {picked:.2g}, {errors[0]:.2g}"
@@ -138,7 +144,7 @@ def _estimates(bench: Bench, words: str, settings: Settings) -> Iterator[Check]:
     single = _factor_shown(bench, pairs, known) if len(pairs) == 1 else None
     stated = pairs[0].factor if len(pairs) == 1 else math.nan
     if single is not None and (single > 1.0) != (stated > 1.0) and not 1.0 / _ABOUT < single < _ABOUT:
-        cause = f"the factor of `comparisons` is upside down: {stated:g} is stated, the errors' ratio is {single:.3g}"
+        cause = f"the factor of `comparisons` is upside down, and overclaimed if above 1: {stated:g} is stated, the errors' ratio is {single:.3g}"
         yield Check(name, "failed", cause, "factor is the error of `other` over that of `run`: below 1 where `other` is the finer one")
     elif missed:
         worst = max(missed, key=lambda column: missed[column][0])

@@ -164,7 +164,7 @@ class _Swallowing(Spoiling):
                 raise
             rows = round(duration / output_step) + 1
             held = {name: np.pad(values, (0, rows - len(values)), mode="edge") for name, values in failure.partial.columns.items()}
-            held["time"] = output_step * np.arange(rows)
+            held["time"] = output_step * np.arange(rows, dtype=np.float64)
             return Trajectory(held, 0.0)
 
 

@@ -16,7 +16,10 @@ from engines.mujoco.settings import ChainSettings
 from engines.own.reference import ReferenceEngine
 from engines.registry import engine
 from reference_model.mechanism import Mechanism
-from tests.cases.conformance.mutants import MUTANTS
+from tests.cases.conformance.mutants import MUTANTS as FIRST
+from tests.cases.conformance.second_mutants import SECOND
+
+MUTANTS = FIRST | SECOND
 
 
 class EightLinks(MujocoEngine):
