@@ -27,7 +27,7 @@ verify: $(VERIFY)
 
 # For the project itself: results of the long studies as tables that the report shows where the user's own are missing.
 record: $(READY)
-	$(BIN)/python -m reports.recorded
+	$(BIN)/python -m reports.long_studies
 
 lint: $(TEST)
 	$(BIN)/ruff check .

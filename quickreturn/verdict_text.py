@@ -37,10 +37,11 @@ def _verdict(result: CaseResult) -> list[str]:
             lines.append(f"  and {len(checks) - SHOWN} more, which --json lists")
     if result.passed is None:
         lines.append(f"not judged: {result.reason}")
-    elif not result.missed:
-        names = ", ".join(dict.fromkeys(check.engine for check in result.checks))
-        others = " and ".join(dict.fromkeys(check.other for check in result.checks))
-        lines.append(f"{names}: within what is claimed of {others} in all {len(result.checks)} comparisons")
+    departing = {check.engine for check in result.missed}
+    within = [check for check in result.checks if check.engine not in departing]
+    if within:
+        names, others = (dict.fromkeys(getattr(check, side) for check in within) for side in ("engine", "other"))
+        lines.append(f"{', '.join(names)}: within what is claimed of {' and '.join(others)} in all {len(within)} comparisons")
     reference = result.runs.get(REFERENCE)
     for name, run in result.runs.items():
         if reference is not None and reference.usable and run.usable and name != REFERENCE and (why := not_judged(run)):

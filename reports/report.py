@@ -23,7 +23,7 @@ from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
 from engines.registry import MAIN
-from reports import recorded
+from reports import long_studies
 from reports.findings.evidence import Evidence, NoEvidence, evidence
 from reports.findings.runs import of_run, run_number
 from reports.machine import machine_facts
@@ -102,11 +102,11 @@ def write_report(
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder)
-    on_record = {case: [*found] for case, found in (tables or {}).items()}
+    recorded = {case: [*found] for case, found in (tables or {}).items()}
     for table in experiment_tables():
-        on_record.setdefault(table.declared["case"], []).append(table)
+        recorded.setdefault(table.declared["case"], []).append(table)
     studied = _studied(cases)
-    results = cross_validate(cases, workshop, engines, tables=on_record, beside=work() if studied else None)
+    results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if studied else None)
     studies = run_studies(workshop) if studied else None
     benchmarks, benchmarks_recorded = _benchmarks(cases, workshop, studied)
     matrix, matrix_recorded = _hard_scenes(workshop) if studied else (None, False)
@@ -119,7 +119,7 @@ def write_report(
         benchmarks=benchmarks,
         evidence=found,
         hard_scenes=matrix,
-        recorded={study: about for study, taken in of_record.items() if taken and (about := recorded.about(study))},
+        of_record={study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
         verification=stored_verification(workshop.store.folder),
         facts=machine_facts(),
         code=code_fingerprint((*SIMULATION, *CODE)),
@@ -164,7 +164,7 @@ def _benchmarks(cases: Sequence[Case], workshop: Workshop, studied: bool) -> tup
 
     Of these the recorded results are taken where there are no others; the second value says whether any were.
     """
-    known = recorded.benchmarks() if studied else {}
+    known = long_studies.benchmarks() if studied else {}
     found, of_record = [], False
     for case in [load_case(name) for name in SCENES] if studied else cases:
         own = stored(case, workshop)
@@ -178,7 +178,7 @@ def _benchmarks(cases: Sequence[Case], workshop: Workshop, studied: bool) -> tup
 def _hard_scenes(workshop: Workshop) -> tuple[Matrix | None, bool]:
     """The stored matrix of the hard scenes, else the recorded one; the second value says whether it is that."""
     own = stored_matrix(workshop)
-    return (own, False) if own is not None else (recorded.matrix([load_case(entry.name) for entry in catalogue(TAG)]), True)
+    return (own, False) if own is not None else (long_studies.matrix([load_case(entry.name) for entry in catalogue(TAG)]), True)
 
 
 def _earlier_tables(folder: Path) -> set[str]:

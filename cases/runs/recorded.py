@@ -78,11 +78,11 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
             f"no crank_angle was recorded: the crank is taken to turn evenly at {speed:.6g} rad/s, from {start:.6g} deg at time 0"
         )
     _check_pace(table, columns, mechanism, case.name)
-    begins = _begins_in_standard_start(table, columns, mechanism)
+    begun = _begins_in_standard_start(table, columns, mechanism)
     cycles = _cycles(table, {name: values for name, values in columns.items() if name not in LEFT_OUT})
-    if begins:
-        cycles = cycles[:GREATEST_NUMBER]
-    settling = _settling(cycles)
+    settling = _settling(cycles[:GREATEST_NUMBER] if begun else cycles)
+    begins = _is_far(settling) if begun is None else begun
+    cycles = cycles[: settling.cycles]
     last = columns_of(cycles[-1])
     turn = _number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
     gap = float(np.max(np.diff(last["time"])))
@@ -147,8 +147,9 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
     else:  # the angle says nothing, but so many rows make a turn
         turns = pace * float(np.median(np.diff(time))) / (2.0 * math.pi)
         found = 1.0 if turns < LARGEST_GAP else 1e3
-    if np.any(np.abs(np.diff(angle)) > WRAPPED * np.median(np.abs(np.diff(angle)))):
-        at = int(np.argmax(np.abs(np.diff(angle))))
+    steps = np.abs(np.diff(angle))
+    if np.any(steps > 0.0) and np.max(steps) > WRAPPED * np.median(steps[steps > 0.0]):  # an encoder may stand still from row to row
+        at = int(np.argmax(steps))
         told = f"jumps from {angle[at]:.6g} to {angle[at + 1]:.6g} rad after {time[at]:.6g} s"
         raise CaseError(table.shown, "crank_angle", None, told, "let it run on from turn to turn, and leave no gaps in time")
     if 1.0 / OFF <= found <= OFF:
@@ -169,17 +170,17 @@ def _turn(pace: float) -> str:
     return f"{2.0 * math.pi / pace:.3g}" if pace > 0.0 else "for ever"
 
 
-def _begins_in_standard_start(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism) -> bool:
-    """Whether its first row is that of the standard start, and at least one column could have told otherwise."""
+def _begins_in_standard_start(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism) -> bool | None:
+    """Whether its first row is that of the standard start; None if it may be, but no column would tell it from another turn's."""
     if table.declared.get("origin", "simulated") != "simulated":
         return False
     known = {name: value for name, value in standard_row(mechanism).items() if name in columns}
-    telling = {"crank_speed"} if mechanism.follower.is_rigid else {"tip_deflection", *CHANNELS[1:]}
-    if not telling & known.keys():
-        return False
     time = columns["time"]
     near = {name: SAME * float(np.max(np.abs(columns[name]))) + _noise(time, columns[name]) for name in known}
-    return all(abs(float(columns[name][0]) - value) <= near[name] for name, value in known.items())
+    if any(abs(float(columns[name][0]) - value) > near[name] for name, value in known.items()):
+        return False
+    telling = {"crank_speed"} if mechanism.follower.is_rigid else {"tip_deflection", *CHANNELS[1:]}
+    return True if telling & known.keys() else None
 
 
 def _cycles(table: RecordedTable, columns: dict[str, Array]) -> list[Cycle]:

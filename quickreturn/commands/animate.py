@@ -10,6 +10,7 @@ from cases.errors import as_written
 from cases.units import plain_number
 from quickreturn.commands.options import (
     accuracy_option,
+    begin,
     case_argument,
     engines_option,
     load,
@@ -63,6 +64,7 @@ def command(
     loaded = load(case, overrides, duration)
     check_writable(Path(output), "", *ENDINGS)
     found = {name: trajectory for (_, name), trajectory in trajectories([loaded], names, texts, accuracy).items()}
+    begin(f"drawing {output}")
     from quickreturn.animation import moving
 
     write_file(Path(output), moving(loaded, found, Path(output).suffix.lower(), magnify))

@@ -301,11 +301,16 @@ def opened_workshop(
 
 
 def announce(cases: "Sequence[Case]", engines: Sequence[str], workshop: "Workshop") -> None:
-    """Say on standard error what begins, before what takes a while is imported."""
+    """Say what begins, before what takes a while is imported."""
+    what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
+    begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
+
+
+def begin(what: str) -> None:
+    """Say on standard error what will take a moment, unless to be quiet."""
     if not quiet():
-        what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
         with contextlib.suppress(OSError):  # nobody listens
-            click.echo(f"  {what} on {', '.join(engines)}; results are kept in {workshop.store.folder}", err=True)
+            click.echo(f"  {what}", err=True)
 
 
 def tell(sentence: str) -> None:

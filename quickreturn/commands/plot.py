@@ -9,6 +9,7 @@ import click
 
 from quickreturn.commands.options import (
     accuracy_option,
+    begin,
     engines_option_if_any,
     load_all,
     path_given,
@@ -66,6 +67,7 @@ def command(
         if given and not names and not (files and what == "--column"):
             raise click.UsageError(f"{what}: without --engine nothing is simulated; give --engine as well")
     check_writable(Path(output), "", *ENDINGS)
+    begin(f"drawing {output}")
     if not names and not files:
         from quickreturn.drawing import mechanisms
 

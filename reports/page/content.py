@@ -13,7 +13,7 @@ from reports.findings.failures import Trouble, troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.runs import thesis_runs
 from reports.findings.verdicts import MODEL, Basis, Verdict, verdicts
-from reports.recorded import About
+from reports.long_studies import About
 from reports.verification import Verification
 
 
@@ -27,7 +27,7 @@ class Content:
         benchmarks: of the scenes on which methods are compared, those that there are.
         evidence: on the thesis' example run; None where that is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
-        recorded: study ("benchmark", "hard scenes") -> about its recorded results, where these stand for the user's own.
+        of_record: study ("benchmark", "hard scenes") -> about its recorded results, where these stand for the user's own.
         verification: of the long verification, if there are results.
         facts: about the machine.
         code: fingerprint of the code that computed the results.
@@ -39,7 +39,7 @@ class Content:
     benchmarks: Sequence[Benchmark] = ()
     evidence: Evidence | None = None
     hard_scenes: Matrix | None = None
-    recorded: Mapping[str, About] = field(default_factory=dict)
+    of_record: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
     facts: Mapping[str, str] = field(default_factory=dict)
     code: str = ""

@@ -1,7 +1,6 @@
 """Recorded tables over the turn that is compared, with the engines that they are held against."""
 
 import io
-import itertools
 from collections.abc import Sequence
 from typing import Final
 
@@ -14,13 +13,11 @@ from cases.runs.comparison import CaseResult
 from cases.runs.recorded import GROWING, TELLING
 from reference_model.columns import COLUMNS
 from reports.plots.steady_cycle import direction, fraction, stacked_panels
-from reports.plots.style import MEASURED, ORANGE, PURPLE, VERMILION, Look, legend_above, look, new_figure, note
+from reports.plots.style import all_looks, legend_above, new_figure, note
 
 #: Columns drawn of a table.
 MOST_PANELS: Final = 8
 PER_INCH: Final = 192
-#: Of tables, on top of the engines; from the fifth on again from the first.
-_LOOKS: Final = (MEASURED, *(Look(colour, "-", MEASURED.width, MEASURED.marker, MEASURED.order) for colour in (VERMILION, PURPLE, ORANGE)))
 
 
 def drawn(results: Sequence[CaseResult], ending: str) -> bytes:
@@ -35,12 +32,12 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
     names = [_names(result) for result in results]
     figure = new_figure(1.2 + 1.25 * sum(map(len, names)))
     panels = list(np.ravel(figure.subplots(sum(map(len, names)), 1, sharex=True, squeeze=False)))
-    styles = dict(zip([name for result in results for name in result.recorded], itertools.cycle(_LOOKS), strict=False))
+    styles = all_looks(list(dict.fromkeys(name for result in results for name in result.whole.runs)))
     handles: dict[str, Artist] = {}
     labels, place = [], 0
     for result, shown in zip(results, names, strict=True):
         for run in (run for run in result.whole.runs.values() if run.cycle and (run.usable or run.recording)):
-            style = styles.get(run.engine) or look(run.engine)
+            style = styles[run.engine]
             handles[run.engine] = Line2D([], [], label=_plain(run.engine), **style.of_sample)
             for axes, name in zip(panels[place:], shown, strict=False):
                 if name in run.cycle:

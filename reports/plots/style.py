@@ -17,6 +17,7 @@ from matplotlib.ticker import FuncFormatter
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
+from reports.looks import Look as PageLook
 from reports.looks import looks
 
 Array = NDArray[np.float64]
@@ -29,10 +30,7 @@ SMALL: Final = 8.0  # pt, ticks and notes
 SAMPLE: Final = 3.4  # sizes of the letters, length of a legend's sample
 POINTS_PER_INCH: Final = 72.0
 
-BLUE: Final = "#0072B2"
-ORANGE: Final = "#E69F00"
 VERMILION: Final = "#D55E00"
-PURPLE: Final = "#CC79A7"
 GREY: Final = "#666666"
 LIGHT: Final = "#EAEAEA"
 BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
@@ -66,12 +64,19 @@ _MARKERS: Final = {
 }  # fmt: skip
 #: Points for a CSS pixel of a line on the page; dashes are in widths of the line.
 SCALE: Final = 0.5
-MEASURED: Final = Look(BLUE, "-", 0.9, ".", 2.6)
 
 
 def look(engine: str) -> Look:
-    """How an engine is drawn: as on the page."""
-    found = looks([engine])[engine]
+    """How an engine is drawn that stands alone or among the project's: as on the page."""
+    return all_looks([engine])[engine]
+
+
+def all_looks(engines: Sequence[str]) -> dict[str, Look]:
+    """The look of each of some engines: as on the page, where those that are not the project's differ by their order."""
+    return {name: _drawn(name, found) for name, found in looks(engines).items()}
+
+
+def _drawn(engine: str, found: PageLook) -> Look:
     width = max(0.9, SCALE * found.width)
     line: LineStyleType = (0, tuple(SCALE * part / width for part in found.dash)) if found.dash else "-"
     return Look(found.light, line, width, _MARKERS.get(engine, "h"), 2.0 + 0.05 * (found.order - 1))

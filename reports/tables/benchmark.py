@@ -24,7 +24,7 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
     builder = TableBuilder(
         "fastest",
         "Solve time of the fastest settings of each method whose error of the tip deflection is at most the one given; the fastest method"
-        " in bold, – where no settings of the ladder get there. The settings are shown where the pointer rests.",
+        " is marked, – where no settings of the ladder get there. The settings are shown where the pointer rests.",
         (
             Column("case", "scene"),
             Column("level", "error", "1", "g", "%", 100.0),

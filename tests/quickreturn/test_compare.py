@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from quickreturn.command_line import main
+from tests.engines.fake_package import install
 from tests.quickreturn.conftest import Call
 
 
@@ -78,3 +79,31 @@ def test_bad_input(call: Call, trajectory: pd.DataFrame, arguments: list[str], w
     assert answer.errors.count("\n") == 1
     for word in words:
         assert word in answer.errors
+
+
+def test_report_and_run_take_third_party_engines_and_tables(call: Call, tmp_path: Path) -> None:
+    """A copy of the reference in another package, and a table that settles: both are shown and compared, and neither is called ours."""
+    twin = "from engines.own.reference import ReferenceEngine\n\n\nclass Twin(ReferenceEngine):\n    name = 'twin'\n"
+    twin += "\n    def version(self):\n        return 'twin <b>2'\n"
+    install(tmp_path / "packages", "twins", {"command_line_twin": twin}, {"twin": "command_line_twin:Twin"})
+    call("simulate", "thesis-24", "--engine", "reference", "--duration", "12 s", "--output", "long.csv")
+    Path("<script>alert(1).csv").write_text("# version = <i>7.1\n" + Path("long.csv").read_text())
+    arguments = ("thesis-24", "--engine", "reference", "--engine", "twin", "--engine", "<script>alert(1).csv")
+    answer = call("report", *arguments, "--output", "page")
+    assert answer.code == 0, answer.errors
+    page = Path("page/index.html").read_text()
+    assert "<script>alert(1).csv" not in page
+    assert "<i>7.1" not in page
+    engines = pd.read_csv("page/engines.csv", index_col=0)
+    assert list(engines.index) == ["reference", "twin", "<script>alert(1).csv"]
+    assert list(engines["origin"]) == ["this project", "another package", "a file"]
+    assert list(engines["version"])[1:] == ["twin <b>2", "<i>7.1"]
+    answer = call("run", *arguments, "--json")
+    (case,) = json.loads(answer.output)["cases"]
+    assert [found["engine"] for found in case["engines"]] == list(engines.index)
+    assert not [
+        check
+        for check in case["checks"]
+        if check["engine"] == "<script>alert(1).csv" and check["other"] == "reference" and not check["passed"]
+    ]
+    assert call("report", "thesis-24", "thesis-23", "--engine", "long.csv").code == 2  # of which of the two cases it is, it does not say

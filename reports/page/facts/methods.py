@@ -34,7 +34,7 @@ def methods(content: Content) -> dict[str, Any] | None:
     orders = {name: observed_order(first.points, name) for name in names}
     return {
         "benchmarks": found,
-        "recorded": content.recorded.get("benchmark"),
+        "of_record": content.of_record.get("benchmark"),
         "first": first,
         "firsts": {name: firsts.count(name) for name in sorted(set(firsts), key=firsts.count, reverse=True)},
         "contests": len(firsts),
@@ -115,7 +115,7 @@ def hard_scenes(content: Content) -> dict[str, Any] | None:
         kinds[cell.verdict.kind] = kinds.get(cell.verdict.kind, 0) + 1
     return {
         "matrix": matrix,
-        "recorded": content.recorded.get("hard scenes"),
+        "of_record": content.of_record.get("hard scenes"),
         "kinds": kinds,
         "requested": REQUESTED,
         "checked": sum(cell.holds is not None for cell in matrix.cells.values()),

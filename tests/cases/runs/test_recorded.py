@@ -114,6 +114,11 @@ def test_neither_are_few_digits_and_another_sampling(transient: pd.DataFrame, in
     assert result.passed is True, result.missed
 
 
+def test_where_no_column_tells_the_start_the_way_to_the_steady_state_does(transient: pd.DataFrame, recorded: Recorded) -> None:
+    assert recorded(transient[["time", "crank_angle", "tip_acceleration"]]).turn == 5
+    assert recorded(transient[["time", "crank_angle", "tip_acceleration"]][:400]).turn is None  # a single turn is taken to repeat
+
+
 def test_a_table_that_settles_is_held_against_the_steady_state(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     run = recorded(settled)
     assert (run.status, run.turn) == (SETTLED, None)
@@ -170,8 +175,9 @@ def test_rows_too_far_apart_for_the_first_mode(transient: pd.DataFrame, recorded
     assert "rows lie up to" in found.reason
 
 
-def test_encoders_with_steps_and_noise(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
-    step = np.radians(1.5)  # more than the crank turns in a millisecond
+@pytest.mark.parametrize("degrees", [1.5, 3.0])  # the crank turns 0.95 in a millisecond
+def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, degrees: float) -> None:
+    step = np.radians(degrees)
     run = recorded(transient, crank_angle=step * np.floor(transient["crank_angle"] / step))
     ours = run.measure("pre", "tip_acceleration")
     assert ours is not None

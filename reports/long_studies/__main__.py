@@ -1,4 +1,4 @@
-"""Write the recorded tables: `python -m reports.recorded`; what is not stored is computed, which takes hours; `--stored` takes what is."""
+"""Write the tables: `python -m reports.long_studies`; what is not stored is computed, which takes hours; `--stored` takes what is."""
 
 import dataclasses
 import sys
@@ -15,8 +15,8 @@ from cases.judging.matrix import Matrix, judge_scenes
 from cases.library import catalogue
 from cases.library.hard import TAG
 from engines.registry import MAIN, engine
+from reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedPoint, about, text_of
 from reports.machine import version
-from reports.recorded import CODE, FOLDER, About, RecordedConditioning, RecordedPoint, about, text_of
 
 #: What the page shows of a solver's statistics.
 STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_gap", "spurious_share")
@@ -25,7 +25,7 @@ STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_ga
 def main(arguments: Sequence[str]) -> int:
     """Write all tables; exit code 2 for an option that is none."""
     if set(arguments) - {"--stored"}:
-        print(f"python -m reports.recorded: {' '.join(arguments)}: accepted: --stored", file=sys.stderr)
+        print(f"python -m reports.long_studies: {' '.join(arguments)}: accepted: --stored", file=sys.stderr)
         return 2
     workshop, compute = Workshop(Store()), not arguments
     cases = [load_case(name) for name in SCENES]

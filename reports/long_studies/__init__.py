@@ -1,6 +1,6 @@
 """Results of the long studies as small tables beside this file, which the page shows where the user's own are missing.
 
-A row is a dataclass: fields of fields have names with a dot, mappings are JSON, numbers have six digits. `python -m reports.recorded`
+A row is a dataclass: fields of fields have names with a dot, mappings are JSON, numbers have six digits. `python -m reports.long_studies`
 writes them; `about.csv` says of each study when, with which versions and with which code it was made.
 """
 

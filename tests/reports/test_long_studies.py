@@ -15,9 +15,9 @@ from engines.accurate import run_once
 from engines.registry import engine
 from engines.start import standard_start
 from engines.trajectory import Trajectory
-from reports import recorded
-from reports.recorded import About, RecordedPoint, table, text_of
-from reports.recorded.__main__ import main
+from reports import long_studies
+from reports.long_studies import About, RecordedPoint, table, text_of
+from reports.long_studies.__main__ import main
 from tests.reports import pages
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.test_hard_scenes_page import matrix
@@ -29,7 +29,7 @@ CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24"
 
 
 def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recorded, "FOLDER", tmp_path)
+    monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
     measured, found = made_up_benchmark(), matrix(wrong=True)
     (tmp_path / "points.csv").write_text(text_of([RecordedPoint(measured.case, point) for point in measured.points]))
     (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, points=())]))
@@ -48,7 +48,7 @@ def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_a_recorded_result_is_labelled_as_such() -> None:
     about = About("benchmark", "2001-02-03", "numpy 1", "f" * 64)
-    told = pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()], recorded={"benchmark": about}))
+    told = pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()], of_record={"benchmark": about}))
     assert "Recorded: measured on 2001-02-03 with numpy 1, code ffffffffffff, which is older than this page’s." in told
     assert "Recorded" not in pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()]))
 
@@ -59,13 +59,13 @@ def test_an_unknown_option_is_refused(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
-    files = sorted(recorded.FOLDER.glob("*.csv"))
+    files = sorted(long_studies.FOLDER.glob("*.csv"))
     assert files
     assert sum(os.path.getsize(file) for file in files) <= MOST
-    made = [recorded.about(study) for study in recorded.CODE]
+    made = [long_studies.about(study) for study in long_studies.CODE]
     assert any(made)
     assert all(each.date and each.versions and len(each.code) == 64 for each in made if each)
-    assert bool(recorded.benchmarks()) == (recorded.about("benchmark") is not None)
+    assert bool(long_studies.benchmarks()) == (long_studies.about("benchmark") is not None)
 
 
 @cache
@@ -79,7 +79,7 @@ def solved(case: str, name: str, settings: str) -> Trajectory:
 
 @pytest.mark.parametrize(("case", "name", "rank"), CELLS)
 def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> None:
-    found = recorded.benchmarks().get(case)
+    found = long_studies.benchmarks().get(case)
     if found is None:
         pytest.fail(f"{case} is not recorded")
     done = [point for point in found.points if point.method == name and point.measured]
