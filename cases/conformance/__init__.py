@@ -19,6 +19,7 @@ from cases.jobs.display import watched
 from cases.jobs.job import Executor, Job
 from engines.accurate import raised_at
 from engines.base import AnyEngine, Refusal
+from engines.registry import UnknownEngine
 
 __all__ = ["GROUPS", "Check", "Conformance", "conform"]
 
@@ -57,7 +58,7 @@ def conform(engine: AnyEngine | str, executor: Executor | None = None, groups: t
     checks: list[Check] = []
     for group in groups:
         outcome = outcomes[group]
-        if isinstance(outcome.error, Refusal):
+        if isinstance(outcome.error, (Refusal, UnknownEngine)):
             raise outcome.error
         checks += outcome.value or [Check(group, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]
     return _told(name, checks)

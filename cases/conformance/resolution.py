@@ -144,7 +144,7 @@ def _estimates(bench: Bench, words: str, settings: Settings) -> Iterator[Check]:
     single = _factor_shown(bench, pairs, known) if len(pairs) == 1 else None
     stated = pairs[0].factor if len(pairs) == 1 else math.nan
     if single is not None and (single > 1.0) != (stated > 1.0) and not 1.0 / _ABOUT < single < _ABOUT:
-        cause = f"the factor of `comparisons` is upside down, and overclaimed if above 1: {stated:g} is stated, the errors' ratio is {single:.3g}"
+        cause = f"the factor of `comparisons` is upside down, overclaimed if above 1: {stated:g}, the errors' ratio is {single:.3g}"
         yield Check(name, "failed", cause, "factor is the error of `other` over that of `run`: below 1 where `other` is the finer one")
     elif missed:
         worst = max(missed, key=lambda column: missed[column][0])
