@@ -103,8 +103,6 @@ def _known(scene: Mechanism, degrees: float, count: int = _COUNT) -> Array:
 def _cause(scene: Mechanism, degrees: float, found: Array, known: Array) -> tuple[str, str]:
     """What is wrong with frequencies, and what to do."""
     n = len(found)
-    if n < 2:
-        known = known[:n]
     at: Callable[[float], Array] = lambda angle: _known(scene, angle, n)  # noqa: E731
     tried: list[tuple[str, str, Array]] = [
         ("they are in rad/s, not in Hz", "divide them by 2 pi", 2.0 * math.pi * known),
@@ -117,7 +115,7 @@ def _cause(scene: Mechanism, degrees: float, found: Array, known: Array) -> tupl
         ("they are half what they should be", "look for a factor of 2", 0.5 * known),
         ("the lowest one is missing", "begin with the lowest", _known(scene, degrees, n + 1)[1:]),
         ("each comes twice", "take one of each pair of eigenvalues", np.repeat(known, 2)[:n]),
-        ("the crank angle is taken for degrees", "it comes in rad", at(math.degrees(math.radians(degrees) * math.pi / 180.0))),
+        ("the crank angle is taken for degrees", "it comes in rad", at(math.radians(degrees))),
         ("the crank is at its initial angle, whatever is asked for", "hold it at `crank_angle`", at(180.0)),
         ("the crank angle is counted from -n1", "count it from n1, counter-clockwise", at(degrees + 180.0)),
         ("the tip body is left out", "count its mass and inertia", _known(changed(scene, {"tip": None}), degrees, n)),
