@@ -11,8 +11,10 @@ engine that converges to a wrong model is found by comparison with other engines
 import contextlib
 import math
 import time
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Final, Generic, TypeVar
 
 import numpy as np
@@ -151,10 +153,16 @@ def make_run(engine: Solver[S], scene: S, start: Start | None, duration: float, 
     except (Refusal, SettingError, EngineFailure, MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything
-        cause = f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
+        cause = f"the engine raised {type(error).__name__}{raised_at(error)}: {(str(error).splitlines() or ['no message'])[0]}"
         raise EngineFailure(0.0, cause, "report this to the author of the engine") from error
     check_trajectory(trajectory, duration, output_step)
     return Made(trajectory, simulation)
+
+
+def raised_at(error: BaseException) -> str:
+    """Where an exception came from, for the author of an engine: " at my_engine.py, line 12"."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return f" at {Path(frames[-1].filename).name}, line {frames[-1].lineno}" if frames else ""
 
 
 def check_trajectory(trajectory: Trajectory, duration: float, output_step: float) -> None:
@@ -178,10 +186,21 @@ def check_trajectory(trajectory: Trajectory, duration: float, output_step: float
     if len(times) != rows or not on_grid:
         raise EngineFailure(
             float(times[-1]) if len(times) else 0.0,
-            f"the engine returned {len(times)} rows that are not the {rows} of the output grid",
+            f"the engine returned {len(times)} rows that are not the {rows} of the output grid{_of_time(times, output_step)}",
             "try finer settings",
             trajectory if len(times) and on_grid else None,
         )
+
+
+def _of_time(times: NDArray[np.float64], output_step: float) -> str:
+    """What is wrong with a column of times, as far as that can be said."""
+    if len(times) < 2:
+        return ""
+    step = float(np.median(np.diff(times)))
+    milliseconds = "; the time column is in milliseconds, not in s" if math.isclose(step, 1e3 * output_step, rel_tol=1e-3) else ""
+    return milliseconds or (
+        "" if math.isclose(step, output_step, rel_tol=1e-3) else f"; its time steps are {step:.4g}, not {output_step:.4g} s"
+    )
 
 
 @dataclass(frozen=True)

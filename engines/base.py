@@ -20,6 +20,9 @@ from reference_model.mechanism import Mechanism
 
 S = TypeVar("S", bound=AnySettings)
 
+#: Version of what is asked of an engine; it changes where an engine written for the one before would no longer do.
+INTERFACE: Final = 1
+
 #: Accuracies whose settings make up an engine's ladder, each once: ten in a decade, so that no rung is passed over.
 LADDER_ACCURACIES: Final = tuple(float(accuracy) for accuracy in np.geomspace(0.5, 2e-5, 45))
 if TYPE_CHECKING:
@@ -145,6 +148,7 @@ class SteadyState:
 class Engine(ABC, Generic[S]):
     """One way of simulating the mechanism. Instances carry no state; everything about a run is in its settings, a class of its own."""
 
+    interface: ClassVar[int] = INTERFACE  # version that the engine is written for; state it as a number
     name: ClassVar[str]  # as typed on the command line
     method: ClassVar[str]  # one line, for `quickreturn engines` and the report
     compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time

@@ -16,7 +16,7 @@ from typing import ClassVar, Final, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import ESTIMATES, AnyEngine, Comparison, Engine, ModelDescription, Refusal, Simulation
+from engines.base import ESTIMATES, INTERFACE, AnyEngine, Comparison, Engine, ModelDescription, Refusal, Simulation
 from engines.settings import Settings as AnySettings
 from engines.start import Start
 from reference_model.mechanism import Mechanism
@@ -100,6 +100,8 @@ def _loaded(name: str, load: Callable[[], object]) -> AnyEngine:
         found = kind()
         if found.name != name:
             return _missing(name, f'its class calls itself "{found.name}"')
+        if found.interface != INTERFACE:
+            return _missing(name, f"it is written for version {found.interface} of the engines' interface, this is version {INTERFACE}")
         if found.estimates not in ESTIMATES:
             return _missing(name, f'its class states estimates = "{found.estimates}"; accepted: {", ".join(ESTIMATES)}')
     except Exception as error:  # whatever a foreign module does on import must not disable the other engines

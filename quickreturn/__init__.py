@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from cases.case import Case
+    from cases.conformance import conform
     from cases.errors import CaseError
     from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
     from engines.registry import UnknownEngine, engine
@@ -42,6 +43,7 @@ __all__ = [
     "UnknownEngine",
     "case",
     "cases",
+    "conform",
     "engine",
     "engines",
     "modes",
@@ -54,6 +56,7 @@ __all__ = [
 #: Module -> the names that are taken from it.
 _HOMES: Final = {
     "cases.case": ("Case",),
+    "cases.conformance": ("conform",),
     "cases.errors": ("CaseError",),
     "engines.base": ("Comparison", "Engine", "EngineFailure", "ModelDescription", "Refusal", "Simulation"),
     "engines.registry": ("UnknownEngine", "engine"),

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from cases.jobs.workshop import Workshop
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
-COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "compare", "report", "benchmark", "plot", "animate")
+COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "compare", "report", "benchmark", "conform", "plot", "animate")
 
 GOOD: Final = 0
 CLAIMS_BROKEN: Final = 1

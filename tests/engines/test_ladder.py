@@ -29,8 +29,10 @@ def test_rungs_get_finer_and_claim_less(ladder: Ladder[Any]) -> None:
     assert sizes(ladder) == sorted(sizes(ladder))
     assert claims == sorted(claims, reverse=True)
     for rung, claim in ladder.rungs:
-        assert ladder.pick(claim) == rung  # the coarsest that claims as much
-        assert ladder.pick(claim / 4.0, gain=0.25) == rung
+        picked = ladder.pick(claim)  # the coarsest that claims as much
+        assert dict(ladder.rungs)[picked] == claim
+        assert getattr(picked, ladder.size) <= getattr(rung, ladder.size)
+        assert ladder.pick(claim / 4.0, gain=0.25) == picked
     assert ladder.pick(1e-9) == ladder.rungs[-1][0]
 
 

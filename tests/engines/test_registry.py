@@ -37,6 +37,7 @@ def test_third_party_engine_is_found_by_entry_point(tmp_path: Path, monkeypatch:
         ("no_class", "registry_good:error_of", "not a class derived from engines.base.Engine"),
         ("abstract", "engines.base:Engine", "abstract"),
         ("renamed", "registry_good:FakeEngine", 'calls itself "fake"'),
+        ("older", "registry_older:Engine", "version 0 of the engines' interface"),
         ("boaster", "registry_boaster:Engine", 'estimates = "everything"; accepted: total, integration, unverified'),
     ],
 )
@@ -44,7 +45,8 @@ def test_broken_third_party_engine_is_listed_with_the_reason(
     name: str, value: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     boaster = "from registry_good import FakeEngine\nclass Engine(FakeEngine):\n    name = 'boaster'\n    estimates = 'everything'\n"
-    modules = {"registry_crash": "1 / 0\n", "registry_good": FAKE_ENGINE, "registry_boaster": boaster}
+    older = "from registry_good import FakeEngine\nclass Engine(FakeEngine):\n    name = 'older'\n    interface = 0\n"
+    modules = {"registry_crash": "1 / 0\n", "registry_good": FAKE_ENGINE, "registry_boaster": boaster, "registry_older": older}
     install(tmp_path, "broken", modules, {name: value})
     monkeypatch.syspath_prepend(tmp_path)
     assert name in engine_names()

@@ -1,0 +1,87 @@
+"""Does an adapter do what it says? A trial of an engine on mild scenes, against identities, closed forms and `reference`.
+
+Nobody is accused of being coarse: by how much a column may be off follows from the engine's own estimate of its error. Where it makes
+none, it must show a mistake to be found wrong: a sign, a unit, a column exchanged, a quantity ignored.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Final
+
+from cases.conformance import repetition
+from cases.conformance.bench import Bench, found_engine
+from cases.conformance.checks import TELL_THE_AUTHOR, Check, Conformance
+from cases.conformance.failures import failures
+from cases.conformance.frequencies import frequencies
+from cases.conformance.motion import motion
+from cases.conformance.quantities import quantities
+from cases.conformance.resolution import resolution
+from cases.jobs.display import watched
+from cases.jobs.job import Executor, Job
+from engines.accurate import raised_at
+from engines.base import AnyEngine, Refusal
+from engines.registry import UnknownEngine
+
+__all__ = ["GROUPS", "Check", "Conformance", "conform"]
+
+#: Groups of checks by name, in the order in which they are told.
+GROUPS: Final[Mapping[str, Callable[..., Iterator[Check]]]] = {
+    "motion": motion,
+    "quantities": quantities,
+    "resolution": resolution,
+    "frequencies": frequencies,
+    "failures": failures,
+    "repetition": repetition.repetition,
+}
+
+
+def conform(engine: AnyEngine | str, executor: Executor | None = None, groups: tuple[str, ...] = tuple(GROUPS)) -> Conformance:
+    """Try an engine.
+
+    Args:
+        engine: an instance, or the name of one that is installed.
+        executor: computes the groups, each apart from the others, so that one that crashes costs its own answer; None: this process.
+        groups: of checks, names of `GROUPS`.
+
+    Raises:
+        UnknownEngine: there is no engine of this name.
+        Refusal: it cannot be used here.
+    """
+    name = engine if isinstance(engine, str) else engine.name
+    given: dict[str, tuple[Any, ...]] = {}
+    if "repetition" in groups:  # a job's process may have no process of its own
+        given["repetition"] = (repetition.elsewhere(engine),)
+    if executor is None:
+        found = found_engine(engine)
+        return _told(name, [check for group in groups for check in checks_of(group, found, *given.get(group, ()))])
+    jobs: list[Job[Any]] = [Job(group, checks_of, (group, engine, *given.get(group, ()))) for group in groups]
+    outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
+    checks: list[Check] = []
+    for group in groups:
+        outcome = outcomes[group]
+        if isinstance(outcome.error, (Refusal, UnknownEngine)):
+            raise outcome.error
+        checks += outcome.value or [Check(group, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]
+    return _told(name, checks)
+
+
+def checks_of(group: str, engine: AnyEngine | str, *given: Any) -> list[Check]:
+    """The checks of one group, with what else that needs; what an engine raises that no engine may ends them."""
+    found = found_engine(engine)
+    try:
+        bench = Bench(found)
+    except Refusal as refusal:
+        return [Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]
+    checks: list[Check] = []
+    try:
+        checks.extend(GROUPS[group](bench, *given))
+    except Exception as error:  # an author's engine may raise anything
+        where = raised_at(error)
+        cause = f"the engine raises {type(error).__name__}{where}: {error}"
+        checks.append(Check(group, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user"))
+    return checks
+
+
+def _told(name: str, checks: list[Check]) -> Conformance:
+    judged = {check.status for check in checks}
+    conforms = False if "failed" in judged else (True if "passed" in judged else None)
+    return Conformance(name, conforms, tuple(checks))

@@ -1,0 +1,60 @@
+"""What a check of an adapter says."""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Status = Literal["passed", "failed", "not judged"]
+
+#: Advice where nothing better is known.
+TELL_THE_AUTHOR: Final = "debug it with the scene of this check: cases.conformance.scenes"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was looked at.
+
+    Attributes:
+        check: what was looked at.
+        status: how it ended.
+        cause: what is wrong, or why it was not judged; of a check that passed what was seen, or "".
+        advice: what to try; "" where nothing is wrong.
+    """
+
+    check: str
+    status: Status
+    cause: str = ""
+    advice: str = ""
+
+
+@dataclass(frozen=True)
+class Conformance:
+    """What was found of an engine.
+
+    Attributes:
+        engine: name.
+        conforms: False if a check failed; None if there was nothing to judge by.
+        checks: all of them.
+    """
+
+    engine: str
+    conforms: bool | None
+    checks: tuple[Check, ...]
+
+    @property
+    def failed(self) -> tuple[Check, ...]:
+        """The checks that failed."""
+        return tuple(check for check in self.checks if check.status == "failed")
+
+
+def rms(values: Array) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0
+
+
+def percent(share: float) -> str:
+    """A share in per cent with two digits."""
+    return f"{100.0 * share:.2g} %"

@@ -1,0 +1,70 @@
+"""An engine's answer depends on the scene and nothing else."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from cases.conformance.bench import COMPARED, Bench, found_engine
+from cases.conformance.checks import Array, Check, rms
+from cases.conformance.scenes import OUTPUT_STEP, changed
+from cases.jobs.display import answers
+from cases.jobs.job import Job
+from cases.jobs.processes import LocalProcesses
+from engines.accurate import run_once
+from engines.base import AnyEngine, EngineFailure
+from engines.start import standard_start
+from engines.trajectory import Trajectory
+
+_DURATION: Final = 0.1  # s
+#: Threads may add in another order, and a step size control makes more of it.
+_SAME: Final = 1e-6
+
+
+def fingerprint(engine: AnyEngine | str) -> dict[str, Array]:
+    """The columns of a short run, for another process to compare with."""
+    return {name: values for name, values in _run(Bench(found_engine(engine))).columns.items() if name in COMPARED}
+
+
+def elsewhere(engine: AnyEngine | str) -> dict[str, Array] | str:
+    """The same from a process of its own; a clause where there is none."""
+    (outcome,) = answers(LocalProcesses(1), [Job("another process", fingerprint, (engine,))], "another process")
+    return outcome.explanation if outcome.value is None else outcome.value
+
+
+def _run(bench: Bench) -> Trajectory:
+    settings = bench.settings(bench.scene)
+    return run_once(bench.engine, bench.scene, standard_start(bench.scene), _DURATION, OUTPUT_STEP, settings)[0]
+
+
+def repetition(bench: Bench, other: dict[str, Array] | str) -> Iterator[Check]:
+    """The same scene again, behind another scene, and in another process (`other`, from `elsewhere`)."""
+    keep = "keep nothing between runs: no class attribute, module variable, random number or clock"
+    try:
+        first, again = _run(bench), _run(bench)
+        bench.run(changed(bench.scene, {"follower.bending_stiffness": 9.0, "tip.mass": 0.1}), duration=_DURATION)
+        behind = _run(bench)
+    except EngineFailure as failure:
+        yield Check("twice the same", "not judged", failure.cause, failure.advice)
+        return
+    for name, run in (("twice the same", again), ("the same behind another scene", behind)):
+        differ = _differ(first.columns, run.columns)
+        cause = f"{differ} comes out another way the second time"
+        yield Check(name, "failed", cause, keep) if differ else Check(name, "passed")
+    name = "the same from another process"
+    if isinstance(other, str):
+        foreign = "raised" in other and (
+            ("Error" in other and "import" in other.lower()) or "Attribute" in other or "pickle" in other.lower()
+        )
+        cause = f"the engine's class cannot be had in another process ({other})" if foreign else f"another process ends: {other}"
+        advice = "give it a module of its own and announce it as an entry point" if foreign else "see what it says there"
+        yield Check(name, "not judged" if foreign else "failed", cause, advice)
+        return
+    differ = _differ({name: first[name] for name in other}, other)
+    yield Check(name, "failed", f"{differ} comes out another way in another process", keep) if differ else Check(name, "passed")
+
+
+def _differ(first: dict[str, Array], second: dict[str, Array]) -> str:
+    """A column that differs, or ""."""
+    for name, values in first.items():
+        if name in COMPARED and (len(values) != len(second[name]) or rms(values - second[name]) > _SAME * (rms(values) + 1e-12)):
+            return name
+    return ""

@@ -1,0 +1,170 @@
+"""An engine's ladder: it gets finer, ends, and its estimates hold."""
+
+import itertools
+import math
+from collections.abc import Iterator
+from typing import Final
+
+from cases.conformance.bench import Bench, Truth, truth
+from cases.conformance.checks import Check, rms
+from engines.accurate import ESTIMATED
+from engines.base import Comparison, EngineFailure
+from engines.settings import Settings
+from engines.trajectory import Trajectory
+
+#: Rungs that a ladder may have: half as many as there are settings in the longest of this project.
+_MOST_RUNGS: Final = 200
+#: Rungs that are run, and solve time (s) of a run from which on no finer one is made.
+_RUN: Final = 3
+_SLOW: Final = 5.0
+#: By how many times an error may be larger than its estimate in the mild scene, by what the estimate is of: errors of an integration
+#: with steps of its own choice scatter. By how many times a finer rung may be worse: some are better than they should be by chance.
+_MISSED: Final = {"total": 1.5, "integration": 2.5}
+_WORSE: Final = 1.1
+#: Errors of the tip deflection below this are not compared: the integration leaves them.
+_NOISE: Final = 5e-5
+#: An order or factor is as stated within this factor.
+_ABOUT: Final = 2.5
+
+
+def resolution(bench: Bench) -> Iterator[Check]:
+    """All checks of the ladder."""
+    coarse = bench.engine.settings_for(0.05, bench.scene)
+    yield _ends(bench, coarse)
+    try:
+        yield from _gets_finer(bench, coarse)
+    except EngineFailure as failure:
+        yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
+    settings = bench.settings(bench.scene)
+    for words, chosen in {"coarse settings": coarse, "default settings": settings}.items():
+        if words == "default settings" or chosen != settings:
+            yield from _estimates(bench, words, chosen)
+
+
+def _ends(bench: Bench, settings: Settings) -> Check:
+    name, seen = "ladder: ends", [settings]
+    excess = (2.0,) * max(1, len(bench.engine.comparisons(settings, bench.scene, 1e-3)))
+    while len(seen) < _MOST_RUNGS:
+        finer = bench.engine.finer(seen[-1], excess, 1e-3)
+        if finer is None:
+            return Check(name, "passed", f"after {len(seen)} rungs" if len(seen) > 1 else "no rung above the coarsest")
+        if finer in seen:
+            cause = "`finer` gives back the settings that it was given" if finer == seen[-1] else "`finer` goes round in circles"
+            return Check(name, "failed", f"{cause}: {finer}", "return finer settings, or None at the end of the ladder")
+        seen.append(finer)
+    return Check(
+        name, "failed", f"`finer` has gone on for {_MOST_RUNGS} rungs, to {seen[-1]}", "return None where a finer rung is not affordable"
+    )
+
+
+def _truth(bench: Bench) -> Truth | Trajectory:
+    """The solution of the scene; of an engine whose discretization is its model, that of its own equations."""
+    if bench.engine.estimates != "integration":
+        return truth(bench.scene)
+    settings = bench.settings(bench.scene)
+    for _ in range(_RUN):
+        finer = bench.engine.finer(settings, (2.0,), 1e-3)
+        if finer is None:
+            break
+        settings = finer
+    return bench.run(bench.scene, settings)
+
+
+def _error(run: Trajectory, known: Truth | Trajectory, name: str = "tip_deflection") -> float:
+    right = known.columns[name]
+    return rms(run[name] - right) / (rms(right) or 1.0)
+
+
+def _gets_finer(bench: Bench, coarse: Settings) -> Iterator[Check]:
+    name, known = "ladder: gets finer", _truth(bench)
+    default, scene = bench.settings(bench.scene), bench.scene
+    rungs = [coarse]
+    for _ in range(_RUN - 1):
+        finer = bench.engine.finer(rungs[-1], (2.0,) * max(1, len(bench.engine.comparisons(rungs[-1], scene, 1e-3))), 1e-3)
+        if finer is None or bench.run(scene, rungs[-1]).solve_seconds > _SLOW:
+            break
+        rungs.append(finer)
+    errors = [_error(bench.run(scene, rung), known) for rung in rungs]
+    listed = ", ".join(f"{error:.2g}" for error in errors)
+    for before, after in itertools.pairwise(errors):
+        if after > max(_WORSE * before, 0.3 * errors[0], _NOISE):
+            cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {listed}"
+            yield Check(name, "failed", cause, "return settings with a smaller error; look at the direction of steps and sizes")
+            return
+    if len(errors) > 1 and errors[-1] > 0.9 * errors[0] and errors[0] > _NOISE:
+        cause = f"finer rungs are no better: errors of the tip deflection are {listed}"
+        yield Check(name, "failed", cause, "the error is not that of the resolution; compare a fine run with reference")
+    elif len(errors) == 1:
+        yield Check(name, "not judged", "there is no rung above that for an accuracy of 5 %, or it takes long", "")
+    else:
+        yield Check(name, "passed", f"errors {listed}")
+    picked = _error(bench.run(scene, default), known)
+    up = bench.engine.finer(default, (2.0,) * max(1, len(bench.engine.comparisons(default, scene, 1e-3))), 1e-3)
+    if up is not None and bench.run(scene, default).solve_seconds <= _SLOW:
+        above = _error(bench.run(scene, up), known)
+        if above > max(_WORSE * picked, 0.3 * errors[0], _NOISE):
+            cause = f"`finer` makes the default settings coarser: the error of the tip deflection goes from {picked:.2g} to {above:.2g}"
+            yield Check("ladder: above the default", "failed", cause, "return settings with a smaller error")
+    if picked > max(_WORSE * errors[0], _NOISE):
+        asked = f"{bench.engine.default_accuracy:g} than for 0.05"
+        cause = f"`settings_for` gives coarser settings for {asked}: errors {picked:.2g}, {errors[0]:.2g}"
+        yield Check("ladder: a smaller accuracy is finer", "failed", cause, "look at the direction of the table behind settings_for")
+    else:
+        yield Check(
+            "ladder: a smaller accuracy is finer",
+            "passed",
+            f"errors {errors[0]:.2g} and {picked:.2g}",
+        )
+
+
+def _estimates(bench: Bench, words: str, settings: Settings) -> Iterator[Check]:
+    name = f"estimates hold, {words}"
+    if bench.engine.estimates == "unverified":
+        yield Check(name, "not judged", "the engine states that its estimates are not verified", "")
+        return
+    pairs = bench.engine.comparisons(settings, bench.scene, 1e-3)
+    found = bench.estimates(bench.scene, settings)
+    if found is None:
+        yield Check(
+            name, "not judged", f"no estimate can be made of {settings}", "let `comparisons` name a run that is not the same and completes"
+        )
+        return
+    known = _truth(bench)
+    uncertain = known.uncertainty if isinstance(known, Truth) else {}
+    run = bench.run(bench.scene, settings)
+    if bench.engine.estimates == "integration" and _error(run, known) < _NOISE:
+        yield Check(name, "passed", "the integration's error is too small to be measured")
+        return
+    missed, allowed = {}, _MISSED[bench.engine.estimates]
+    for column in ESTIMATED:
+        size = rms(known.columns[column])
+        error, estimate = rms(run[column] - known.columns[column]), found[column]
+        if size > 0.0 and error > allowed * estimate + 3.0 * uncertain.get(column, 0.0) and error > _NOISE * size:
+            missed[column] = (error / max(estimate, 1e-300), error / size, estimate / size)
+    single = _factor_shown(bench, pairs, known) if len(pairs) == 1 else None
+    stated = pairs[0].factor if len(pairs) == 1 else math.nan
+    if single is not None and (single > 1.0) != (stated > 1.0) and not 1.0 / _ABOUT < single < _ABOUT:
+        cause = f"the factor of `comparisons` is upside down, overclaimed if above 1: {stated:g}, the errors' ratio is {single:.3g}"
+        yield Check(name, "failed", cause, "factor is the error of `other` over that of `run`: below 1 where `other` is the finer one")
+    elif missed:
+        worst = max(missed, key=lambda column: missed[column][0])
+        times, error, estimate = missed[worst]
+        cause = f"{worst} is {error:.2g} off where the estimate is {estimate:.2g}, {times:.1f} times as much"
+        if single is not None and abs(stated - 1.0) > allowed * abs(single - 1.0):
+            cause = f"the factor {stated:g} of `comparisons` is overclaimed: the errors' ratio is {single:.3g}; {cause}"
+        advice = "state the factor that runs show: error of `other` over that of `run`, on the safe side; or compare with a finer run"
+        yield Check(name, "failed", cause, advice)
+    else:
+        shown = _error(run, known)
+        yield Check(
+            name, "passed", f"error {shown:.2g}, estimate {found['tip_deflection'] / (rms(known.columns['tip_deflection']) or 1.0):.2g}"
+        )
+
+
+def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth | Trajectory) -> float | None:
+    """Error of the other run over that of the run, of the tip deflection; None where one of them is lost in noise."""
+    try:
+        error, other = (_error(bench.run(bench.scene, settings), known) for settings in (pairs[0].run, pairs[0].other))
+    except EngineFailure:
+        return None
+    return other / error if error > 0.2 * _NOISE else None

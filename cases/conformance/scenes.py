@@ -1,0 +1,148 @@
+"""The scenes in which adapters are tried: a mild one that coarse models get right, and the same with one quantity changed at a time.
+
+The first bending frequency is twenty times the crank's, so that the follower bends (3 mm at the tip) and hardly rings: in it one cubic
+is 11 % off in the tip deflection where it is 80 % off in the thesis' run 24. The crank is light: its speed swings by a quarter, so that
+drive and inertias show. What a scene may lack is absent, so that a mistake in it does not show elsewhere. Each change is as large as it
+takes to move the motion by more than a coarse engine errs.
+"""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+
+OUTPUT_STEP: Final = 1e-3  # s
+DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
+SPEED: Final = 12.0  # rad/s
+
+BASE: Final = Mechanism(
+    pivot_distance=0.42,
+    crank=Crank(
+        length=0.11,
+        drive=TorqueDrive(torque=0.6, damping=0.05, initial_speed=SPEED),
+        mass=1.2,
+        center_of_mass=0.03,
+        inertia=2e-3,
+        initial_angle=math.pi,
+    ),
+    base=Base(inertia=2e-5),
+    follower=Follower(
+        length=0.6,
+        mass_per_length=0.33,
+        bending_stiffness=20.0,
+        thickness=3e-3,
+        width=0.04,
+        strain_gauges=(0.14, 0.29, 0.46),
+    ),
+    tip=Tip(mass=0.05, inertia=2e-6),
+)
+#: For engines whose crank can only be turned at a given speed.
+PRESCRIBED: Final = dataclasses.replace(BASE, crank=dataclasses.replace(BASE.crank, drive=PrescribedSpeed(speed=SPEED)))
+
+
+def changed(mechanism: Mechanism, values: dict[str, Any]) -> Mechanism:
+    """The scene with other values, each named by its place in the dataclasses: "tip.mass", "crank.drive.torque", "gravity"."""
+    for path, value in values.items():
+        parts = [mechanism]
+        *outer, last = path.split(".")
+        for name in outer:
+            parts.append(getattr(parts[-1], name))
+        new: Any = dataclasses.replace(parts.pop(), **{last: value})
+        for name in reversed(outer):
+            new = dataclasses.replace(parts.pop(), **{name: new})
+        mechanism = new
+    return mechanism
+
+
+@dataclass(frozen=True)
+class Change:
+    """A quantity of the scene, tried.
+
+    Attributes:
+        name: of the quantity, as in a case file.
+        values: what it is changed to.
+        context: what the scene needs besides for the quantity to matter; it is there before and after.
+        alike: mistakes that are made with it: what they are -> what the scene would be with them.
+    """
+
+    name: str
+    values: dict[str, Any]
+    context: dict[str, Any] = dataclasses.field(default_factory=dict)
+    alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
+
+
+#: A crank of the same inertia without a first moment.
+_NO_MOMENT: Final = {"crank.center_of_mass": 0.0, "crank.inertia": BASE.crank.inertia_about_pivot}
+_TURNED: Final = "tip.force has the wrong sign, or turns with the follower"
+_SOFT_JOINT: Final = {"slider.joint_stiffness": 5e3}
+_TOOL: Final = {"tip.force": (0.0, 1.5)}
+_SLOT: Final = {"tip.force_from": math.radians(200.0), "tip.force_to": math.radians(300.0)}
+_WHOLE_TURN: Final = {"tip.force_from": 0.0, "tip.force_to": 2.0 * math.pi}
+_CUT: Final = {**_TOOL, **_SLOT}
+#: Every quantity that can show in a motion. The width of the section does not.
+CHANGES: Final = (
+    Change("mechanism.pivot_distance", {"pivot_distance": 0.40}),
+    Change(
+        "mechanism.gravity along n1",
+        {"gravity": (9.81, 0.0)},
+        alike={
+            "gravity acts with the wrong sign": {"gravity": (-9.81, 0.0)},
+            "gravity acts along n2 in place of n1": {"gravity": (0.0, 9.81)},
+            "gravity does not act on the crank": {"gravity": (9.81, 0.0), **_NO_MOMENT},
+        },
+    ),
+    Change(
+        "mechanism.gravity along n2",
+        {"gravity": (0.0, 9.81)},
+        alike={
+            "gravity acts with the wrong sign": {"gravity": (0.0, -9.81)},
+            "gravity acts along n1 in place of n2": {"gravity": (9.81, 0.0)},
+            "gravity does not act on the crank": {"gravity": (0.0, 9.81), **_NO_MOMENT},
+        },
+    ),
+    Change("crank.length", {"crank.length": 0.09}),
+    Change("crank.mass", {"crank.mass": 4.0}),
+    Change("crank.center_of_mass", {"crank.center_of_mass": 0.06}),
+    Change("crank.inertia", {"crank.inertia": 6e-3}),
+    Change("crank.initial_angle", {"crank.initial_angle": 2.3}),
+    Change("crank.initial_speed", {"crank.drive.initial_speed": 9.0}),
+    Change("crank.torque", {"crank.drive.torque": 1.2}),
+    Change("crank.damping", {"crank.drive.damping": 0.1}),
+    Change("crank.prescribed_speed", {"crank.drive": PrescribedSpeed(speed=SPEED)}),
+    Change("crank.prescribed_speed, reversed", {"crank.drive": PrescribedSpeed(speed=-SPEED)}),
+    Change("base.inertia", {"base.inertia": 8e-3}),
+    Change("base.damping", {"base.damping": 0.1}),
+    Change("follower.length", {"follower.length": 0.64}),
+    Change("follower.mass_per_length", {"follower.mass_per_length": 0.6}),
+    Change("follower.bending_stiffness", {"follower.bending_stiffness": 12.0}),
+    Change("follower.thickness", {"follower.thickness": 2e-3}),
+    Change(
+        "follower.damping",
+        {"follower.damping": 8.0},
+        alike={"follower.damping is taken for the damping of the base": {"base.damping": 8.0}},
+    ),
+    Change("follower.strain_gauges", {"follower.strain_gauges": (0.08, 0.22, 0.54)}),
+    Change("tip.mass", {"tip.mass": 0.12}),
+    Change("tip.inertia", {"tip.inertia": 8e-4}),
+    Change(
+        "tip.center_of_mass",
+        {"tip.center_of_mass": 0.08},
+        alike={"tip.center_of_mass is measured towards the pivot, not beyond the end": {"tip.center_of_mass": -0.08}},
+    ),
+    Change("tip.force along n1", {"tip.force": (6.0, 0.0)}, alike={_TURNED: {"tip.force": (-6.0, 0.0)}}),
+    Change("tip.force along n2", {"tip.force": (0.0, 1.5)}, alike={_TURNED: {"tip.force": (0.0, -1.5)}}),
+    Change("tip.force_from", {"tip.force_from": math.radians(250.0)}, _CUT, {"the force acts over the whole turn": _WHOLE_TURN}),
+    Change("tip.force_to", {"tip.force_to": math.radians(250.0)}, _CUT, {"the force acts over the whole turn": _WHOLE_TURN}),
+    Change("tip.force_ramp", {"tip.force_ramp": math.radians(45.0)}, _CUT),
+    Change("slider.mass", {"slider.mass": 0.5}),
+    Change("slider.inertia", {"slider.inertia": 2e-3}),
+    Change("slider.joint_stiffness", _SOFT_JOINT),
+    Change("slider.joint_damping", {"slider.joint_damping": 60.0}, _SOFT_JOINT),
+)  # fmt: skip
+
+#: A softer follower, which bends by 10 mm: exact geometry shows.
+SOFT: Final = {"follower.bending_stiffness": 8.0}
+#: How long it moves (s) until it is taken for a start: bent, its bend changing, the crank on its way.
+UNTIL_BENT: Final = 0.2

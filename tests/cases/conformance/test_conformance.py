@@ -1,0 +1,100 @@
+"""Engines that are `reference` with one mistake each are found out; sound ones, and coarse ones that say so, are not accused."""
+
+import math
+import re
+
+import pytest
+
+from cases.conformance import GROUPS, conform
+from cases.conformance.checks import rms
+from cases.conformance.scenes import BASE, CHANGES, changed
+from engines.base import AnyEngine
+from engines.exudyn.engine import ExudynEngine
+from engines.exudyn.settings import ExudynSettings
+from engines.mujoco.engine import MujocoEngine
+from engines.mujoco.settings import ChainSettings
+from engines.own.reference import ReferenceEngine
+from engines.registry import engine
+from reference_model.mechanism import Mechanism
+from tests.cases.conformance.mutants import MUTANTS as FIRST
+from tests.cases.conformance.second_mutants import SECOND
+
+MUTANTS = FIRST | SECOND
+
+
+class EightLinks(MujocoEngine):
+    name = "eight-links"
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ChainSettings:
+        return super().settings_for(accuracy, mechanism).replaced(links=8)
+
+
+class SixElements(ExudynEngine):
+    name = "six-elements"
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ExudynSettings:
+        return super().settings_for(accuracy, mechanism).replaced(elements=6)
+
+
+#: One of a column, one of a quantity that is 2 % off, one of frequencies: what takes seconds.
+_QUICK = ("percent", "stiffness 2 %", "frequencies in rad/s")
+
+
+def _is_found_out(name: str) -> None:
+    kind, pattern, group = MUTANTS[name]
+    found = conform(kind(), groups=(group,))
+    assert found.conforms is False
+    causes = [check.cause for check in found.failed]
+    assert any(re.search(pattern, cause) for cause in causes), causes
+    assert all(check.advice for check in found.failed)
+
+
+@pytest.mark.parametrize("name", _QUICK)
+def test_a_mistake_is_named(name: str) -> None:
+    _is_found_out(name)
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("name", sorted(set(MUTANTS) - set(_QUICK)))
+def test_every_mistake_is_named(name: str) -> None:
+    _is_found_out(name)
+
+
+def test_reference_is_not_accused() -> None:
+    found = conform(ReferenceEngine(), groups=("motion", "resolution", "frequencies", "failures"))
+    assert found.conforms, found.failed
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("name", ["thesis", "reference", "exudyn", "mujoco", "fixed-shapes", "multiplier", "stiff-spring"])
+def test_own_engines_are_not_accused(name: str) -> None:
+    found = conform(engine(name))
+    assert found.conforms, found.failed
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("coarse", [EightLinks(), SixElements()], ids=lambda engine: engine.name)
+def test_coarse_engines_that_say_so_are_not_accused(coarse: AnyEngine) -> None:
+    found = conform(coarse, groups=tuple(group for group in GROUPS if group != "repetition"))
+    assert found.conforms, found.failed
+
+
+def test_every_change_is_one_that_the_scene_takes() -> None:
+    for change in CHANGES:
+        before = changed(BASE, change.context)
+        assert changed(before, change.values) != before, change.name
+        for values in change.alike.values():
+            changed(before, values)
+
+
+def test_a_quantity_deep_in_a_scene_is_changed_and_nothing_else() -> None:
+    other = changed(BASE, {"crank.drive.torque": 1.0, "gravity": (0.0, 1.0)})
+    assert other.crank.drive.torque == 1.0  # type: ignore[union-attr]
+    assert changed(other, {"crank.drive.torque": 0.6, "gravity": (0.0, 0.0)}) == BASE
+
+
+def test_root_mean_square() -> None:
+    import numpy as np
+
+    assert rms(np.array([3.0, -3.0])) == 3.0
+    assert math.isclose(rms(np.array([0.0, 1.0])), math.sqrt(0.5))
