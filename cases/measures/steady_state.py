@@ -1,9 +1,8 @@
 """Whole cycles out of a time series, and the criterion by which a sequence of cycles has settled."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +12,7 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-3  # of the remaining error, relative to the signals' RMS
 GREATEST_NUMBER = 60  # of cycles
-FEWEST_CYCLES = 4  # by which a sequence can be known to have settled ...
-FEWEST_WITH_MULTIPLIER = 3  # ... and where the largest Floquet multiplier is known
+FEWEST_CYCLES = 4  # by which a sequence can be known to have settled
 GRID = 720  # crank angles per cycle on which cycles are compared
 SAME_INSTANT = 1e-3  # of a cycle, by which the end of one and the beginning of the next may differ
 AT_THE_END = 1e-9  # rad, by which a series may miss the farthest place and still begin or end there
@@ -118,10 +116,8 @@ class Settling:
     With c the RMS change of the channels from one cycle to the next and mu the ratio of successive changes, the remaining error is
     the geometric series c (mu + mu² + ...) = c mu/(1 - mu). The change alone understates it three- to fourfold on the thesis'
     runs. mu is the larger of the last two ratios: a fast transient that has just died, or two decaying modes that beat, would let
-    a single ratio promise too much. Where the mechanism's largest Floquet multiplier is known it is no less than that, for a fast part of
-    the change hides the slow one. Three cycles will then do, but a second change that is smaller than m makes of the first may be an
-    accident and does not count: in all 24 runs of the thesis the third cycle of a chain of links, begun in the reference's steady state, is
-    nearer to the tenth than this says, by a factor of 1.9 and more.
+    a single ratio promise too much. Where the mechanism's largest Floquet multiplier is known it is no less than that: beside a
+    steady state a fast part of the change hides the slow one.
 
     Once the transient has died, the changes are the noise of the computation and shrink no more. Where the multiplier m is known, no
     more can be left than what noise keeps alive: the greatest of the last three changes over 1 - m.
@@ -166,39 +162,33 @@ class Settling:
 
     @property
     def ratio(self) -> float:
-        """The observed mu; infinite before there are cycles enough."""
-        if self.cycles < (FEWEST_CYCLES if self.multiplier is None else FEWEST_WITH_MULTIPLIER):
+        """The observed mu; infinite before the fourth cycle."""
+        if self.cycles < FEWEST_CYCLES:
             return np.inf
-        observed = [new / old if old > 0.0 else 0.0 for old, new in pairwise(self.changes[-3:])]
+        observed = [new / old if old > 0.0 else 0.0 for old, new in zip(self.changes[-3:-1], self.changes[-2:], strict=True)]
         return max(self.multiplier or 0.0, *observed)
 
     @property
     def error_estimate(self) -> float:
         """Distance of the last cycle from the steady state relative to the signals' RMS; infinite where not yet known."""
-        factor = self._factor
-        return factor * self._counting(self.changes) if math.isfinite(factor) else math.inf
+        count, factor = self._left
+        return factor * max(self.changes[-count:]) if math.isfinite(factor) else math.inf
 
     @property
     def errors(self) -> dict[str, float]:
         """How far off each channel may be at any angle, in its own unit; no less than its last change, which may be noise."""
-        factor = max(self._factor, 1.0)
-        return {name: factor * self._counting([change[name] for change in self._largest]) for name in self._last}
-
-    def _counting(self, changes: Sequence[float]) -> float:
-        """The change that counts: the last one, or the greatest that may stand for it."""
-        if self.multiplier is not None and self.cycles < FEWEST_CYCLES:
-            return max([changes[-1], *(self.multiplier * change for change in changes[-2:-1])])
-        return changes[-1] if self.ratio < 1.0 else max(changes[-3:])
+        count, factor = self._left
+        return {name: max(factor, 1.0) * max(change[name] for change in self._largest[-count:]) for name in self._last}
 
     @property
-    def _factor(self) -> float:
-        """How many times the change that counts may be left."""
+    def _left(self) -> tuple[int, float]:
+        """Of how many changes the greatest counts, and how many times that may be left."""
         ratio = self.ratio
         if ratio < 1.0:
-            return ratio / (1.0 - ratio)
+            return 1, ratio / (1.0 - ratio)
         if self.cycles < FEWEST_CYCLES or self.multiplier is None or self.multiplier >= 1.0:
-            return math.inf
-        return 1.0 / (1.0 - self.multiplier)
+            return 1, math.inf
+        return 3, 1.0 / (1.0 - self.multiplier)
 
     @property
     def settled(self) -> bool:

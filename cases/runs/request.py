@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.measures.steady_state import FEWEST_WITH_MULTIPLIER, Outlook
+from cases.measures.steady_state import FEWEST_CYCLES, Outlook
 from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import Columns
 from cases.runs.orbit import Orbit
@@ -60,7 +60,7 @@ class RunRequest:
     def estimated_on(self, step: float) -> float:
         """The stretch on which the error is estimated, s: from the periodic state a little more than the fewest cycles that settle."""
         found = self._begun_from
-        stretch = self.duration if found is None else FEWEST_WITH_MULTIPLIER * LONGER * found.period
+        stretch = self.duration if found is None else FEWEST_CYCLES * LONGER * found.period
         return step * math.ceil(stretch / step - 1e-9)
 
     @property

@@ -6,8 +6,6 @@ from collections.abc import Iterable
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from cases.measures import Cycle, Settling, cut_cycles
 
@@ -226,25 +224,3 @@ def test_a_known_multiplier_keeps_a_fast_part_from_hiding_the_slow_one() -> None
 
 def settles(settling: Settling, values: list[float]) -> bool:
     return any(settling.feed(cycle(number, np.sin(ANGLES) + 1.0 + value * np.cos(ANGLES))) for number, value in enumerate(values))
-
-
-@given(
-    multiplier=st.floats(0.2, 0.9),
-    parts=st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(-3e-3, 3e-3)), min_size=1, max_size=4),
-)
-def test_three_cycles_settle_where_the_multiplier_is_known_and_what_is_left_is_covered(
-    multiplier: float, parts: list[tuple[float, float]]
-) -> None:
-    """The distance is a sum of parts that die away at the multiplier or faster, in shapes that do not cancel."""
-    settling = Settling(multiplier=multiplier)
-    shapes = [np.cos((k + 1) * ANGLES) for k in range(len(parts))]
-
-    def distance(n: int) -> np.ndarray:
-        return sum(size * (part * multiplier) ** n * shape for (part, size), shape in zip(parts, shapes, strict=True))
-
-    for n in range(3):
-        settling.feed(cycle(n, np.sin(ANGLES) + 1.0 + distance(n)))
-    assert math.isfinite(settling.error_estimate)
-    left = float(np.sqrt(np.mean(distance(2) ** 2) / 1.5))
-    assert left <= 1.02 * settling.error_estimate + 1e-9
-    assert not Settling().settled
