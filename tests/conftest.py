@@ -1,6 +1,7 @@
 """Keeps the outcome of a verification for the report: `pytest -m verify --keep-outcome`."""
 
 import json
+import signal
 import sys
 import time
 from pathlib import Path
@@ -8,6 +9,9 @@ from typing import Any
 
 import hypothesis
 import pytest
+
+# A shell that starts the tests in the background has them ignore Ctrl-C, and so would every program that they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Workers take over this path, and some are asked to run what stands in the tests.
 sys.path.insert(0, str(Path(__file__).parents[1]))
