@@ -321,7 +321,7 @@ def test_failure_is_exit_3_and_keeps_what_was_computed(call: Call, tmp_path: Pat
     ("behaviour", "words"),
     [
         ("nan", "strain_2 is no longer a finite number"),
-        ("raises", "the engine raised ZeroDivisionError: a bug"),
+        ("raises", "the engine raised ZeroDivisionError at command_line_fake.py, line "),
         ("dies", "engine fake: killed by SIGSEGV"),
         ("hungry", "ran out of memory"),
     ],

@@ -39,15 +39,18 @@ from cases.benchmark.scenes import tried
 from cases.case_file import load_case
 from cases.jobs.job import Limits
 from cases.jobs.processes import LocalProcesses
+from tests.engines import faulty_engines
 from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
 from tests.quickreturn.conftest import Answer, Call
 from tests.quickreturn.program import descendants, running, started, wait_until
 from tests.quickreturn.scene_file import SCENE
 from tests.reports.made_up_benchmark import made_up_benchmark
 
+_LINES = Path(faulty_engines.__file__).read_text("utf-8").splitlines()
+_PLACE = f"faulty_engines.py, line {next(number for number, line in enumerate(_LINES, 1) if 'a bug' in line)}"
 #: Engine -> what is said of it.
 FAULTS = {
-    "raises": "failed at t = 0 s: the engine raised ZeroDivisionError: a bug; report this to the author of the engine",
+    "raises": f"failed at t = 0 s: the engine raised ZeroDivisionError at {_PLACE}: a bug; report this to the author of the engine",
     "returns-nan": "failed at t = 0.0008 s: strain_2 is no longer a finite number; try finer settings",
     "hangs": "stopped at the time limit of 12 s",
     "hoards": "ran out of memory (limit 1024 MiB)",

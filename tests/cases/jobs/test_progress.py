@@ -19,7 +19,7 @@ CODE = """
 from cases.jobs.display import answers
 from cases.jobs.job import Job
 from cases.jobs.processes import LocalProcesses
-work = "import time; from engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=7, most=60); time.sleep(0.6)"
+work = "import time; from engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=7, most=60); time.sleep(1.2)"
 jobs = [Job(name, exec, (work,)) for name in ("one", "two")]
 print([outcome.failure for outcome in answers(LocalProcesses(1, preload=(), quiet=False), jobs, "runs")])
 """
