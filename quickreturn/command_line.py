@@ -102,9 +102,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code. No exception leaves this function.
     """
-    arguments = list(sys.argv[1:] if argv is None else argv)
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else it is to be ignored, or somebody else's
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:  # else it is to be ignored, or somebody else's
         signal.signal(signal.SIGINT, _Interrupts())
+    try:
+        return _answered(list(sys.argv[1:] if argv is None else argv))
+    finally:
+        if argv is not None and signal.getsignal(signal.SIGINT) is not before:  # the caller goes on; a program only leaves
+            signal.signal(signal.SIGINT, before)
+
+
+def _answered(arguments: list[str]) -> int:
+    """The exit code of a call."""
     for stream in (sys.stdout, sys.stderr):  # a terminal that lacks a sign gets an escape in its place
         with contextlib.suppress(AttributeError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]

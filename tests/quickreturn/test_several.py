@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -129,5 +130,7 @@ def test_nothing_is_known_of_a_store_where_none_is_used(capsys: pytest.CaptureFi
         raise KeyboardInterrupt
 
     monkeypatch.setattr("quickreturn.commands.show._document", interrupted)
+    before = signal.getsignal(signal.SIGINT)
     assert main(["show", "thesis-24"]) == 130
     assert "nothing is kept" in capsys.readouterr().err
+    assert signal.getsignal(signal.SIGINT) is before, "who calls it from Python goes on and must hear the next Ctrl-C"
