@@ -164,6 +164,12 @@ def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
     assert page.evaluate("scrollY") == 0
 
 
+def test_a_link_counts_though_the_old_state_is_written_late(opened: Open) -> None:
+    page = opened("#at=100&run=thesis-24")
+    page.evaluate("location.hash = 'run=thesis-06'; history.replaceState(null, '', '#run=thesis-24')")
+    page.wait_for_function("document.querySelector('#run-buttons [aria-pressed=true]').value === 'thesis-06'")
+
+
 def test_the_curve_tells_values_zooms_and_is_taken_away(opened: Open) -> None:
     page = opened("#at=90&run=thesis-24")
     box = page.locator("#curve").bounding_box()

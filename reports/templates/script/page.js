@@ -22,8 +22,8 @@ curve.redraw = () => { if (!playing) curve.draw(state.at); };
 
 // ---- the address
 
-function readAddress() {
-  const given = new URLSearchParams(location.hash.slice(1));
+function readAddress(hash) {
+  const given = new URLSearchParams(hash.slice(1));
   const wanted = { ...state };
   if (runOf(given.get("run"))) wanted.run = given.get("run");
   if (given.has("engines")) wanted.engines = DATA.engines.map((engine) => engine.name).filter((name) => given.get("engines").split(",").includes(name));
@@ -47,13 +47,15 @@ function writeNow() {
   history.replaceState(null, "", `#${told.toString().replaceAll("%2C", ",")}`);
 }
 
-async function follow() {
-  const { wanted, at } = readAddress();
+/** Where a link leads; the event tells it, for a late `writeNow` may have put the old state back into the address meanwhile. */
+async function follow({ newURL }) {
+  const { hash } = new URL(newURL), { wanted, at } = readAddress(hash);
+  clearTimeout(writing);
   const opened = wanted.chapter !== state.chapter;
   if (at) pause();
   await change(wanted);
   if (opened && wanted.chapter) openChapter(wanted.chapter);
-  else if (wanted.run !== undefined && location.hash.includes("run=") && !wanted.chapter && opened) window.scrollTo({ top: 0 });
+  else if (hash.includes("run=") && !wanted.chapter && opened) window.scrollTo({ top: 0 });
 }
 
 // ---- changes
@@ -280,7 +282,7 @@ async function start() {
     element("nothing").textContent = "This browser cannot unpack the motion: it takes one of 2023 or later. The tables below and the CSV files are complete.";
     return;
   }
-  const { wanted, at } = readAddress();
+  const { wanted, at } = readAddress(location.hash);
   await change(wanted);
   const wish = motion.turnSeconds ? 6 / motion.turnSeconds : 1;
   element("speed").value = SPEEDS.findLast((times) => times <= Math.max(1, wish)) ?? 1;
