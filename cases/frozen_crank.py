@@ -1,7 +1,7 @@
 """What the natural frequencies of the crank held still say about the thesis' readings and its suspicion of the slider joint."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from engines.registry import engine
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, changed
 from reference_model.natural_modes import FrozenModes, frozen_crank_modes
 
 Array = NDArray[np.float64]
@@ -113,7 +113,7 @@ def joint_effects(mechanism: Mechanism, crank_angle: Array, time: Array) -> list
 
 
 def _with_joint(mechanism: Mechanism, stiffness: float) -> Mechanism:
-    return replace(mechanism, slider=replace(mechanism.slider, joint_stiffness=stiffness))
+    return changed(mechanism, {"slider.joint_stiffness": stiffness})
 
 
 def _first(mechanism: Mechanism, stiffness: float) -> Array:

@@ -1,14 +1,9 @@
 """Studies that the report shows beside the 24 runs: accuracy against a confirmed solution, convergence, and what the thesis leaves open."""
 
 import dataclasses
-import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Final
-
-import numpy as np
-import pandas as pd
-from numpy.typing import NDArray
 
 from cases.case_file import load_case
 from cases.jobs.job import Job
@@ -19,12 +14,13 @@ from cases.runs.comparison import HALVES
 from cases.runs.marching import Columns, channels_of
 from cases.runs.request import Run, RunRequest
 from engines.accurate import ESTIMATED, run_once, simulate
-from engines.convergence import convergence_table
+from engines.base import AnyEngine
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import MAIN, engine
-from engines.settings import as_texts
+from engines.relative import relative_error
+from engines.settings import Settings, as_texts
 from engines.start import standard_start
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, changed
 
 #: The case on which accuracy is shown, and the settings whose three solutions confirm each other.
 ACCURACY_CASE: Final = "thesis-24"
@@ -39,34 +35,92 @@ OPEN_RUNS: Final = ("thesis-10", "thesis-24")
 INCH: Final = 0.0254  # m
 
 
+@dataclass(frozen=True, kw_only=True)
+class StudiedRun:
+    """A run from the standard start, what it took, and how far it is from the converged solution."""
+
+    engine: str
+    settings: dict[str, Any]
+    degrees_of_freedom: int
+    solve_seconds: float
+    setup_seconds: float
+    right_hand_side_calls: float | None = None  # None where the engine counts none
+    error_estimate: float | None = None  # of the tip deflection, the engine's own, where it runs to an accuracy
+    remark: str = ""
+    errors: dict[str, float] = field(default_factory=dict)  # of each column of `ESTIMATED`
+    is_reference: bool = False  # whether the errors of others are against this one
+
+
+@dataclass(frozen=True)
+class StudiedTrajectory:
+    """A run and its motion."""
+
+    run: StudiedRun
+    columns: Columns
+
+    def against(self, truth: Columns) -> StudiedRun:
+        """The run with its errors."""
+        errors = {column: relative_error(self.columns[column], truth[column]) for column in ESTIMATED}
+        return dataclasses.replace(self.run, errors=errors, is_reference=self.columns is truth)
+
+
+@dataclass(frozen=True)
+class BothStarts:
+    """A package that marched from the orbit of the reference and from the standard start.
+
+    `difference`: of the two last cycles, RMS over the channels, relative to theirs.
+    """
+
+    engine: str
+    orbit: Run
+    straight: Run
+    difference: float
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A number of the steady state in a run, as published (`nominal`) and changed (`value`); None where it is not resolvable."""
+
+    run: str
+    change: str
+    half: str
+    quantity: str
+    channel: str
+    nominal: float | None
+    value: float | None
+
+    @property
+    def relative_change(self) -> float | None:
+        """By what part of the nominal value it moves; None where it is not known."""
+        return self.value / self.nominal - 1.0 if self.nominal and self.value is not None else None
+
+
 @dataclass(frozen=True)
 class Studies:
-    """Tables of all studies.
+    """Rows of all studies.
 
     Attributes:
-        accuracy: one row per engine at its default accuracy: engine, settings, error of each column of `ESTIMATED` against the
-            converged solution, error_estimate (of the tip deflection, the engine's own), solve_seconds, setup_seconds, remark.
-        confirmation: one row per confirming engine: engine and settings of both solutions, and their difference for each column of
-            `ESTIMATED`.
-        convergence: see `engines.convergence.convergence_table`, for the engine `reference`.
-        sensitivity: one row per run, change, half and quantity: run, change, half, quantity, channel, nominal, value, relative_change;
-            value and relative_change are NaN where not resolvable.
-        both_ways: one row per package that marches: engine, cycles and settling error from the orbit of the reference and from the standard
-            start, and the difference of the two last cycles (RMS over the channels, relative to theirs).
+        accuracy: of each engine at its default accuracy.
+        converged: what that is measured against; None where it could not be computed.
+        confirming: solutions of others that confirm it.
+        convergence: of the engine `reference`, over modes and tolerances.
+        sensitivity: to what the thesis leaves open: for each run, change, half and quantity.
+        both_starts: of each package that marches.
         failures: sentences on what could not be computed.
     """
 
-    accuracy: pd.DataFrame
-    confirmation: pd.DataFrame
-    convergence: pd.DataFrame
-    sensitivity: pd.DataFrame
-    both_ways: pd.DataFrame
-    failures: tuple[str, ...]
+    accuracy: Sequence[StudiedRun]
+    converged: StudiedRun | None
+    confirming: Sequence[StudiedRun]
+    convergence: Sequence[StudiedRun]
+    sensitivity: Sequence[Moved]
+    both_starts: Sequence[BothStarts]
+    failures: Sequence[str]
 
 
 def work() -> Work:
     """All that the studies need, to be computed with other runs; `run_studies` then finds it in the store."""
-    return Work({**_from_orbit(), **_straight(), **_open_requests()}, [job for _, job in _solutions()])
+    return Work(_requests(), [job for _, job in _solutions()])
 
 
 def run_studies(workshop: Workshop) -> Studies:
@@ -80,11 +134,22 @@ def run_studies(workshop: Workshop) -> Studies:
     solutions = dict(zip(names, workshop.outcomes(jobs, "studies"), strict=True))
     failures += [f"study {outcome.job.name}: {outcome.explanation}" for outcome in solutions.values() if not outcome.completed]
     convergence = solutions.pop(_CONVERGENCE).value
-    accuracy, confirmation = _accuracy_tables({name: outcome.value for name, outcome in solutions.items() if outcome.value is not None})
-    results = carry_out({**_from_orbit(), **_straight(), **_open_requests()}, workshop, "what the thesis leaves open, and another start")
-    sensitivity = _sensitivity(results, failures)
-    both_ways = _both_ways(results, failures)
-    return Studies(accuracy, confirmation, pd.DataFrame(convergence or []), sensitivity, both_ways, tuple(failures))
+    found = {name: outcome.value for name, outcome in solutions.items() if outcome.value is not None}
+    converged = found.get(("converged", CONVERGED[0]))
+    results = carry_out(_requests(), workshop, "what the thesis leaves open, and another start")
+
+    def against_converged(kind: str) -> list[StudiedRun]:
+        return [each.against(converged.columns) for (what, _), each in found.items() if what == kind] if converged else []
+
+    return Studies(
+        accuracy=against_converged("default"),
+        converged=converged and converged.run,
+        confirming=against_converged("confirming"),
+        convergence=convergence or (),
+        sensitivity=_sensitivity(results, failures),
+        both_starts=_both_starts(results, failures),
+        failures=failures,
+    )
 
 
 _CODE: Final = ("cases.studies",)
@@ -107,20 +172,6 @@ def _solutions() -> list[tuple[Name, Job[Any]]]:
     return [*jobs, (_CONVERGENCE, Job("convergence", _convergence, scene, "study", ("reference",), _CODE))]
 
 
-@dataclass(frozen=True)
-class StudiedTrajectory:
-    """A trajectory from the standard start, and what it took; estimate and what follows it belong to one to an accuracy."""
-
-    engine: str
-    settings: dict[str, Any]
-    solve_seconds: float
-    setup_seconds: float
-    columns: Columns
-    error_estimate: float | None = None
-    degrees_of_freedom: int | None = None
-    remark: str = ""
-
-
 def _trajectory(
     mechanism: Mechanism, duration: float, output_step: float, name: str, settings: Mapping[str, str] | None
 ) -> StudiedTrajectory:
@@ -128,74 +179,69 @@ def _trajectory(
     chosen, start = engine(name), standard_start(mechanism)
     if settings is not None:
         used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
-        trajectory, setup_seconds = run_once(chosen, mechanism, start, duration, output_step, used)
-        return StudiedTrajectory(name, used.as_dict(), trajectory.solve_seconds, setup_seconds, dict(trajectory.columns))
+        return _once(chosen, mechanism, duration, output_step, used)
     result = simulate(chosen, mechanism, start, duration, output_step)
-    return StudiedTrajectory(
+    run = StudiedRun(
         engine=name,
         settings=result.settings.as_dict(),
+        degrees_of_freedom=result.description.degrees_of_freedom,
         solve_seconds=result.solve_seconds,
         setup_seconds=result.setup_seconds,
-        columns=dict(result.trajectory.columns),
         error_estimate=result.error_estimate,
-        degrees_of_freedom=result.description.degrees_of_freedom,
         remark=result.remark,
     )
+    return StudiedTrajectory(run, dict(result.trajectory.columns))
 
 
-def _convergence(mechanism: Mechanism, duration: float, output_step: float) -> list[dict[str, Any]]:
+def _once(chosen: AnyEngine, mechanism: Mechanism, duration: float, output_step: float, settings: Settings) -> StudiedTrajectory:
+    trajectory, setup_seconds = run_once(chosen, mechanism, standard_start(mechanism), duration, output_step, settings)
+    run = StudiedRun(
+        engine=chosen.name,
+        settings=settings.as_dict(),
+        degrees_of_freedom=chosen.describe(mechanism, settings).degrees_of_freedom,
+        solve_seconds=trajectory.solve_seconds,
+        setup_seconds=setup_seconds,
+        right_hand_side_calls=trajectory.statistics.get("right_hand_side_calls"),
+    )
+    return StudiedTrajectory(run, dict(trajectory.columns))
+
+
+def _convergence(mechanism: Mechanism, duration: float, output_step: float) -> list[StudiedRun]:
     ladder = [ReferenceSettings(modes=modes, tolerance=tolerance) for modes in MODES for tolerance in TOLERANCES]
-    table = convergence_table(ReferenceEngine(), mechanism, ladder, duration, output_step)
-    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
+    return convergence(ReferenceEngine(), mechanism, ladder, duration, output_step)
 
 
-def relative_error(values: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
-    """RMS of the difference over the RMS of the truth, both of shape (n,)."""
-    return float(np.sqrt(np.mean((values - truth) ** 2) / np.mean(truth**2)))
+def convergence(
+    chosen: AnyEngine, mechanism: Mechanism, ladder: Sequence[Settings], duration: float, output_step: float
+) -> list[StudiedRun]:
+    """Runs with several settings, coarse to fine, and their errors against the last, whose own error their fall towards it bounds.
 
-
-def _accuracy_tables(found: Mapping[Name, StudiedTrajectory]) -> tuple[pd.DataFrame, pd.DataFrame]:
-    name, _ = CONVERGED
-    if ("converged", name) not in found:
-        return pd.DataFrame(), pd.DataFrame()
-    truth = found["converged", name]
-    accuracy, confirmation = [], []
-    for (what, _), run in found.items():
-        errors = {column: relative_error(run.columns[column], truth.columns[column]) for column in ESTIMATED}
-        about = {field.name: getattr(run, field.name) for field in dataclasses.fields(run) if field.name != "columns"}
-        if what == "default":
-            accuracy.append(about | {"settings": _settings_text(run.settings)} | errors)
-        elif what == "confirming":
-            texts = {"engine": truth.engine, "settings": _settings_text(truth.settings)}
-            texts |= {"confirmed_by": run.engine, "with_settings": _settings_text(run.settings)}
-            confirmation.append(texts | errors)
-    return pd.DataFrame(accuracy), pd.DataFrame(confirmation)
-
-
-def _settings_text(settings: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} = {value}" for name, value in settings.items())
+    Raises:
+        EngineFailure: a run broke down.
+    """
+    if chosen.compiles:
+        _once(chosen, mechanism, output_step, output_step, ladder[0])  # so that the times below do not count it
+    found = [_once(chosen, mechanism, duration, output_step, settings) for settings in ladder]
+    return [each.against(found[-1].columns) for each in found]
 
 
 def open_changes(mechanism: Mechanism) -> dict[str, Mechanism]:
     """What the thesis leaves open, as changed scenes, by a text that names the change."""
-    follower, slider = mechanism.follower, mechanism.slider
-    tip = mechanism.tip_body
-
-    def stiffness(factor: float) -> Mechanism:
-        return dataclasses.replace(mechanism, follower=dataclasses.replace(follower, bending_stiffness=factor * follower.bending_stiffness))
-
-    def damping(factor: float) -> Mechanism:
-        return dataclasses.replace(mechanism, follower=dataclasses.replace(follower, damping=factor * follower.damping))
-
-    return {
-        "tip centre of mass 0.5 in beyond the end": dataclasses.replace(mechanism, tip=dataclasses.replace(tip, center_of_mass=0.5 * INCH)),
-        "slider mass 0.1 kg": dataclasses.replace(mechanism, slider=dataclasses.replace(slider, mass=0.1)),
-        "slider inertia 2e-5 kg m²": dataclasses.replace(mechanism, slider=dataclasses.replace(slider, inertia=2e-5)),
-        "EI + 5 %": stiffness(1.05),
-        "EI - 5 %": stiffness(0.95),
-        "beam damping doubled": damping(2.0),
-        "beam damping halved": damping(0.5),
+    follower, tip = mechanism.follower, mechanism.tip_body
+    changes: dict[str, dict[str, Any]] = {
+        "tip centre of mass 0.5 in beyond the end": {"tip": dataclasses.replace(tip, center_of_mass=0.5 * INCH)},
+        "slider mass 0.1 kg": {"slider.mass": 0.1},
+        "slider inertia 2e-5 kg m²": {"slider.inertia": 2e-5},
+        "EI + 5 %": {"follower.bending_stiffness": 1.05 * follower.bending_stiffness},
+        "EI - 5 %": {"follower.bending_stiffness": 0.95 * follower.bending_stiffness},
+        "beam damping doubled": {"follower.damping": 2.0 * follower.damping},
+        "beam damping halved": {"follower.damping": 0.5 * follower.damping},
     }
+    return {words: changed(mechanism, values) for words, values in changes.items()}
+
+
+def _requests() -> dict[Name, RunRequest]:
+    return {**_from_orbit(), **_straight(), **_open_requests()}
 
 
 #: The damping law is a setting of the model with fixed shapes: nominal and changed law are both taken from it, at this accuracy.
@@ -222,18 +268,29 @@ def _open_requests() -> dict[Name, RunRequest]:
     return requests
 
 
-def _sensitivity(results: Runs, failures: list[str]) -> pd.DataFrame:
-    rows: list[dict[str, Any]] = []
+def _sensitivity(results: Runs, failures: list[str]) -> list[Moved]:
+    found: list[Moved] = []
     for name in OPEN_RUNS:
         changes = list(open_changes(load_case(name).mechanism))
         pairs = [(change, results[name, change], results[name, ""]) for change in changes]
         pairs.append((DAMPING_LAW, results[name, "transverse"], results[name, "both components"]))
         for change, run, nominal in pairs:
             if run.usable and nominal.usable:
-                rows += _changes(name, change, run, nominal)
+                found += _moved(name, change, run, nominal)
             else:
                 failures.append(f"study {name} {change}: {run.remark or nominal.remark}")
-    return pd.DataFrame(rows)
+    return found
+
+
+def _moved(name: str, change: str, run: Run, nominal: Run) -> Iterator[Moved]:
+    for half in HALVES:
+        frequencies = nominal.consensus_frequency(half), run.consensus_frequency(half)
+        yield Moved(name, change, half, "first_mode_frequency", "consensus", *frequencies)
+        for channel in CHANNELS:
+            before, after = nominal.measure(half, channel), run.measure(half, channel)
+            if before and after:
+                amplitudes = before.first_mode_amplitude, after.first_mode_amplitude
+                yield Moved(name, change, half, "first_mode_amplitude", channel, *amplitudes)
 
 
 #: Packages that march from the standard start, too, on one run: that they get to the same cycle is seen, not assumed.
@@ -257,48 +314,18 @@ def _straight() -> dict[Name, RunRequest]:
     return requests
 
 
-def _both_ways(results: Runs, failures: list[str]) -> pd.DataFrame:
-    rows: list[dict[str, Any]] = []
+def _both_starts(results: Runs, failures: list[str]) -> list[BothStarts]:
+    found: list[BothStarts] = []
     for name in PACKAGES:
         orbit, straight = results[name, "orbit"], results[name, "straight"]
         if not (orbit.usable and straight.usable) or orbit.settings != straight.settings:
             reason = straight.remark or orbit.remark or "the run from the orbit needed finer settings than the other was given"
             failures.append(f"study of {name} from both starts: {reason}")
-            continue
-        found: dict[str, Any] = {"engine": name, "difference": cycle_difference(straight.cycle, orbit.cycle)}
-        for way, run in (("orbit", orbit), ("straight", straight)):
-            found |= {f"{way}_start": run.start, f"{way}_cycles": run.cycles, f"{way}_settling_error": run.settling_error}
-        rows.append(found)
-    return pd.DataFrame(rows)
+        else:
+            found.append(BothStarts(name, orbit, straight, cycle_difference(straight.cycle, orbit.cycle)))
+    return found
 
 
 def cycle_difference(one: Columns, other: Columns) -> float:
     """RMS over the channels of their difference in two cycles, each relative to its RMS in the first."""
     return relative_change(on_common_grid(channels_of(other)), on_common_grid(channels_of(one)))
-
-
-def _changes(name: str, change: str, run: Run, nominal: Run) -> list[dict[str, Any]]:
-    rows = []
-    for half in HALVES:
-        pairs: list[tuple[str, str, float | None, float | None]] = [
-            ("first_mode_frequency", "consensus", nominal.consensus_frequency(half), run.consensus_frequency(half))
-        ]
-        for channel in CHANNELS:
-            before, after = nominal.measure(half, channel), run.measure(half, channel)
-            if before and after:
-                pairs.append(("first_mode_amplitude", channel, before.first_mode_amplitude, after.first_mode_amplitude))
-        for quantity, channel, old, new in pairs:
-            known = old is not None and new is not None
-            rows.append(
-                {
-                    "run": name,
-                    "change": change,
-                    "half": half,
-                    "quantity": quantity,
-                    "channel": channel,
-                    "nominal": math.nan if old is None else old,
-                    "value": math.nan if new is None else new,
-                    "relative_change": new / old - 1.0 if known and old else math.nan,  # type: ignore[operator]
-                }
-            )
-    return rows

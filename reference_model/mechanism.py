@@ -10,15 +10,15 @@ Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 """
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import Final
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
 
 from reference_model.quantities import ImpossibleMechanism, quantity
 
 __all__ = [
     "Base", "Crank", "Follower", "FollowerAlone", "ImpossibleMechanism", "Material", "Mechanism", "PrescribedSpeed", "Scene", "Slider",
-    "SpinUp", "Tip", "TorqueDrive",
+    "SpinUp", "Tip", "TorqueDrive", "changed",
 ]  # fmt: skip
 
 
@@ -280,6 +280,24 @@ class FollowerAlone(_Bodies):
 
 #: What an engine may be asked to simulate.
 Scene = Mechanism | FollowerAlone
+
+
+def changed(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
+    """The scene with other values, each named by its place in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
+
+    Raises:
+        ImpossibleMechanism: as the dataclasses do.
+    """
+    for path, value in values.items():
+        parts: list[Any] = [mechanism]
+        *outer, last = path.split(".")
+        for name in outer:
+            parts.append(getattr(parts[-1], name))
+        new = replace(parts.pop(), **{last: value})
+        for name in reversed(outer):
+            new = replace(parts.pop(), **{name: new})
+        mechanism = new
+    return mechanism
 
 
 def doubts(scene: Scene) -> Iterator[str]:

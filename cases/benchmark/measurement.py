@@ -6,21 +6,23 @@ What an engine does to its process it would do to this one: see `cases.benchmark
 """
 
 import contextlib
+import math
 import os
 import platform
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from cases.benchmark.findings import Measured, Point
+from cases.benchmark.findings import Confirmation, Converged, Measured, Point
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from engines.accurate import ESTIMATED, run_once
 from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.registry import engine
+from engines.relative import relative_error, rms
 from engines.settings import SettingError, Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
@@ -50,8 +52,8 @@ class Benchmark:
         case: its name.
         title: its title.
         duration: s.
-        truth: engine, settings, and `sizes`: RMS of each column of `ESTIMATED` (SI).
-        confirmation: engine, settings and `differences` of each column; {"engine", "failure"} if there is none.
+        truth: what errors are measured against.
+        confirmation: how far that can be trusted.
         points: one for each method and settings.
         repetitions: of a point at most.
         longest: solve time (s) beyond which the finer settings of a method were not tried.
@@ -62,8 +64,8 @@ class Benchmark:
     case: str
     title: str
     duration: float
-    truth: dict[str, Any]
-    confirmation: dict[str, Any]
+    truth: Converged
+    confirmation: Confirmation
     points: tuple[Point, ...]
     repetitions: int
     longest: float
@@ -73,7 +75,7 @@ class Benchmark:
     @property
     def confirmed(self) -> bool:
         """Whether the tip deflection of both solutions agrees to `CONFIRMED`."""
-        difference = self.confirmation.get("differences", {}).get("tip_deflection")
+        difference = self.confirmation.differences.get("tip_deflection")
         return difference is not None and difference <= CONFIRMED
 
 
@@ -113,12 +115,11 @@ def benchmark(
             point.repeat(case, repetition)
             if repetition == 0 and point.times and point.times[0] > longest:
                 slow.add(point.method.name)
-    sizes = {column: _size(truth, column) for column in ESTIMATED}
     return Benchmark(
         case.name,
         case.title,
         case.duration,
-        {"engine": TRUTH[0], "settings": _settings(TRUTH, case).as_dict(), "sizes": sizes},
+        Converged(TRUTH[0], _settings(TRUTH, case).as_dict(), {column: rms(truth[column]) for column in ESTIMATED}),
         confirmation,
         tuple(point.told(case, truth) for point in points),
         repetitions,
@@ -164,32 +165,24 @@ def _run(chosen: AnyEngine, case: Case, settings: Settings) -> tuple[Trajectory,
     return run_once(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, settings)
 
 
-def _confirmation(case: Case, truth: Trajectory) -> dict[str, Any]:
+def _confirmation(case: Case, truth: Trajectory) -> Confirmation:
     name, choices = CONFIRMING
-    about: dict[str, Any] = {"engine": name, "settings": {}, "failure": "no settings"}
+    found = Confirmation(name, {}, failure="no settings")
     for texts in choices:
         settings = _settings((name, texts), case)
-        about = {"engine": name, "settings": settings.as_dict()}
         try:
-            about["differences"] = _errors(_run(engine(name), case, settings)[0], truth)
+            found = Confirmation(name, settings.as_dict(), _errors(_run(engine(name), case, settings)[0], truth))
         except (EngineFailure, Refusal) as failure:
-            about["failure"] = str(failure)
+            found = Confirmation(name, settings.as_dict(), failure=str(failure))
             continue
-        if (about["differences"]["tip_deflection"] or 0.0) <= CONFIRMED:
+        if (found.differences["tip_deflection"] or 0.0) <= CONFIRMED:
             break
-    return about
-
-
-def _size(trajectory: Trajectory, column: str) -> float:
-    return float(np.sqrt(np.mean(trajectory[column] ** 2)))
+    return found
 
 
 def _errors(trajectory: Trajectory, truth: Trajectory) -> dict[str, float | None]:
-    errors: dict[str, float | None] = {}
-    for column in ESTIMATED:
-        size = _size(truth, column)
-        errors[column] = float(np.sqrt(np.mean((trajectory[column] - truth[column]) ** 2))) / size if size > 0.0 else None
-    return errors
+    errors = {column: relative_error(trajectory[column], truth[column]) for column in ESTIMATED}
+    return {column: error if math.isfinite(error) else None for column, error in errors.items()}
 
 
 class _Attempt:

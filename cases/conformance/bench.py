@@ -5,16 +5,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from cases.conformance.checks import Array, rms
-from cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, SOFT, UNTIL_BENT, changed
+from cases.conformance.checks import Array
+from cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, SOFT, UNTIL_BENT
 from engines.accurate import compared, run_once
 from engines.base import AnyEngine, Engine, EngineFailure, Refusal
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import usable_engine
+from engines.relative import rms
 from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.trajectory import REQUIRED, Trajectory
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, changed
 
 #: Columns that are held against `reference`; those that are not required, where the engine has them.
 COMPARED: Final = (*(name for name in REQUIRED if name != "time"), "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy")

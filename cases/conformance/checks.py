@@ -50,11 +50,6 @@ class Conformance:
         return tuple(check for check in self.checks if check.status == "failed")
 
 
-def rms(values: Array) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0
-
-
 def percent(share: float) -> str:
     """A share in per cent with two digits."""
     return f"{100.0 * share:.2g} %"

@@ -9,13 +9,13 @@ from scipy.interpolate import CubicSpline
 
 from cases.conformance.bench import Bench
 from cases.conformance.checks import Check
-from cases.conformance.scenes import OUTPUT_STEP, changed
+from cases.conformance.scenes import OUTPUT_STEP
 from engines.accurate import run_once
 from engines.base import EngineFailure, Refusal
 from engines.own.reference import ReferenceEngine
 from engines.start import Start, standard_start
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, changed
 
 #: A slack follower whose bent end the slider reaches when it comes to its farthest place.
 _PUSHED_OFF: Final = {"crank.length": 0.1795, "crank.initial_angle": 0.5, "follower.bending_stiffness": 10.0, "tip.mass": 0.1}

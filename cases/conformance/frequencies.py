@@ -8,10 +8,9 @@ import numpy as np
 
 from cases.conformance.bench import Bench
 from cases.conformance.checks import Array, Check, percent
-from cases.conformance.scenes import changed
 from engines.base import Refusal
 from engines.settings import Settings
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, changed
 from reference_model.natural_modes import frozen_crank_modes
 
 _COUNT: Final = 3

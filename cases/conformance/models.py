@@ -7,12 +7,12 @@ from typing import Any, Final
 import numpy as np
 
 from cases.conformance.bench import Truth, truth
-from cases.conformance.checks import Array, rms
-from cases.conformance.scenes import changed
+from cases.conformance.checks import Array
 from cases.conformance.suspects import Finding
 from engines.base import EngineFailure
+from engines.relative import rms
 from engines.start import Start
-from reference_model.mechanism import ImpossibleMechanism, Mechanism, PrescribedSpeed, TorqueDrive
+from reference_model.mechanism import ImpossibleMechanism, Mechanism, PrescribedSpeed, TorqueDrive, changed
 
 #: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
 #: are small beside the follower's.

@@ -9,11 +9,12 @@ from typing import Final
 import numpy as np
 
 from cases.conformance.bench import Bench, Truth, bent_start, truth
-from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, percent, rms
+from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, percent
 from cases.conformance.models import acts_as_if
 from cases.conformance.scenes import OUTPUT_STEP
 from cases.conformance.suspects import Finding, diagnose
 from engines.base import EngineFailure, Refusal
+from engines.relative import rms
 from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from engines.trajectory import Trajectory

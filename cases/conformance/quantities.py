@@ -6,11 +6,12 @@ from typing import Any, Final
 import numpy as np
 
 from cases.conformance.bench import Bench, Truth, truth
-from cases.conformance.checks import Array, Check, Status, percent, rms
-from cases.conformance.scenes import CHANGES, Change, changed
+from cases.conformance.checks import Array, Check, Status, percent
+from cases.conformance.scenes import CHANGES, Change
 from engines.base import EngineFailure, Refusal
+from engines.relative import rms
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, PrescribedSpeed
+from reference_model.mechanism import Mechanism, PrescribedSpeed, changed
 
 _DURATION: Final = 0.4  # s: three quarters of a turn
 #: Of the effect a quantity must have: less is none.

@@ -4,15 +4,17 @@ from collections.abc import Iterator
 from typing import Final
 
 from cases.conformance.bench import COMPARED, Bench, found_engine
-from cases.conformance.checks import Array, Check, rms
-from cases.conformance.scenes import OUTPUT_STEP, changed
+from cases.conformance.checks import Array, Check
+from cases.conformance.scenes import OUTPUT_STEP
 from cases.jobs.display import answers
 from cases.jobs.job import Job
 from cases.jobs.processes import LocalProcesses
 from engines.accurate import run_once
 from engines.base import AnyEngine, EngineFailure
+from engines.relative import rms
 from engines.start import standard_start
 from engines.trajectory import Trajectory
+from reference_model.mechanism import changed
 
 _DURATION: Final = 0.1  # s
 #: Threads may add in another order, and a step size control makes more of it.

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from typing import Final
 
 from cases.conformance.bench import Bench, Truth, truth
-from cases.conformance.checks import Check, rms
+from cases.conformance.checks import Check
 from engines.accurate import ESTIMATED
 from engines.base import Comparison, EngineFailure
+from engines.relative import rms
 from engines.settings import Settings
 from engines.trajectory import Trajectory
 

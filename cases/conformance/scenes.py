@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final
 
-from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive, changed
 
 OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
@@ -39,21 +39,7 @@ BASE: Final = Mechanism(
     tip=Tip(mass=0.05, inertia=2e-6),
 )
 #: For engines whose crank can only be turned at a given speed.
-PRESCRIBED: Final = dataclasses.replace(BASE, crank=dataclasses.replace(BASE.crank, drive=PrescribedSpeed(speed=SPEED)))
-
-
-def changed(mechanism: Mechanism, values: dict[str, Any]) -> Mechanism:
-    """The scene with other values, each named by its place in the dataclasses: "tip.mass", "crank.drive.torque", "gravity"."""
-    for path, value in values.items():
-        parts = [mechanism]
-        *outer, last = path.split(".")
-        for name in outer:
-            parts.append(getattr(parts[-1], name))
-        new: Any = dataclasses.replace(parts.pop(), **{last: value})
-        for name in reversed(outer):
-            new = dataclasses.replace(parts.pop(), **{name: new})
-        mechanism = new
-    return mechanism
+PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
 
 
 @dataclass(frozen=True)

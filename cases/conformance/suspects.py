@@ -7,7 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from cases.conformance.checks import Array, percent, rms
+from cases.conformance.checks import Array, percent
+from engines.relative import rms
 from reference_model.columns import COLUMNS
 from reference_model.mechanism import Mechanism
 

@@ -6,7 +6,7 @@ is energy, extremes and spectrum (`later_differences`).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -18,7 +18,7 @@ from engines.base import EngineFailure
 from engines.own.reference import ReferenceEngine
 from engines.start import standard_start
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, TorqueDrive
+from reference_model.mechanism import Mechanism, TorqueDrive, changed
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> C
     """
     nominal = _run(mechanism, duration, output_step)
     differences: dict[str, Array] = {}
-    for name, scene in changed(mechanism).items():
+    for name, scene in variants(mechanism).items():
         run = _run(scene, duration, output_step)
         rows = min(len(nominal), len(run))
         differences[name] = run["tip_deflection"][:rows] - nominal["tip_deflection"][:rows]
@@ -75,20 +75,18 @@ def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> C
     return Conditioning({name: float(ratio[-1]) for name, ratio in ratios.items()}, _horizon(counting, duration, output_step))
 
 
-def changed(mechanism: Mechanism) -> dict[str, Mechanism]:
+def variants(mechanism: Mechanism) -> dict[str, Mechanism]:
     """The scene with one kind of parameter larger by `CHANGE`: bending stiffness, dampings of beam and pivot, mean crank speed."""
-    factor, follower, base, drive = 1.0 + CHANGE, mechanism.follower, mechanism.base, mechanism.crank.drive
+    factor, follower, drive = 1.0 + CHANGE, mechanism.follower, mechanism.crank.drive
     if isinstance(drive, TorqueDrive):
-        faster = replace(drive, torque=factor * drive.torque, initial_speed=factor * drive.initial_speed)
-        crank = replace(mechanism.crank, drive=faster)
+        faster = {"crank.drive.torque": factor * drive.torque, "crank.drive.initial_speed": factor * drive.initial_speed}
     else:
-        crank = replace(mechanism.crank, drive=replace(drive, speed=factor * drive.speed))
+        faster = {"crank.drive.speed": factor * drive.speed}
+    more_damping = {"follower.damping": factor * follower.damping, "base.damping": factor * mechanism.base.damping}
     return {
-        "stiffness": replace(mechanism, follower=replace(follower, bending_stiffness=factor * follower.bending_stiffness)),
-        "damping": replace(
-            mechanism, follower=replace(follower, damping=factor * follower.damping), base=replace(base, damping=factor * base.damping)
-        ),
-        "speed": replace(mechanism, crank=crank),
+        "stiffness": changed(mechanism, {"follower.bending_stiffness": factor * follower.bending_stiffness}),
+        "damping": changed(mechanism, more_damping),
+        "speed": changed(mechanism, faster),
     }
 
 

@@ -19,6 +19,7 @@ from cases.judging.verdicts import Breakdown, Evidence, judge
 from engines.accurate import Result, run_once, simulate
 from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.registry import usable_engine
+from engines.relative import relative_error
 from engines.settings import SettingError, Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
@@ -145,7 +146,7 @@ class _Request:
         shown = {name: values[:rows] for name, values in whole.items()}
         difference, later, breakdown, broken = None, None, evidence.breakdown, ""
         if finer is not None and len(finer) >= rows:
-            difference = relative_difference(finer["tip_deflection"][:rows], shown["tip_deflection"])
+            difference = relative_error(finer["tip_deflection"][:rows], shown["tip_deflection"])
         elif finer_failure is not None:
             broken = str(finer_failure)
         if breakdown is not None and finer_failure is not None and self._at_the_end(finer):
@@ -186,12 +187,6 @@ class _Request:
             return False
         place = trajectory["slider_position"]
         return not 0.0 < place[-1] + 2.0 * (place[-1] - place[-2]) < self._scene.mechanism.follower.length
-
-
-def relative_difference(values: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
-    """RMS of the difference over the RMS of the truth, both of shape (n,); infinite where the truth is zero."""
-    size = float(np.sqrt(np.mean(truth**2)))
-    return float(np.sqrt(np.mean((values - truth) ** 2))) / size if size > 0.0 else math.inf
 
 
 def energy_residual(columns: Columns) -> float | None:

@@ -12,9 +12,10 @@ from cases.case import Case
 from cases.jobs.job import Job, Outcome, T
 from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning, conditioning, later_differences
-from cases.judging.evidence import Columns, Trial, TrialScene, gather, relative_difference
+from cases.judging.evidence import Columns, Trial, TrialScene, gather
 from cases.judging.verdicts import ACCURATE, ENDED, LATER, Breakdown, Evidence, Verdict, contradicted, judge
 from engines.registry import MAIN
+from engines.relative import relative_error
 
 #: Error of the tip deflection asked of every engine.
 REQUESTED: Final = 0.01
@@ -182,7 +183,7 @@ def _differences(runs: Mapping[str, Trial], verdicts: Mapping[str, Verdict]) -> 
 def _difference(columns: Columns, other: Columns, stretch: float) -> float:
     rows = int(np.searchsorted(columns["time"], stretch * (1.0 + 1e-9), side="right"))
     rows = min(rows, len(other["time"]))
-    return relative_difference(columns["tip_deflection"][:rows], other["tip_deflection"][:rows])
+    return relative_error(columns["tip_deflection"][:rows], other["tip_deflection"][:rows])
 
 
 def _distance(run: Trial, truth: Trial) -> float | None:

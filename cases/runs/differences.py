@@ -10,6 +10,7 @@ from cases.measures import on_common_grid
 from cases.runs.marching import channels_of
 from cases.runs.recorded import GROWING
 from cases.runs.request import NOTHING, Run
+from engines.relative import relative_error
 
 Array = NDArray[np.float64]
 
@@ -37,8 +38,7 @@ _SLIPS: Final = (
 
 def column_differences(run: Run, other: Run) -> dict[str, float]:
     """RMS difference of each column that both have, over its RMS in the other, at equal crank angles of the turn that was measured."""
-    pairs = _on_grid(run, other).items()
-    return {name: float(np.sqrt(np.mean((mine - its) ** 2) / np.mean(its**2))) for name, (mine, its) in pairs if other.peak(name) > NOTHING}
+    return {name: relative_error(mine, its) for name, (mine, its) in _on_grid(run, other).items() if other.peak(name) > NOTHING}
 
 
 def slips(run: Run, other: Run) -> dict[str, str]:
@@ -57,7 +57,7 @@ def slips(run: Run, other: Run) -> dict[str, str]:
 
 def _multiple(mine: Array, its: Array) -> str:
     factor = float(mine @ its / (its @ its))
-    if np.sqrt(np.mean((mine - factor * its) ** 2)) > ALIKE * np.sqrt(np.mean(mine**2)):
+    if relative_error(factor * its, mine) > ALIKE:
         return ""
     told = next((words for size, words in _SLIPS if abs(abs(factor) / size - 1.0) < NEAR), "")
     return ", ".join(filter(None, ["of the opposite sign" if factor < 0.0 else "", told]))

@@ -83,7 +83,7 @@ def command(
         if not as_json:
             _print(tables[-1])
     if as_json:
-        print_json({"benchmarks": [vars(table) | {"points": [_as_document(point) for point in table.points]} for table in tables]})
+        print_json({"benchmarks": [_as_document(table) for table in tables]})
     for table in tables:
         for name, reason in table.failures.items():
             tell(f"{table.case}: engine {name} was left out: {reason}")
@@ -97,23 +97,24 @@ def _print(table: "Benchmark") -> None:
     from reports.output import print_table
     from reports.words import settings_words
 
-    confirmation = table.confirmation
-    if "differences" in confirmation:
-        difference = confirmation["differences"]["tip_deflection"]
-        agreed = "nothing bends" if difference is None else f"{confirmation['engine']} agrees to {difference:.1e} in the tip deflection"
-    else:
-        agreed = f"not confirmed: {confirmation['failure']}"
-    click.echo(f"{table.case}: errors against {table.truth['engine']} ({settings_words(table.truth['settings'])}); {agreed}")
+    truth, confirmation = table.truth, table.confirmation
+    agreed = f"not confirmed: {confirmation.failure}"
+    if not confirmation.failure:
+        difference = confirmation.differences["tip_deflection"]
+        agreed = "nothing bends" if difference is None else f"{confirmation.engine} agrees to {difference:.1e} in the tip deflection"
+    click.echo(f"{table.case}: errors against {truth.engine} ({settings_words(truth.settings)}); {agreed}")
     front = pareto_front(table.points)
     heads = ("", "method", "settings", "dof", "solve s", "largest s", "deflection", "acceleration", "strain", "force", "remark")
     print_table([_row(point, point in front) for point in table.points], heads)
     click.echo("* on the Pareto front of solve time and error of the tip deflection")
 
 
-def _as_document(point: "Point") -> dict[str, Any]:
-    """A point with what was measured of it, where something was."""
-    about = {name: value for name, value in vars(point).items() if name != "measured"}
-    return about | (vars(point.measured) if point.measured else {})
+def _as_document(table: "Benchmark") -> dict[str, Any]:
+    """The table; points with what was measured of them, where something was, and of the confirmation either differences or the failure."""
+    points = [{**vars(point), **(vars(point.measured) if point.measured else {})} for point in table.points]
+    for point in points:
+        del point["measured"]
+    return vars(table) | {"points": points, "confirmation": {name: value for name, value in vars(table.confirmation).items() if value}}
 
 
 def _row(point: "Point", best: bool) -> tuple[str, ...]:

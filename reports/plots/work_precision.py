@@ -54,7 +54,7 @@ def draw(table: Benchmark) -> Figure | None:
 
 def _unknowable(axes: Axes, table: Benchmark, column: str) -> None:
     """Hatch where errors are less than what the two solutions that stand for the truth differ by."""
-    difference = error_of(table.confirmation.get("differences", {}), column)
+    difference = error_of(table.confirmation.differences, column)
     if difference:
         axes.axhspan(1e-9, PERCENT * difference, facecolor="none", edgecolor="#BBBBBB", hatch="////", linewidth=0.0, zorder=0.5)
 

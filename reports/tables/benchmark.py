@@ -8,7 +8,7 @@ from cases.benchmark import Benchmark, fastest_at, observed_order, pareto_front
 from cases.benchmark.findings import LEVELS, Point, completed, error_of
 from cases.benchmark.measurement import NOT_TRIED
 from reports.tables.table import Cell, Column, Table, TableBuilder
-from reports.words import case_label, duration, percent, settings_words
+from reports.words import case_label, duration, settings_words
 
 _ERRORS = (("tip_deflection", "deflection"), ("tip_acceleration", "tip acc."), ("strain", "worst strain"), ("slider_force", "force"))
 
@@ -74,12 +74,7 @@ def joints(table: Benchmark) -> Table:
         done = [found for found in completed(table.points) if found[0].method == name]
         if done and {"largest_gap", "spurious_share"} & set(done[-1][1].statistics):
             statistics = done[-1][1].statistics
-            builder.add(
-                method=name,
-                settings=settings_words(done[-1][0].changing),
-                largest_gap=statistics.get("largest_gap"),
-                spurious_share=statistics.get("spurious_share"),
-            )
+            builder.add(statistics, method=name, settings=settings_words(done[-1][0].changing))
     return builder.table()
 
 
@@ -91,7 +86,7 @@ def front(table: Benchmark) -> Table:
         _point_columns(),
     )
     for point in pareto_front(table.points):
-        builder.add(**_point_cells(point))
+        builder.add(point.measured, **_point_cells(point))
     return builder.table()
 
 
@@ -125,7 +120,7 @@ def points(tables: Sequence[Benchmark]) -> Table:
     )
     for table in tables:
         for point in table.points:
-            builder.add(case=table.case, status=point.status, **_point_cells(point))
+            builder.add(point.measured, case=table.case, status=point.status, **_point_cells(point))
     return builder.table()
 
 
@@ -144,11 +139,7 @@ def _point_columns() -> tuple[Column, ...]:
 
 
 def _point_cells(point: Point) -> dict[str, Any]:
-    cells: dict[str, Any] = {"method": point.method, "settings": settings_words(point.changing)}
-    if point.measured is not None:
-        names = ("degrees_of_freedom", "solve_seconds", "solve_seconds_median", "solve_seconds_largest", "repetitions", "setup_seconds")
-        cells |= {name: getattr(point.measured, name) for name in names} | {key: point.error(key) for key, _ in _ERRORS}
-    return cells
+    return {"method": point.method, "settings": settings_words(point.changing)} | {key: point.error(key) for key, _ in _ERRORS}
 
 
 def reference_cost(table: Benchmark) -> Table:
@@ -175,15 +166,13 @@ def reference_cost(table: Benchmark) -> Table:
             statistics = measured.statistics
             calls, seconds = statistics["right_hand_side_calls"], statistics.get("integration_seconds", math.nan)
             builder.add(
+                measured,
                 modes=point.settings["modes"],
                 tolerance=point.settings["tolerance"],
                 **{key: point.error(key) for key, _ in _ERRORS},
-                solve_seconds=measured.solve_seconds,
                 integration_seconds=seconds,
                 calls=calls,
                 seconds_per_call=seconds / calls,
-                calls_per_period=measured.calls_per_period,
-                setup_seconds=measured.setup_seconds,
             )
     return builder.table()
 
@@ -205,23 +194,13 @@ def scenes(tables: Sequence[Benchmark]) -> Table:
         ),
     )
     for table in tables:
-        about = table.confirmation
-        cells: dict[str, Any] = {key: error_of(about.get("differences", {}), key) for key, _ in _ERRORS}
-        failed = (
-            f"{about['engine']}: {about['failure']}" if "failure" in about else f"{about['engine']} ({settings_words(about['settings'])})"
-        )
+        truth, other = table.truth, table.confirmation
         builder.add(
+            table,
             case=Cell(table.case, case_label(table.case)),
-            title=table.title,
-            duration=table.duration,
-            size=table.truth["sizes"]["tip_deflection"],
-            truth=f"{table.truth['engine']} ({settings_words(table.truth['settings'])})",
-            confirming=failed,
-            **cells,
+            size=truth.sizes["tip_deflection"],
+            truth=f"{truth.engine} ({settings_words(truth.settings)})",
+            confirming=f"{other.engine}: {other.failure}" if other.failure else f"{other.engine} ({settings_words(other.settings)})",
+            **{key: error_of(other.differences, key) for key, _ in _ERRORS},
         )
     return builder.table()
-
-
-def level_words(level: float) -> str:
-    """An error in words: "1 %"."""
-    return percent(level, "g")

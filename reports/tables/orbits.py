@@ -3,9 +3,8 @@
 import math
 from collections.abc import Sequence
 
-import pandas as pd
-
 from cases.runs.comparison import REFERENCE, CaseResult
+from cases.studies import BothStarts
 from reports.tables.table import Cell, Column, Table, TableBuilder
 from reports.words import case_label
 
@@ -60,8 +59,8 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
     return builder.table()
 
 
-def both_ways(frame: pd.DataFrame) -> Table:
-    """One row per engine that marched from both starts; columns as the study has them."""
+def both_starts(found: Sequence[BothStarts]) -> Table:
+    """One row per engine that marched from both starts."""
     builder = TableBuilder(
         "both_starts",
         "Run 24 marched from the periodic state of the reference and, with the same settings, from the standard start: cycles until"
@@ -76,6 +75,12 @@ def both_ways(frame: pd.DataFrame) -> Table:
             Column("difference", "difference", "1", ".2g", "%", 100.0),
         ),
     )
-    for record in frame.to_dict("records"):
-        builder.add(**{column.key: getattr(record[column.key], "item", lambda v=record[column.key]: v)() for column in builder.columns})
+    for each in found:
+        builder.add(
+            each,
+            orbit_cycles=each.orbit.cycles,
+            orbit_settling_error=each.orbit.settling_error,
+            straight_cycles=each.straight.cycles,
+            straight_settling_error=each.straight.settling_error,
+        )
     return builder.table()

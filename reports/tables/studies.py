@@ -1,21 +1,22 @@
 """Accuracy, convergence, sensitivity and cost."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
-import pandas as pd
-
+from cases.measures import CHANNELS
 from cases.runs.comparison import CaseResult
+from cases.studies import Moved, StudiedRun
 from engines.accurate import ESTIMATED
 from reports.findings.agreement import engines_of
 from reports.tables.table import Cell, Column, Table, TableBuilder
-from reports.words import HALF, QUANTITY, case_label, short_name
+from reports.words import HALF, QUANTITY, case_label, settings_words, short_name
 
 #: Columns of the errors, with their headings.
 _ERRORS: Final = tuple(Column(name, short_name(name), "1", ".2g", "%", 100.0, group="error") for name in ESTIMATED)
 
 
-def accuracy(frame: pd.DataFrame) -> Table:
+def accuracy(runs: Sequence[StudiedRun]) -> Table:
     """Error of each engine at its default accuracy, and what it costs."""
     builder = TableBuilder(
         "accuracy",
@@ -33,11 +34,13 @@ def accuracy(frame: pd.DataFrame) -> Table:
             Column("remark", "remark", in_page=False),
         ),
     )
-    return _filled(builder, frame)
+    for run in runs:
+        builder.add(run, settings=settings_words(run.settings), **run.errors)
+    return builder.table()
 
 
-def confirmation(frame: pd.DataFrame) -> Table:
-    """Difference of the two solutions that stand for the truth."""
+def confirmation(converged: StudiedRun | None, confirming: Sequence[StudiedRun]) -> Table:
+    """Difference of the solutions that stand for the truth."""
     builder = TableBuilder(
         "confirmation",
         "The converged solution and the one of another engine that confirms it: difference over the RMS of the former.",
@@ -46,53 +49,40 @@ def confirmation(frame: pd.DataFrame) -> Table:
             Column("settings", "settings"),
             Column("confirmed_by", "confirmed by"),
             Column("with_settings", "settings"),
-            *(Column(column.key, column.head, "1", ".2g", "%", 100.0, group="difference") for column in _ERRORS),
+            *(replace(column, group="difference") for column in _ERRORS),
         ),
     )
-    return _filled(builder, frame)
-
-
-def convergence(frame: pd.DataFrame) -> Table:
-    """Shapes by tolerance; columns as the study has them."""
-    columns = []
-    for key in map(str, frame.columns):
-        if key in ESTIMATED:
-            columns.append(Column(key, short_name(key), "1", ".2g", "%", 100.0, group="error"))
-        elif key in ("tolerance", "solve_seconds"):
-            columns.append(Column(key, key.split("_")[0], "s" if key == "solve_seconds" else "1", ".2g"))
-        elif pd.api.types.is_numeric_dtype(frame[key]):
-            columns.append(Column(key, key.replace("_", " "), form="g"))
-        else:
-            columns.append(Column(key, key.replace("_", " ")))
-    caption = (
-        "Convergence of the reference in run 24, 2 s from the standard start: error against the finest row, for each number of modes and"
-        " tolerance of the integration."
-    )
-    return _filled(TableBuilder("convergence", caption, columns), frame)
-
-
-def _filled(builder: TableBuilder, frame: pd.DataFrame) -> Table:
-    keys = {column.key for column in builder.columns}
-    for record in frame.to_dict("records"):
-        builder.add(**{str(key): _plain(value) for key, value in record.items() if str(key) in keys})
+    for run in confirming if converged else ():
+        assert converged is not None
+        words = {"settings": settings_words(converged.settings), "with_settings": settings_words(run.settings)}
+        builder.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.errors)
     return builder.table()
 
 
-def _plain(value: Any) -> Any:
-    value = value.item() if hasattr(value, "item") else value
-    if isinstance(value, float):
-        if value != value:
-            return None
-        return value
-    return value
+def convergence(runs: Sequence[StudiedRun]) -> Table:
+    """Modes by tolerance."""
+    builder = TableBuilder(
+        "convergence",
+        "Convergence of the reference in run 24, 2 s from the standard start: error against the finest row, for each number of modes and"
+        " tolerance of the integration.",
+        (
+            Column("modes", "modes", form="d"),
+            Column("tolerance", "tolerance", "1", ".2g"),
+            Column("degrees_of_freedom", "degrees of freedom", form="d"),
+            *_ERRORS,
+            Column("solve_seconds", "solve", "s", ".2g"),
+            Column("right_hand_side_calls", "right hand side calls", form="g"),
+            Column("is_reference", "is reference"),
+        ),
+    )
+    for run in runs:
+        builder.add(run, **run.settings, **run.errors)
+    return builder.table()
 
 
-def sensitivity(frame: pd.DataFrame) -> Table:
+def sensitivity(found: Sequence[Moved]) -> Table:
     """How first-mode frequency and amplitudes move with what the thesis leaves open."""
-    quantities = [("first_mode_frequency", "consensus", "f₁")]
-    quantities += [
-        ("first_mode_amplitude", channel, short_name(channel)) for channel in ("tip_acceleration", "strain_1", "strain_2", "strain_3")
-    ]
+    quantities = {"first_mode_frequency_consensus": "f₁"} | {f"first_mode_amplitude_{name}": short_name(name) for name in CHANNELS}
     builder = TableBuilder(
         "sensitivity",
         "Change of the steady state with what the thesis leaves open, reference: first-mode frequency (consensus) and first-mode amplitude"
@@ -101,23 +91,21 @@ def sensitivity(frame: pd.DataFrame) -> Table:
             Column("run", "run"),
             Column("change", "change"),
             *(
-                Column(f"{half}_{quantity}_{channel}", head, "1", "+.1f", "%", 100.0, group=HALF[half])
+                Column(f"{half}_{key}", head, "1", "+.1f", "%", 100.0, group=HALF[half])
                 for half in HALF
-                for quantity, channel, head in quantities
+                for key, head in quantities.items()
             ),
         ),
     )
-    if frame.empty:
-        return builder.table()
-    known = {column.key for column in builder.columns}
-    for (run, change), group in frame.groupby(["run", "change"], sort=False):
-        cells: dict[str, Any] = {}
-        for record in group.to_dict("records"):
-            key = f"{record['half']}_{record['quantity']}_{record['channel']}"
-            value = _plain(record["relative_change"])
-            if key in known:
-                cells[key] = Cell(None, "n. r.", f"{QUANTITY[record['quantity']]} not resolvable", "open") if value is None else value
-        builder.add(run=Cell(str(run), case_label(str(run))), change=str(change), **cells)
+    for run, change in dict.fromkeys((each.run, each.change) for each in found):
+        cells = {
+            f"{each.half}_{each.quantity}_{each.channel}": Cell(None, "n. r.", f"{QUANTITY[each.quantity]} not resolvable", "open")
+            if each.relative_change is None
+            else Cell(each.relative_change)
+            for each in found
+            if (each.run, each.change) == (run, change)
+        }
+        builder.add(run=Cell(run, case_label(run)), change=change, **cells)
     return builder.table()
 
 

@@ -1,7 +1,7 @@
 """What a table is: a data frame in SI units, and how its columns and cells are shown. Page and CSV file are made from the same cells."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -190,8 +190,8 @@ class TableBuilder:
     in_page: bool = True
     rows: list[tuple[Cell, ...]] = field(default_factory=list)
 
-    def add(self, **values: Value | Cell) -> None:
-        """Add a row; columns that are not named stay empty.
+    def add(self, row: object = None, /, **values: Value | Cell) -> None:
+        """Add a row; columns that are not named hold what `row` has under their key, an attribute or an item, or nothing.
 
         Raises:
             KeyError: a name that is no column.
@@ -200,7 +200,8 @@ class TableBuilder:
         unknown = set(values) - set(known)
         if unknown:
             raise KeyError(f"table {self.name} has no column {sorted(unknown)[0]}")
-        cells = [values.get(key) for key in known]
+        of_row = row if isinstance(row, Mapping) else {key: getattr(row, key, None) for key in known}
+        cells = [values[key] if key in values else of_row.get(key) for key in known]
         self.rows.append(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in cells))
 
     def table(self) -> Table:

@@ -20,7 +20,7 @@ from cases.benchmark import (
     pareto_front,
     stored,
 )
-from cases.benchmark.findings import Measured, Point, completed, error_of
+from cases.benchmark.findings import Confirmation, Converged, Measured, Point, completed, error_of
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from cases.case_file import load_case
@@ -130,13 +130,13 @@ def test_a_table_has_every_point_with_its_errors_and_times(table: Benchmark) -> 
         assert p.measured is not None
         assert p.measured.repetitions == 2
         assert 0.0 < p.measured.solve_seconds <= p.measured.solve_seconds_median <= p.measured.solve_seconds_largest
-        assert set(p.measured.errors) == set(table.truth["sizes"])
+        assert set(p.measured.errors) == set(table.truth.sizes)
 
 
 def test_errors_are_against_a_solution_that_another_engine_confirms(table: Benchmark) -> None:
     # 16 links are within 1e-3 over 2 s of run 24 (engines.mujoco.settings.LADDER); the first 0.05 s are no harder
-    assert table.confirmation["settings"]["links"] == 16  # eight were not enough
-    assert 0.0 < table.confirmation["differences"]["tip_deflection"] < 2e-3
+    assert table.confirmation.settings["links"] == 16  # eight were not enough
+    assert 0.0 < table.confirmation.differences["tip_deflection"] < 2e-3
     errors = [p.error() for p in table.points if p.engine == "reference"]
     assert errors[0] is not None
     assert errors[-1] is not None
@@ -254,9 +254,8 @@ def _deadly(case: Case, names: tuple[str, ...], repetitions: int, longest: float
 
 def _quick(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
     sizes = dict.fromkeys(("tip_deflection",), float(np.float64(1.0)))
-    return Benchmark(
-        case.name, case.title, case.duration, {"sizes": sizes}, {"engine": "none", "failure": "no"}, (), repetitions, longest, {}
-    )
+    truth, confirmation = Converged("none", {}, sizes), Confirmation("none", {}, failure="no")
+    return Benchmark(case.name, case.title, case.duration, truth, confirmation, (), repetitions, longest, {})
 
 
 def _broken(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:

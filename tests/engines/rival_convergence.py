@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
+from engines.convergence import CHANNELS
 
 from engines.base import Engine, EngineFailure
-from engines.convergence import CHANNELS
 from engines.own.multiplier import MultiplierEngine, MultiplierSettings
 from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
 from engines.own.reference import ReferenceEngine, ReferenceSettings

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from engines.base import Engine, EngineFailure, Refusal
-from engines.convergence import CHANNELS, convergence_table
 from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
 from engines.own.staying_shapes import LADDER
 from engines.own.thesis import ThesisEngine, ThesisSettings
@@ -178,16 +177,6 @@ def test_only_what_a_scene_needs_is_built() -> None:
     assert description.degrees_of_freedom == 2
     assert "tip body" in description.bodies
     assert "crank pivot (speed prescribed)" in description.joints
-
-
-def test_convergence_table_falls_towards_its_finest_row() -> None:
-    ladder = [FixedShapesSettings(shapes=shapes, tolerance=tolerance) for shapes in (4, 6, 12) for tolerance in (1e-6, 1e-8)]
-    table = convergence_table(FIXED, run_24(), ladder, 0.3, 1e-3)
-    assert list(table["is_reference"]) == [False] * 5 + [True]
-    assert table.iloc[-1][list(CHANNELS)].eq(0.0).all()
-    tight = table[table["tolerance"] == 1e-8]
-    for channel in CHANNELS:
-        assert tight[channel].iloc[0] > tight[channel].iloc[1] > 0.0
 
 
 def test_ladder_climbs() -> None:

@@ -1,7 +1,7 @@
 """A benchmark with known numbers: errors fall as a power of the degrees of freedom, times grow with them."""
 
 from cases.benchmark import Benchmark
-from cases.benchmark.findings import Measured, Point
+from cases.benchmark.findings import Confirmation, Converged, Measured, Point
 
 COLUMNS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
 #: Method -> engine, order of the error, error with one degree of freedom, seconds per degree of freedom.
@@ -39,12 +39,8 @@ def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True) -> Benchm
         case=case,
         title="a title",
         duration=2.0,
-        truth={"engine": "reference", "settings": {"modes": 11}, "sizes": dict.fromkeys(COLUMNS, 0.01)},
-        confirmation={
-            "engine": "mujoco",
-            "settings": {"links": 60},
-            "differences": dict.fromkeys(COLUMNS, 1e-4 if confirmed else 1e-2),
-        },
+        truth=Converged("reference", {"modes": 11}, dict.fromkeys(COLUMNS, 0.01)),
+        confirmation=Confirmation("mujoco", {"links": 60}, dict.fromkeys(COLUMNS, 1e-4 if confirmed else 1e-2)),
         points=tuple(points),
         repetitions=5,
         longest=10.0,

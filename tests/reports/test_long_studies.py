@@ -84,8 +84,8 @@ def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> Non
         pytest.fail(f"{case} is not recorded")
     done = [point for point in found.points if point.method == name and point.measured]
     point = sorted(done, key=lambda each: each.measured.degrees_of_freedom if each.measured else 0)[rank]
-    truth = solved(case, found.truth["engine"], json.dumps(found.truth["settings"]))
+    truth = solved(case, found.truth.engine, json.dumps(found.truth.settings))
     mine = solved(case, name, json.dumps(point.settings))
     difference = ((mine["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
     # recorded with six digits; the rest is what another machine's rounding may do to adaptive steps
-    assert difference / found.truth["sizes"]["tip_deflection"] == pytest.approx(point.error(), rel=1e-3)
+    assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(point.error(), rel=1e-3)

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+from cases.benchmark.findings import Confirmation
 from reports.page.answer import answer_of
 from reports.tables import benchmark as tables
 from tests.reports.made_up_benchmark import made_up_benchmark
@@ -46,7 +47,7 @@ def test_points_that_failed_are_listed() -> None:
 def test_an_unconfirmed_truth_is_a_warning() -> None:
     assert "smaller errors say nothing here" not in text_of(one_run(benchmarks=[made_up_benchmark()]))
     assert "smaller errors say nothing here" in text_of(one_run(benchmarks=[made_up_benchmark(confirmed=False)]))
-    missing = dataclasses.replace(made_up_benchmark(), confirmation={"engine": "mujoco", "settings": {}, "failure": "no such library"})
+    missing = dataclasses.replace(made_up_benchmark(), confirmation=Confirmation("mujoco", {}, failure="no such library"))
     assert "smaller errors say nothing here" in text_of(one_run(benchmarks=[missing]))
 
 

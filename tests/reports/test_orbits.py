@@ -3,14 +3,13 @@
 import dataclasses
 import math
 
-import pandas as pd
 import pytest
 
 from reports.tables.orbits import orbits
 from tests.reports.pages import one_run, text_of
 from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import reported_result
-from tests.reports.test_report import BOTH_WAYS, studies
+from tests.reports.test_report import both_starts, studies
 
 
 def test_marching_is_told_from_the_largest_multiplier() -> None:
@@ -34,7 +33,6 @@ def test_the_chapter_says_how_much_is_saved_or_that_nothing_is() -> None:
 
 @pytest.mark.parametrize(("difference", "words"), [(1.3e-3, "(no more than both say is left)"), (1.5e-3, "(more than both say is left)")])
 def test_both_starts_are_held_against_what_both_runs_say_is_left(difference: float, words: str) -> None:
-    frame = pd.DataFrame([BOTH_WAYS | {"difference": difference}])
-    told = text_of(one_run(studies=dataclasses.replace(studies(), both_ways=frame)))
+    told = text_of(one_run(studies=dataclasses.replace(studies(), both_starts=[both_starts(difference)])))
     assert "exudyn in 4 and 25 cycles" in told
     assert words in told

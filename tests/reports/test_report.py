@@ -5,8 +5,8 @@ import dataclasses
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
-import pandas as pd
 import pytest
 
 from cases.case_file import load_case
@@ -15,7 +15,8 @@ from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.runs.comparison import compare
-from cases.studies import Studies
+from cases.runs.request import Run
+from cases.studies import BothStarts, Moved, StudiedRun, Studies
 from reports import report as report_module
 from reports.machine import machine_facts
 from reports.output import OutputError
@@ -34,31 +35,45 @@ from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.plotted_results import with_run, with_table
 from tests.reports.reported_results import PageReader, reported_result
 
-BOTH_WAYS = {"engine": "exudyn", "difference": 6e-4, "orbit_start": "periodic orbit of reference", "straight_start": "standard",
-             "orbit_cycles": 4, "straight_cycles": 25, "orbit_settling_error": 5e-4, "straight_settling_error": 9e-4}  # fmt: skip
 ERRORS = dict.fromkeys(("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force"), 0.001)
 
 
+def both_starts(difference: float = 6e-4) -> BothStarts:
+    orbit, straight = (
+        Run(engine="exudyn", estimate_of="total", status="settled", cycles=cycles, settling_error=left)
+        for cycles, left in ((4, 5e-4), (25, 9e-4))
+    )
+    return BothStarts("exudyn", orbit, straight, difference)
+
+
+def studied(engine: str, settings: dict[str, Any], part: float = 1.0, *, is_reference: bool = False) -> StudiedRun:
+    return StudiedRun(
+        engine=engine,
+        settings=settings,
+        degrees_of_freedom=17,
+        solve_seconds=1.5,
+        setup_seconds=0.1,
+        error_estimate=9e-4,
+        errors={name: part * error for name, error in ERRORS.items()},
+        is_reference=is_reference,
+    )
+
+
 def studies() -> Studies:
-    """Made-up tables with the columns of real ones."""
-    engine = {"settings": "step = 1e-4", "solve_seconds": 1.5, "setup_seconds": 0.1, "remark": "", "error_estimate": 9e-4}
-    accuracy = [{"engine": name, "degrees_of_freedom": 17, **engine, **ERRORS} for name in ("thesis", "reference")]
-    confirmation = [{"engine": "reference", "settings": "a", "confirmed_by": "exudyn", "with_settings": "b", **ERRORS}]
-    solved = {"tolerance": 1e-9, "solve_seconds": 0.5}
-    convergence = [{"modes": n, "is_reference": n == 8, **solved, **dict.fromkeys(ERRORS, 0.1 / n)} for n in (2, 4, 8)]
+    """Made-up rows."""
     sensitivity = [
-        {"run": "thesis-24", "change": change, "half": half, "quantity": quantity, "channel": channel, "nominal": 16.0, "value": 15.0,
-         "relative_change": relative}
-        for change, relative in (("EI + 5 %", 0.024), ("slider mass 0.1 kg", float("nan")))
+        Moved("thesis-24", change, half, quantity, channel, 16.0, value)
+        for change, value in (("EI + 5 %", 16.4), ("slider mass 0.1 kg", None))
         for half in ("pre", "post")
         for quantity, channel in (("first_mode_frequency", "consensus"), ("first_mode_amplitude", "strain_2"))
-    ]  # fmt: skip
+    ]
     return Studies(
-        accuracy=pd.DataFrame(accuracy),
-        confirmation=pd.DataFrame(confirmation),
-        convergence=pd.DataFrame(convergence),
-        sensitivity=pd.DataFrame(sensitivity),
-        both_ways=pd.DataFrame([BOTH_WAYS]),
+        accuracy=[studied(name, {"step": 1e-4}) for name in ("thesis", "reference")],
+        converged=studied("reference", {"modes": 9}),
+        confirming=[studied("exudyn", {"elements": 32})],
+        convergence=[studied("reference", {"modes": n, "tolerance": 1e-9}, 100.0 / n, is_reference=n == 8) for n in (2, 4, 8)],
+        sensitivity=sensitivity,
+        both_starts=[both_starts()],
         failures=(),
     )
 

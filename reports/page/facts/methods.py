@@ -22,6 +22,11 @@ from reports.words import duration, settings_words, size
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
+#: What errors are drawn over.
+SOLVE_TIME: Final = "solve time [s]"
+FREEDOM: Final = "degrees of freedom"
+
+
 def methods(content: Content) -> dict[str, Any] | None:
     """None where nothing was measured and the thesis' question is not asked."""
     found = list(content.benchmarks)
@@ -44,7 +49,7 @@ def methods(content: Content) -> dict[str, Any] | None:
         "stuck": _stuck(first),
         "confirmed": CONFIRMED,
         "fastest": tables.fastest(found),
-        "plots": [(table, _work_precision(table), _freedom(table)) for table in found],
+        "plots": [(table, _errors_over(table, SOLVE_TIME), _errors_over(table, FREEDOM)) for table in found],
         "fronts": [tables.front(table) for table in found],
         "tables": [tables.orders(found), tables.reference_cost(first), tables.joints(first), tables.scenes(found), tables.failures(found)],
         "points": tables.points(found),
@@ -73,11 +78,11 @@ def _series(table: Benchmark, across: str) -> list[Series]:
     """The Pareto front as a broad band, and the points of each method."""
 
     def at(point: Any, measured: Any) -> float:
-        return measured.solve_seconds if across == "time" else measured.degrees_of_freedom
+        return measured.solve_seconds if across == SOLVE_TIME else measured.degrees_of_freedom
 
     front = [(at(point, point.measured), point.error()) for point in pareto_front(table.points) if point.error()]
     found = []
-    if across == "time":
+    if across == SOLVE_TIME:
         found.append(Series("Pareto front", "", [x for x, _ in front], [y for _, y in front if y], broad=True))
     for name in tables.methods_of([table]):
         done = [(p, m, error) for p, m in completed(table.points) if p.method == name and (error := p.error())]
@@ -89,14 +94,9 @@ def _series(table: Benchmark, across: str) -> list[Series]:
     return found
 
 
-def _work_precision(table: Benchmark) -> Plot:
-    below = table.confirmation.get("differences", {}).get("tip_deflection")
-    return Plot("benchmark.csv", "solve time [s]", "error of the tip deflection", _series(table, "time"), "xy", below)
-
-
-def _freedom(table: Benchmark) -> Plot:
-    below = table.confirmation.get("differences", {}).get("tip_deflection")
-    return Plot("benchmark.csv", "degrees of freedom", "error of the tip deflection", _series(table, "freedom"), "xy", below)
+def _errors_over(table: Benchmark, across: str) -> Plot:
+    below = table.confirmation.differences.get("tip_deflection")
+    return Plot("benchmark.csv", across, "error of the tip deflection", _series(table, across), "xy", below)
 
 
 def stored_matrix(workshop: Workshop) -> Matrix | None:

@@ -1,17 +1,18 @@
 """What the thesis leaves open, and accuracy beside cost."""
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
-import pandas as pd
 
-from cases.measures import CHANNELS
 from cases.runs.comparison import REFERENCE
+from cases.studies import Moved, StudiedRun
+from engines.accurate import ESTIMATED
 from reports.findings.agreement import engines_of
 from reports.page.content import Content
 from reports.page.plot import Plot, Series
 from reports.tables import studies as tables
-from reports.tables.orbits import GONE_AT, SETTLED_AT, both_ways, orbits
+from reports.tables.orbits import GONE_AT, SETTLED_AT, both_starts, orbits
 from reports.tables.table import Table
 from reports.words import HALF, case_label, size
 
@@ -23,41 +24,38 @@ NOTABLE: Final = 0.01
 
 def open_points(content: Content) -> dict[str, Any] | None:
     """None where the runs that it is about are not all shown."""
-    if content.studies is None or content.studies.sensitivity.empty:
+    if content.studies is None or not content.studies.sensitivity:
         return None
-    frame = content.studies.sensitivity
+    found = content.studies.sensitivity
     return {
         "notable": NOTABLE,
-        "frequency": _strongest(frame, "first_mode_frequency"),
-        "amplitude": _strongest(frame, "first_mode_amplitude"),
+        "frequency": _strongest(found, "first_mode_frequency"),
+        "amplitude": _strongest(found, "first_mode_amplitude"),
         "failures": content.studies.failures,
-        "plot": _sensitivity(frame),
-        "table": tables.sensitivity(frame),
+        "plot": _sensitivity(found),
+        "table": tables.sensitivity(found),
     }
 
 
-def _strongest(frame: pd.DataFrame, quantity: str) -> list[tuple[str, float]]:
+def _strongest(found: Sequence[Moved], quantity: str) -> list[tuple[str, float]]:
     """Changes and how far they move a quantity at most, the strongest first."""
-    known = frame[(frame["quantity"] == quantity) & frame["relative_change"].notna()]
-    largest = known.assign(size=known["relative_change"].abs()).groupby("change")["size"].max().sort_values(ascending=False)
-    return [(str(change), float(value)) for change, value in largest.items()]
+    largest: dict[str, float] = {}
+    for each in found:
+        if each.quantity == quantity and each.relative_change is not None:
+            largest[each.change] = max(abs(each.relative_change), largest.get(each.change, 0.0))
+    return sorted(largest.items(), key=lambda item: item[1], reverse=True)
 
 
-def _sensitivity(frame: pd.DataFrame) -> Plot:
-    known = frame[(frame["quantity"] == "first_mode_frequency") & frame["relative_change"].notna()]
+def _sensitivity(found: Sequence[Moved]) -> Plot:
+    known = [each for each in found if each.quantity == "first_mode_frequency" and each.relative_change is not None]
     series = []
-    for (run, half), group in known.groupby(["run", "half"], sort=False):
-        changes, moved = [str(change) for change in group["change"]], [100.0 * float(value) for value in group["relative_change"]]
-        texts = [f"{change}: {size(value / 100.0)}" for change, value in zip(changes, moved, strict=True)]
-        series.append(Series(f"{case_label(str(run))}, {HALF[str(half)]}", "", changes, moved, texts, line=False))
-    return Plot(
-        "sensitivity.csv",
-        "",
-        "change of the first-mode frequency [%]",
-        series,
-        categories=list(dict.fromkeys(known["change"])),
-        legend="bottom_left",
-    )
+    for run, half in dict.fromkeys((each.run, each.half) for each in known):
+        moved = {each.change: each.relative_change or 0.0 for each in known if (each.run, each.half) == (run, half)}
+        texts = [f"{change}: {size(share)}" for change, share in moved.items()]
+        shown = [100.0 * share for share in moved.values()]
+        series.append(Series(f"{case_label(run)}, {HALF[half]}", "", list(moved), shown, texts, line=False))
+    changes = list(dict.fromkeys(each.change for each in known))
+    return Plot("sensitivity.csv", "", "change of the first-mode frequency [%]", series, categories=changes, legend="bottom_left")
 
 
 def accuracy(content: Content) -> dict[str, Any] | None:
@@ -67,37 +65,37 @@ def accuracy(content: Content) -> dict[str, Any] | None:
     found = orbits(content.results, marching)
     if studies is None and not found.rows:
         return None
-    confirmation = (
-        [] if studies is None else [{str(key): value for key, value in row.items()} for row in studies.confirmation.to_dict("records")]
-    )
-    return {
-        "studied": studies is not None,
-        "errors": {} if studies is None else {row["engine"]: float(row["tip_deflection"]) for row in studies.accuracy.to_dict("records")},
-        "confirmation": confirmation,
+    facts: dict[str, Any] = {
+        "studies": studies,
         "confirmed": CONFIRMED,
-        "failures": () if studies is None else studies.failures,
-        "both_ways": [] if studies is None else studies.both_ways.to_dict("records"),
         "saved": _saved(found),
         "settled_at": SETTLED_AT,
         "gone_at": GONE_AT,
-        "plot": None if studies is None or studies.convergence.empty else _convergence(studies.convergence),
-        "accuracy": None if studies is None else tables.accuracy(studies.accuracy),
-        "confirmation_table": None if studies is None else tables.confirmation(studies.confirmation),
-        "convergence": None if studies is None else tables.convergence(studies.convergence),
         "orbits": found,
-        "both_ways_table": None if studies is None or studies.both_ways.empty else both_ways(studies.both_ways),
         "solve_times": tables.solve_times(content.results),
     }
+    if studies is not None:
+        facts |= {
+            "plot": _convergence(studies.convergence),
+            "accuracy": tables.accuracy(studies.accuracy),
+            "confirmation": tables.confirmation(studies.converged, studies.confirming),
+            "convergence": tables.convergence(studies.convergence),
+            "both_starts": both_starts(studies.both_starts),
+        }
+    return facts
 
 
-def _convergence(frame: pd.DataFrame) -> Plot:
-    finest = frame[(frame["tolerance"] == frame["tolerance"].min()) & ~frame["is_reference"]]
-    columns = [name for name in ("tip_deflection", *CHANNELS, "slider_force") if name in frame.columns]
-    series = [
-        Series(name.replace("_", " "), "", [int(n) for n in finest["modes"]], [float(value) for value in finest[name]],
-               [f"{int(n)} modes: {size(float(value))}" for n, value in zip(finest["modes"], finest[name], strict=True)])
-        for name in columns
-    ]  # fmt: skip
+def _convergence(runs: Sequence[StudiedRun]) -> Plot | None:
+    if not runs:
+        return None
+    tightest = min(run.settings["tolerance"] for run in runs)
+    finest = [run for run in runs if run.settings["tolerance"] == tightest and not run.is_reference]
+    modes = [run.settings["modes"] for run in finest]
+    series = []
+    for name in ESTIMATED:
+        errors = [run.errors[name] for run in finest]
+        texts = [f"{n} modes: {size(error)}" for n, error in zip(modes, errors, strict=True)]
+        series.append(Series(name.replace("_", " "), "", modes, errors, texts))
     return Plot("convergence.csv", "modes", "error, RMS over RMS", series, "y")
 
 

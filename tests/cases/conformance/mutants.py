@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.conformance.scenes import changed
 from engines.base import Comparison, EngineFailure, Simulation
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.start import Start
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, changed
 
 Columns = dict[str, NDArray[np.float64]]
 

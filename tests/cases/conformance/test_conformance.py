@@ -6,8 +6,7 @@ import re
 import pytest
 
 from cases.conformance import GROUPS, conform
-from cases.conformance.checks import rms
-from cases.conformance.scenes import BASE, CHANGES, changed
+from cases.conformance.scenes import BASE, CHANGES
 from engines.base import AnyEngine
 from engines.exudyn.engine import ExudynEngine
 from engines.exudyn.settings import ExudynSettings
@@ -15,7 +14,8 @@ from engines.mujoco.engine import MujocoEngine
 from engines.mujoco.settings import ChainSettings
 from engines.own.reference import ReferenceEngine
 from engines.registry import engine
-from reference_model.mechanism import Mechanism
+from engines.relative import rms
+from reference_model.mechanism import Mechanism, changed
 from tests.cases.conformance.mutants import MUTANTS as FIRST
 from tests.cases.conformance.second_mutants import SECOND
 

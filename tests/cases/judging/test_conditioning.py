@@ -8,7 +8,7 @@ import pytest
 
 import cases.judging.conditioning
 from cases.case_file import load_case
-from cases.judging.conditioning import CHANGE, ILL, changed, conditioning
+from cases.judging.conditioning import CHANGE, ILL, conditioning, variants
 from engines.trajectory import REQUIRED, Trajectory
 from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 
@@ -57,7 +57,7 @@ def test_a_few_rows_beyond_the_horizon_are_not_told_apart() -> None:
 
 
 def test_what_is_changed() -> None:
-    scenes = changed(MECHANISM)
+    scenes = variants(MECHANISM)
     factor = 1.0 + CHANGE
     follower = MECHANISM.follower
     assert scenes["stiffness"] == replace(MECHANISM, follower=replace(follower, bending_stiffness=factor * STIFFNESS))
@@ -68,4 +68,4 @@ def test_what_is_changed() -> None:
     assert isinstance(nominal, TorqueDrive)
     assert (drive.torque, drive.initial_speed, drive.damping) == (factor * nominal.torque, factor * nominal.initial_speed, nominal.damping)
     prescribed = replace(MECHANISM, crank=replace(MECHANISM.crank, drive=PrescribedSpeed(speed=10.0)))
-    assert changed(prescribed)["speed"].crank.drive == PrescribedSpeed(speed=10.0 * factor)
+    assert variants(prescribed)["speed"].crank.drive == PrescribedSpeed(speed=10.0 * factor)

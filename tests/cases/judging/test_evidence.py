@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from cases.case_file import load_case
-from cases.judging.evidence import Trial, TrialScene, crank_jump, energy_residual, gather, relative_difference
+from cases.judging.evidence import Trial, TrialScene, crank_jump, energy_residual, gather
 from cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
 from engines.base import Comparison, EngineFailure, Refusal
+from engines.relative import relative_error
 from engines.settings import Settings
 from engines.start import Start
 from engines.trajectory import Trajectory
@@ -45,7 +46,7 @@ def test_the_first_rung_that_is_good_enough_is_taken_and_its_claim_holds() -> No
     assert (verdict.kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.1))
     truth = np.sin(found.columns["time"])
     assert verdict.claimed_error is not None
-    assert relative_difference(found.columns["tip_deflection"], truth) <= 1.05 * verdict.claimed_error  # cosine and sine differ in RMS
+    assert relative_error(found.columns["tip_deflection"], truth) <= 1.05 * verdict.claimed_error  # cosine and sine differ in RMS
     assert found.evidence.finer_difference == pytest.approx(error_of(0.1) - error_of(0.05), rel=0.1)
 
 

@@ -12,11 +12,12 @@ import pytest
 import engines
 import reference_model
 from cases.case_file import load_case
-from cases.judging.evidence import Columns, Trial, TrialScene, gather, relative_difference
+from cases.judging.evidence import Columns, Trial, TrialScene, gather
 from cases.judging.matrix import REQUESTED
 from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, contradicted, judge
 from engines.base import Engine
 from engines.registry import engine
+from engines.relative import relative_error
 from tests.engines.wrong_engines import Disguised, Restarting, Stiffer, TooLargeStep
 
 MECHANISM = load_case("thesis-24").mechanism
@@ -40,7 +41,7 @@ def verdicts_with(odd: Columns, evidence: Trial, sound: dict[str, Trial]) -> dic
     columns = {name: run.columns for name, run in sound.items()} | {"odd": odd}
     own = {name: judge(run.evidence) for name, run in sound.items()} | {"odd": judge(evidence.evidence)}
     differences = {
-        (first, second): relative_difference(columns[first]["tip_deflection"], columns[second]["tip_deflection"])
+        (first, second): relative_error(columns[first]["tip_deflection"], columns[second]["tip_deflection"])
         for first in columns
         for second in columns
         if first != second
