@@ -1,6 +1,7 @@
 """What the natural frequencies of the crank held still say about the thesis' readings and its suspicion of the slider joint."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -23,6 +24,11 @@ LBF_PER_IN: Final = 4.4482216152605 / 0.0254  # N/m
 STIFFNESSES: Final = (math.inf, 1000.0 * LBF_PER_IN)
 #: A lowering of the first mode as large as the discrepancies that the thesis speaks of.
 LOWERING: Final = 0.05
+#: Signs of strains 1, 2, 3.
+ALTERNATING: Final = (1, -1, 1)
+ALIKE: Final = (1, 1, 1)
+#: "Doubling or tripling": numbers of cubic elements.
+ELEMENTS: Final = (1, 2, 3)
 
 
 @dataclass(frozen=True)
@@ -45,6 +51,40 @@ class JointEffect:
     change_pre: float
     change_post: float
     third_mode: Range
+
+
+@dataclass(frozen=True)
+class FrozenCrank:
+    """What is known of a run.
+
+    Attributes:
+        converged: ranges of the first three converged modes over the crank angle, Hz.
+        cubic: ranges of the modes of the thesis' single cubic, Hz.
+        alternating: per converged mode the share of crank angles at which strains 1 and 3 have one sign and strain 2 the other.
+        alike: the same for all three of one sign.
+        elements: largest excess of the first frequency with one, two and three cubic elements over the converged one, relative.
+        joints: what a soft slider joint does; empty where there is no reference cycle.
+    """
+
+    converged: tuple[Range, ...]
+    cubic: tuple[Range, ...]
+    alternating: tuple[float, ...]
+    alike: tuple[float, ...]
+    elements: tuple[float, ...]
+    joints: tuple[JointEffect, ...]
+
+
+def frozen_crank(mechanism: Mechanism, cycle: Mapping[str, Array]) -> FrozenCrank:
+    """All of it; `cycle`: crank angle (rad) and time (s) over the reference's steady cycle, or empty."""
+    converged = converged_ranges(mechanism)
+    return FrozenCrank(
+        converged=tuple(converged),
+        cubic=tuple(cubic_ranges(mechanism, 2)),
+        alternating=tuple(share_with_signs(mechanism, mode, ALTERNATING) for mode in range(len(converged))),
+        alike=tuple(share_with_signs(mechanism, mode, ALIKE) for mode in range(len(converged))),
+        elements=tuple(excess_of_elements(mechanism, elements) for elements in ELEMENTS),
+        joints=tuple(joint_effects(mechanism, cycle["crank_angle"], cycle["time"])) if cycle else (),
+    )
 
 
 def converged_modes(mechanism: Mechanism) -> list[FrozenModes]:

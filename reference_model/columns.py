@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Column:
+class Observable:
     """What a column holds.
 
     Attributes:
@@ -35,32 +35,32 @@ PLACES: Final = 11
 #: Name -> column, in the order of tables: those that every engine delivers first.
 COLUMNS: Final = MappingProxyType(
     {
-        "time": Column("s", "since the start", required=True),
-        "crank_angle": Column("rad", "q1, counter-clockwise from n1, continuous", required=True, of_slider=True),
-        "crank_speed": Column("rad/s", "of the crank", required=True, of_slider=True),
-        "follower_angle": Column("rad", "q2, tangent at the base, continuous, within 90 deg of 180 deg at the start", required=True),
-        "slider_position": Column("m", "arc length s of the slider from P", required=True, of_slider=True),
-        "tip_x": Column("m", "place of x = L from O along n1", required=True),
-        "tip_y": Column("m", "place of x = L from O along n2", required=True),
-        "tip_deflection": Column("m", "distance of x = L from the base tangent, along b2", required=True),
-        "tip_acceleration": Column("m/s^2", "absolute acceleration of x = L along the beam's normal there", required=True),
-        "strain_1": Column("1", "surface strain at the first gauge: curvature x thickness / 2, positive where W'' > 0", required=True),
-        "strain_2": Column("1", "at the second gauge", required=True),
-        "strain_3": Column("1", "at the third gauge", required=True),
-        "slider_force": Column(
+        "time": Observable("s", "since the start", required=True),
+        "crank_angle": Observable("rad", "q1, counter-clockwise from n1, continuous", required=True, of_slider=True),
+        "crank_speed": Observable("rad/s", "of the crank", required=True, of_slider=True),
+        "follower_angle": Observable("rad", "q2, tangent at the base, continuous, within 90 deg of 180 deg at the start", required=True),
+        "slider_position": Observable("m", "arc length s of the slider from P", required=True, of_slider=True),
+        "tip_x": Observable("m", "place of x = L from O along n1", required=True),
+        "tip_y": Observable("m", "place of x = L from O along n2", required=True),
+        "tip_deflection": Observable("m", "distance of x = L from the base tangent, along b2", required=True),
+        "tip_acceleration": Observable("m/s^2", "absolute acceleration of x = L along the beam's normal there", required=True),
+        "strain_1": Observable("1", "surface strain at the first gauge: curvature x thickness / 2, positive where W'' > 0", required=True),
+        "strain_2": Observable("1", "at the second gauge", required=True),
+        "strain_3": Observable("1", "at the third gauge", required=True),
+        "slider_force": Observable(
             "N", "normal force on the follower at the slider, positive along the normal n = (-W', ...)", required=True, of_slider=True
         ),
-        "crank_torque": Column("N m", "torque of the drive on the crank (constant, or what a prescribed speed takes)", of_slider=True),
-        "kinetic_energy": Column("J", "all bodies"),
-        "strain_energy": Column("J", "follower (and joint spring)"),
-        "dissipated_energy": Column("J", "by all dampings since the start"),
-        "constraint_gap": Column("m", "distance of the slider from the centre line", of_slider=True),
-        "gravity_energy": Column("J", "potential energy of gravity, all bodies, zero at the height of O"),
-        "drive_work": Column("J", "work of the drive torque and of the force on the tip since the start"),
-        "base_torque": Column("N m", "torque that turns the base as prescribed"),
-        "axial_stretch": Column("m", "length of the centre line less that of the undeformed follower"),
+        "crank_torque": Observable("N m", "torque of the drive on the crank (constant, or what a prescribed speed takes)", of_slider=True),
+        "kinetic_energy": Observable("J", "all bodies"),
+        "strain_energy": Observable("J", "follower (and joint spring)"),
+        "dissipated_energy": Observable("J", "by all dampings since the start"),
+        "constraint_gap": Observable("m", "distance of the slider from the centre line", of_slider=True),
+        "gravity_energy": Observable("J", "potential energy of gravity, all bodies, zero at the height of O"),
+        "drive_work": Observable("J", "work of the drive torque and of the force on the tip since the start"),
+        "base_torque": Observable("N m", "torque that turns the base as prescribed"),
+        "axial_stretch": Observable("m", "length of the centre line less that of the undeformed follower"),
         **{
-            f"shape_{k:02d}": Column("m", f"distance of x = {k}/{PLACES + 1} L from the base tangent, along b2")
+            f"shape_{k:02d}": Observable("m", f"distance of x = {k}/{PLACES + 1} L from the base tangent, along b2")
             for k in range(1, PLACES + 1)
         },
     }

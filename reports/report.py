@@ -12,6 +12,8 @@ from cases.benchmark import SCENES, Benchmark, stored
 from cases.case import Case
 from cases.case_file import load_case
 from cases.errors import shortened
+from cases.frozen_crank import FrozenCrank, frozen_crank
+from cases.jobs.job import Job
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.store import words_of
 from cases.jobs.workshop import Workshop
@@ -19,12 +21,11 @@ from cases.judging.matrix import Matrix
 from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.recorded import RecordedTable, experiment_tables
-from cases.runs.comparison import CaseResult, cross_validate
+from cases.runs.comparison import REFERENCE, CaseResult, cross_validate
 from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
 from engines.registry import MAIN
 from reports import long_studies
-from reports.findings.evidence import Evidence, NoEvidence, evidence
 from reports.findings.runs import of_run, run_number
 from reports.machine import machine_facts
 from reports.output import OutputError, write_file
@@ -112,12 +113,12 @@ def write_report(
     matrix, matrix_recorded = _hard_scenes(workshop) if studied else (None, False)
     of_record = {"benchmark": benchmarks_recorded, "hard scenes": matrix_recorded}
     example = of_run(results, EXAMPLE) if EXAMPLE else None
-    found, missing = _evidence(example, workshop)
+    found, missing = _frozen_crank(example, workshop)
     content = Content(
         results=results,
         studies=studies,
         benchmarks=benchmarks,
-        evidence=found,
+        frozen_crank=found,
         hard_scenes=matrix,
         of_record={study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
         verification=stored_verification(workshop.store.folder),
@@ -146,12 +147,17 @@ def write(content: Content, folder: Path) -> Written:
     return Written(folder / PAGE, content, tables)
 
 
-def _evidence(example: CaseResult | None, workshop: Workshop) -> tuple[Evidence | None, list[str]]:
-    """The evidence on the example run and why there is none, if it could not be computed."""
-    try:
-        return (None if example is None else evidence(example, workshop)), []
-    except NoEvidence as reason:
-        return None, [str(reason)]
+def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[FrozenCrank | None, list[str]]:
+    """What is known of the example run with its crank held, and why nothing is, if it could not be computed."""
+    if example is None:
+        return None, []
+    reference = example.runs.get(REFERENCE)
+    cycle = {name: reference.cycle[name] for name in ("crank_angle", "time")} if reference is not None and reference.usable else {}
+    job = Job("frozen crank", frozen_crank, (example.case.mechanism, cycle), kind="frozen crank", code=("cases.frozen_crank",))
+    (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
+    if outcome.value is not None:
+        return outcome.value, []
+    return None, [f"{example.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}"]
 
 
 def _studied(cases: Sequence[Case]) -> bool:

@@ -32,7 +32,7 @@ _CODE: Final = ("cases.judging",)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
+class Judged:
     """An engine in a scene.
 
     Attributes:
@@ -76,12 +76,12 @@ class Matrix:
 
     cases: tuple[Case, ...]
     engines: tuple[str, ...]
-    cells: Mapping[tuple[str, str], Cell]
+    cells: Mapping[tuple[str, str], Judged]
     conditionings: Mapping[str, Conditioning]
     converged: Mapping[str, float | None]
 
     @property
-    def silently_wrong(self) -> tuple[Cell, ...]:
+    def silently_wrong(self) -> tuple[Judged, ...]:
         """Cells that claim what is not so: there must be none."""
         return tuple(cell for cell in self.cells.values() if cell.silently_wrong)
 
@@ -111,7 +111,7 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
     for (what, name), found in zip(jobs, outcomes(list(jobs.values())), strict=True):
         if found is not None:
             trials[what, name] = found.value or _broken(jobs[what, name], found)
-    cells: dict[tuple[str, str], Cell] = {}
+    cells: dict[tuple[str, str], Judged] = {}
     converged: dict[str, float | None] = {}
     for case in cases:
         truth = trials.get(("converged", case.name))
@@ -157,7 +157,7 @@ def _broken(job: Job[Trial], outcome: Outcome[Trial]) -> Trial:
     return Trial(Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step, breakdown=broken), {}, {})
 
 
-def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Trial | None) -> list[Cell]:
+def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Trial | None) -> list[Judged]:
     own = {name: judge(run.evidence) for name, run in runs.items()}
     others = {name: verdict for name, verdict in own.items() if name != MODEL}
     verdicts = own | contradicted(others, _differences(runs, others))
@@ -166,7 +166,7 @@ def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Tr
         right = model if name == MODEL else truth
         check = _checked(verdict, runs[name], right) if right else {}
         distance = _distance(model, truth) if name == MODEL and model and truth else None
-        cells.append(Cell(scene=scene, engine=name, verdict=verdict, settings=runs[name].settings, model_error=distance, **check))
+        cells.append(Judged(scene=scene, engine=name, verdict=verdict, settings=runs[name].settings, model_error=distance, **check))
     return cells
 
 

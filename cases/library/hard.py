@@ -23,7 +23,7 @@ Values = Mapping[str, str | list[str] | None]
 
 
 @dataclass(frozen=True)
-class Scene:
+class Variation:
     """A change of run 24.
 
     Attributes:
@@ -42,39 +42,39 @@ _NO_PLATES: Final[Values] = tip_body(0)
 _AT_EQUILIBRIUM: Final[Values] = {"crank.initial_speed": None}
 
 
-def _speed(factor: int, title: str) -> Scene:
+def _speed(factor: int, title: str) -> Variation:
     """The same torque against a weaker damping."""
-    return Scene(title, {"crank.damping": 1.0 / factor}, _AT_EQUILIBRIUM)
+    return Variation(title, {"crank.damping": 1.0 / factor}, _AT_EQUILIBRIUM)
 
 
-def _crank(length: str, title: str) -> Scene:
-    return Scene(f"crank {length}, no plates: {title}", given={"crank.length": length, **_NO_PLATES})
+def _crank(length: str, title: str) -> Variation:
+    return Variation(f"crank {length}, no plates: {title}", given={"crank.length": length, **_NO_PLATES})
 
 
-def _joint(stiffness: str) -> Scene:
-    return Scene(f"slider joint of {stiffness} N/m", given={"slider.joint_stiffness": f"{stiffness} N/m"})
+def _joint(stiffness: str) -> Variation:
+    return Variation(f"slider joint of {stiffness} N/m", given={"slider.joint_stiffness": f"{stiffness} N/m"})
 
 
 #: Name -> scene.
 SCENES: Final = MappingProxyType(
     {
-        "hard-ei-x0.1": Scene("bending stiffness x 0.1", {"follower.bending_stiffness": 0.1}),
-        "hard-ei-x10": Scene("bending stiffness x 10", {"follower.bending_stiffness": 10.0}),
-        "hard-ei-x1000": Scene("bending stiffness x 1000", {"follower.bending_stiffness": 1000.0}),
+        "hard-ei-x0.1": Variation("bending stiffness x 0.1", {"follower.bending_stiffness": 0.1}),
+        "hard-ei-x10": Variation("bending stiffness x 10", {"follower.bending_stiffness": 10.0}),
+        "hard-ei-x1000": Variation("bending stiffness x 1000", {"follower.bending_stiffness": 1000.0}),
         "hard-speed-x2": _speed(2, "crank speed x 2"),
         "hard-speed-x3": _speed(3, "crank speed x 3: the slider leaves the follower"),
         "hard-crank-6in": _crank("6 in", "slider up to 96 % of the length"),
         "hard-crank-6.9in": _crank("6.9 in", "slider up to 99.6 % of the length"),
         "hard-crank-6.95in": _crank("6.95 in", "the deflection pushes the slider off"),
-        "hard-no-tip": Scene("no tip body", given={"tip": None}),
-        "hard-tip-x10": Scene("tip body x 10", {"tip.mass": 10.0, "tip.inertia": 10.0}),
-        "hard-mass-x0.1": Scene("follower's mass x 0.1", {"follower.mass_per_length": 0.1}),
-        "hard-undamped": Scene(
+        "hard-no-tip": Variation("no tip body", given={"tip": None}),
+        "hard-tip-x10": Variation("tip body x 10", {"tip.mass": 10.0, "tip.inertia": 10.0}),
+        "hard-mass-x0.1": Variation("follower's mass x 0.1", {"follower.mass_per_length": 0.1}),
+        "hard-undamped": Variation(
             "neither torque nor damping, 100 cycles",
             {"crank.torque": 0.0, "crank.damping": 0.0, "base.damping": 0.0, "follower.damping": 0.0},
             {"simulation.duration": "38 s"},  # 2 pi / 16.617773 rad/s = 0.3781 s a cycle
         ),
-        "hard-gravity": Scene(
+        "hard-gravity": Variation(
             "gravity along -n2, crank balanced about O with the same inertia",
             # 0.1 lbf s²/in x (3 in)² + 4.0e-4 lbf s² in: run 24's inertia about O
             given={
@@ -83,7 +83,7 @@ SCENES: Final = MappingProxyType(
                 "crank.inertia": "0.9004 lbf*s^2*in",
             },
         ),
-        "hard-prescribed-speed": Scene(
+        "hard-prescribed-speed": Variation(
             "crank speed prescribed",
             given={
                 "crank.prescribed_speed": "16.617773 rad/s",
@@ -92,10 +92,10 @@ SCENES: Final = MappingProxyType(
                 "crank.initial_speed": None,
             },
         ),
-        "hard-start-at-0deg": Scene("start in the quick return", given={"crank.initial_angle": "0 deg"}),
-        "hard-reversed": Scene("reversed rotation", {"crank.torque": -1.0}, _AT_EQUILIBRIUM),
-        "hard-slider-mass": Scene("slider of 0.5 kg", given={"slider.mass": "0.5 kg"}),
-        "hard-slider-inertia": Scene("slider with inertia", given={"slider.mass": "0.1 kg", "slider.inertia": "2e-5 kg*m^2"}),
+        "hard-start-at-0deg": Variation("start in the quick return", given={"crank.initial_angle": "0 deg"}),
+        "hard-reversed": Variation("reversed rotation", {"crank.torque": -1.0}, _AT_EQUILIBRIUM),
+        "hard-slider-mass": Variation("slider of 0.5 kg", given={"slider.mass": "0.5 kg"}),
+        "hard-slider-inertia": Variation("slider with inertia", given={"slider.mass": "0.1 kg", "slider.inertia": "2e-5 kg*m^2"}),
         "hard-joint-1e3": _joint("1e3"),
         "hard-joint-1e5": _joint("1e5"),
         "hard-joint-1e7": _joint("1e7"),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from cases.data import read_table, read_toml
-from cases.library.thesis import RUNS, Run
+from cases.library.thesis import RUNS, ThesisRun
 from cases.units import BENDING_STIFFNESS, LENGTH, parse_quantity
 
 #: Pa. No wrought aluminium alloy carries more before it yields (7075-T6: 0.50 GPa).
@@ -54,7 +54,7 @@ def inconsistencies() -> tuple[Inconsistency, ...]:
     )
 
 
-def _contradicting_dampings(runs: Iterable[Run]) -> list[Inconsistency]:
+def _contradicting_dampings(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
     return [
         Inconsistency(
             (run.number,),
@@ -70,7 +70,7 @@ def _contradicting_dampings(runs: Iterable[Run]) -> list[Inconsistency]:
     ]
 
 
-def _missing_speeds(runs: Iterable[Run]) -> list[Inconsistency]:
+def _missing_speeds(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
     return [
         Inconsistency(
             (run.number,),
@@ -84,13 +84,13 @@ def _missing_speeds(runs: Iterable[Run]) -> list[Inconsistency]:
     ]
 
 
-def _lost_experiments(runs: Iterable[Run]) -> list[Inconsistency]:
+def _lost_experiments(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
     lost = tuple(run.number for run in runs if not run.strain_usable and not run.acceleration_usable)
     reason = "the data were corrupted in transfer (section 3.5)"
     return [Inconsistency(lost, "experiment", "no measurement", "the simulation alone", reason)] if lost else []
 
 
-def _noisy_accelerations(runs: Iterable[Run]) -> list[Inconsistency]:
+def _noisy_accelerations(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
     noisy = tuple(run.number for run in runs if run.strain_usable and not run.acceleration_usable)
     reason = "its electronic noise could not be filtered (section 3.5); the strain of these runs is valid"
     return [Inconsistency(noisy, "measured tip acceleration", "plotted", "the strain alone", reason)] if noisy else []

@@ -18,7 +18,7 @@ _COUNTS: Final = MappingProxyType({0: "no plates", 2: "two plates", 4: "four pla
 
 
 @dataclass(frozen=True)
-class Run:
+class ThesisRun:
     """A row of tables 3.1 and 5.2, with the texts as printed."""
 
     number: int
@@ -55,8 +55,8 @@ class Run:
         return self.measured_speed or f"{self.steady_speed:.8g}"
 
 
-def _run(row: MappingProxyType[str, str]) -> Run:
-    return Run(
+def _run(row: MappingProxyType[str, str]) -> ThesisRun:
+    return ThesisRun(
         number=int(row["run"]),
         crank_length=row["crank_length_in"],
         plates=int(row["mass_plates"]),

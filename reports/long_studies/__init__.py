@@ -22,7 +22,7 @@ from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.records import decoded, encoded
 from cases.jobs.store import Record
 from cases.judging.conditioning import Conditioning
-from cases.judging.matrix import Cell, Matrix
+from cases.judging.matrix import Judged, Matrix
 from engines.registry import MAIN
 
 T = TypeVar("T")
@@ -86,7 +86,7 @@ def benchmarks() -> Mapping[str, Benchmark]:
 
 def matrix(cases: Iterable[Case]) -> Matrix | None:
     """The hard scenes; None if they were not recorded."""
-    cells = {(cell.scene, cell.engine): cell for cell in table("hard_scenes", Cell)}
+    cells = {(cell.scene, cell.engine): cell for cell in table("hard_scenes", Judged)}
     if not cells:
         return None
     known = table("hard_scenes_conditioning", RecordedConditioning)

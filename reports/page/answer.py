@@ -11,7 +11,7 @@ from cases.benchmark.findings import LEVELS
 from cases.runs.comparison import REFERENCE, CaseResult
 from cases.runs.request import SETTLED
 from reports.findings.agreement import Spread, differences, engines_of, spread
-from reports.findings.verdicts import MODEL
+from reports.findings.conclusions import MODEL
 from reports.page.content import Content
 
 #: An engine tells the same story where at most this part of its numbers differ by more than claimed.

@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cases.benchmark import Benchmark
+from cases.frozen_crank import FrozenCrank
 from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
 from cases.studies import Studies
 from reports.findings.axes import AxisComparison, axis_comparisons
-from reports.findings.evidence import Evidence
+from reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
 from reports.findings.failures import Trouble, troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.runs import thesis_runs
-from reports.findings.verdicts import MODEL, Basis, Verdict, verdicts
 from reports.long_studies import About
 from reports.verification import Verification
 
@@ -25,7 +25,7 @@ class Content:
         results: the cases, at least one.
         studies: None where the cases that they are about are not all among the results.
         benchmarks: of the scenes on which methods are compared, those that there are.
-        evidence: on the thesis' example run; None where that is not among the results.
+        frozen_crank: on the thesis' example run; None where that is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         of_record: study ("benchmark", "hard scenes") -> about its recorded results, where these stand for the user's own.
         verification: of the long verification, if there are results.
@@ -37,7 +37,7 @@ class Content:
     results: Sequence[CaseResult]
     studies: Studies | None = None
     benchmarks: Sequence[Benchmark] = ()
-    evidence: Evidence | None = None
+    frozen_crank: FrozenCrank | None = None
     hard_scenes: Matrix | None = None
     of_record: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
@@ -56,9 +56,9 @@ class Content:
         return measured_halves(self.results)
 
     @property
-    def verdicts(self) -> list[Verdict]:
+    def conclusions(self) -> list[Conclusion]:
         """On the thesis' statements."""
-        return verdicts(Basis(self.thesis_results, self.evidence, statement_values(self.comparisons, MODEL)))
+        return conclusions(Basis(self.thesis_results, self.frozen_crank, statement_values(self.comparisons, MODEL)))
 
     @property
     def axes(self) -> list[AxisComparison]:

@@ -17,8 +17,7 @@ from matplotlib.ticker import FuncFormatter
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from reports.looks import Look as PageLook
-from reports.looks import looks
+from reports.looks import Look, looks
 
 Array = NDArray[np.float64]
 
@@ -37,7 +36,7 @@ BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
 
 
 @dataclass(frozen=True)
-class Look:
+class Stroke:
     """How a source of curves is drawn: colour, line, width in points, marker; `order` is what lies on top."""
 
     colour: str
@@ -66,20 +65,20 @@ _MARKERS: Final = {
 SCALE: Final = 0.5
 
 
-def look(engine: str) -> Look:
+def look(engine: str) -> Stroke:
     """How an engine is drawn that stands alone or among the project's: as on the page."""
     return all_looks([engine])[engine]
 
 
-def all_looks(engines: Sequence[str]) -> dict[str, Look]:
+def all_looks(engines: Sequence[str]) -> dict[str, Stroke]:
     """The look of each of some engines: as on the page, where those that are not the project's differ by their order."""
     return {name: _drawn(name, found) for name, found in looks(engines).items()}
 
 
-def _drawn(engine: str, found: PageLook) -> Look:
+def _drawn(engine: str, found: Look) -> Stroke:
     width = max(0.9, SCALE * found.width)
     line: LineStyleType = (0, tuple(SCALE * part / width for part in found.dash)) if found.dash else "-"
-    return Look(found.light, line, width, _MARKERS.get(engine, "h"), 2.0 + 0.05 * (found.order - 1))
+    return Stroke(found.light, line, width, _MARKERS.get(engine, "h"), 2.0 + 0.05 * (found.order - 1))
 
 
 def new_figure(height: float) -> Figure:

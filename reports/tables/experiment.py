@@ -10,9 +10,9 @@ from cases.measures import Measure
 from cases.runs.comparison import REFERENCE, CaseResult
 from cases.runs.request import Run
 from reports.findings.axes import AxisComparison
+from reports.findings.conclusions import MODEL
 from reports.findings.measured import MeasuredHalf
 from reports.findings.runs import thesis_runs
-from reports.findings.verdicts import MODEL
 from reports.tables.table import Cell, Column, Table, TableBuilder
 from reports.words import HALF, case_label, channel_name
 

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from cases.judging.conditioning import CHANGE, ILL
-from cases.judging.matrix import Cell as Judged
-from cases.judging.matrix import Matrix
+from cases.judging.matrix import Judged, Matrix
 from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, NOT_CONVERGED, REFUSED
 from reports.tables.table import Cell, Column, Mark, Table, TableBuilder
 from reports.words import TIED, number, percent, size

@@ -8,8 +8,8 @@ from cases.frozen_crank import LBF_PER_IN, JointEffect
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, CaseResult
 from reports.findings.agreement import Difference, Kind, differences
+from reports.findings.conclusions import HOLDS, IN_PART, MODEL, NOT, Conclusion
 from reports.findings.raw_extremes import Excess
-from reports.findings.verdicts import HOLDS, IN_PART, MODEL, NOT, Verdict
 from reports.tables.table import Cell, Column, Table, TableBuilder
 from reports.words import HALF, channel_name
 
@@ -88,8 +88,8 @@ def counted(excesses: Sequence[Excess]) -> Table:
     return builder.table()
 
 
-def statements(found: Sequence[Verdict]) -> Table:
-    """The statements with their verdicts."""
+def statements(found: Sequence[Conclusion]) -> Table:
+    """The statements, and what becomes of each."""
     builder = TableBuilder(
         "statements",
         "What the thesis says about frequencies and amplitudes, in our words, and what becomes of it. An inference is a reading that the"
@@ -102,14 +102,14 @@ def statements(found: Sequence[Verdict]) -> Table:
             Column("numbers", "numbers"),
         ),
     )
-    for verdict in found:
-        mark = "good" if verdict.verdict in (HOLDS, IN_PART) else "missed" if verdict.verdict == NOT else "open"
+    for each in found:
+        mark = "good" if each.outcome in (HOLDS, IN_PART) else "missed" if each.outcome == NOT else "open"
         builder.add(
-            section=verdict.statement.section,
-            statement=verdict.statement.words,
-            verdict=Cell(verdict.verdict, mark=mark),  # type: ignore[arg-type]  # one of the marks
-            inference=Cell(verdict.inference, "inference" if verdict.inference else "–"),
-            numbers=verdict.numbers,
+            each,
+            section=each.statement.section,
+            statement=each.statement.words,
+            verdict=Cell(each.outcome, mark=mark),  # type: ignore[arg-type]  # one of the marks
+            inference=Cell(each.inference, "inference" if each.inference else "–"),
         )
     return builder.table()
 

@@ -8,7 +8,7 @@ from cases.case_file import load_case
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning
-from cases.judging.matrix import Cell, Matrix
+from cases.judging.matrix import Judged, Matrix
 from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
 from cases.library.hard import IMPOSSIBLE
 from reports.page.facts.methods import stored_matrix
@@ -31,20 +31,20 @@ VERDICTS = {
 
 def matrix(*, wrong: bool = False) -> Matrix:
     cells = {
-        (scene, engine): Cell(scene=scene, engine=engine, verdict=verdict, settings={"modes": 5}, true_error=0.003, holds=True)
+        (scene, engine): Judged(scene=scene, engine=engine, verdict=verdict, settings={"modes": 5}, true_error=0.003, holds=True)
         for (scene, engine), verdict in VERDICTS.items()
         if verdict.claimed_error is not None
     } | {
-        (scene, engine): Cell(scene=scene, engine=engine, verdict=verdict, settings={})
+        (scene, engine): Judged(scene=scene, engine=engine, verdict=verdict, settings={})
         for (scene, engine), verdict in VERDICTS.items()
         if verdict.claimed_error is None
     }
     model = cells["hard-speed-x3", "thesis"]
-    cells["hard-speed-x3", "thesis"] = Cell(
+    cells["hard-speed-x3", "thesis"] = Judged(
         scene=model.scene, engine=model.engine, verdict=model.verdict, settings={}, true_error=1e-5, holds=True, model_error=0.81
     )
     if wrong:
-        cells["hard-speed-x2", "reference"] = Cell(
+        cells["hard-speed-x2", "reference"] = Judged(
             scene="hard-speed-x2",
             engine="reference",
             verdict=VERDICTS["hard-speed-x2", "reference"],

@@ -10,7 +10,7 @@ import pytest
 
 from cases.benchmark import Benchmark
 from cases.case_file import load_case
-from cases.judging.matrix import Cell
+from cases.judging.matrix import Judged
 from engines.accurate import run_once
 from engines.registry import engine
 from engines.start import standard_start
@@ -42,8 +42,8 @@ def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.Monkey
         if mine.point.measured and its.measured:
             assert mine.point.measured.errors == pytest.approx(its.measured.errors, rel=1e-5)  # six digits
     assert table("scenes", Benchmark) == [dataclasses.replace(measured, points=())]
-    assert table("cells", Cell) == list(found.cells.values())
-    assert table("nothing", Cell) == []
+    assert table("cells", Judged) == list(found.cells.values())
+    assert table("nothing", Judged) == []
 
 
 def test_a_recorded_result_is_labelled_as_such() -> None:

@@ -10,6 +10,7 @@ from cases.experiment import statements
 from cases.frozen_crank import (
     ANGLES,
     LBF_PER_IN,
+    FrozenCrank,
     JointEffect,
     Range,
     converged_ranges,
@@ -22,11 +23,10 @@ from cases.runs.comparison import HALVES, CaseResult, Check, compare
 from cases.runs.estimates import EstimatedConsensus
 from cases.runs.request import Run
 from reports.findings.agreement import differences, spread
-from reports.findings.evidence import Evidence
+from reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from reports.findings.failures import troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
-from reports.findings.verdicts import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, verdicts
 from reports.page.answer import answer_of
 from reports.page.chapters import chapters_of
 from reports.page.content import Content
@@ -53,7 +53,7 @@ def with_frequencies(name: str, factors: dict[str, tuple[float, float]], base: f
 
 
 ALIKE = {"thesis": (1.13, 1.13), "reference": (1.0, 1.0), "exudyn": (1.0, 1.0), "mujoco": (1.0, 1.0)}
-EVIDENCE = Evidence(
+FROZEN_CRANK = FrozenCrank(
     converged=(Range(11.0, 20.0), Range(45.0, 64.0), Range(112.0, 153.0)),
     cubic=(Range(12.0, 23.0), Range(60.0, 85.0)),
     alternating=(0.0, 0.0, 1.0),
@@ -63,48 +63,48 @@ EVIDENCE = Evidence(
 )
 
 
-def verdict_of(statement: str, basis: Basis) -> tuple[str, str, bool]:
-    (found,) = (verdict for verdict in verdicts(basis) if verdict.statement.id == statement)
-    return found.verdict, found.numbers, found.inference
+def conclusion_on(statement: str, basis: Basis) -> tuple[str, str, bool]:
+    (found,) = (each for each in conclusions(basis) if each.statement.id == statement)
+    return found.outcome, found.numbers, found.inference
 
 
 def test_every_statement_gets_a_verdict() -> None:
-    assert [verdict.statement for verdict in verdicts(Basis([], None))] == list(statements())
+    assert [each.statement for each in conclusions(Basis([], None))] == list(statements())
 
 
 def test_halves_that_are_alike_cannot_explain_a_difference_between_them() -> None:
     results = [with_frequencies(f"thesis-{run:02d}", ALIKE) for run in (10, 24)]
-    verdict, numbers, _ = verdict_of("post-excess", Basis(results, EVIDENCE))
+    verdict, numbers, _ = conclusion_on("post-excess", Basis(results, FROZEN_CRANK))
     assert verdict == CANNOT_FOLLOW
     assert "1.000" in numbers
 
 
 def test_halves_that_differ_by_what_the_words_mean_are_not_ruled_out() -> None:
     results = [with_frequencies(f"thesis-{run:02d}", ALIKE | {"thesis": (1.10, 1.15)}) for run in (10, 24)]
-    assert verdict_of("post-excess", Basis(results, EVIDENCE))[0] == UNCHECKABLE
+    assert conclusion_on("post-excess", Basis(results, FROZEN_CRANK))[0] == UNCHECKABLE
 
 
 @pytest.mark.parametrize(("change_post", "verdict"), [(-0.050, CANNOT_FOLLOW), (-0.054, CANNOT_FOLLOW), (-0.10, UNCHECKABLE)])
 def test_a_joint_that_acts_alike_in_both_halves_is_no_cause(change_post: float, verdict: str) -> None:
-    joints = (EVIDENCE.joints[0], dataclasses.replace(EVIDENCE.joints[1], change_post=change_post))
-    assert verdict_of("joint-cause", Basis([], dataclasses.replace(EVIDENCE, joints=joints)))[0] == verdict
+    joints = (FROZEN_CRANK.joints[0], dataclasses.replace(FROZEN_CRANK.joints[1], change_post=change_post))
+    assert conclusion_on("joint-cause", Basis([], dataclasses.replace(FROZEN_CRANK, joints=joints)))[0] == verdict
 
 
 @pytest.mark.parametrize(("factors", "verdict"), [((1.0, 1.0), HOLDS), ((1.04, 1.10), IN_PART), ((1.13, 1.13), NOT)])
 def test_the_first_mode_is_accurate_within_the_stated_limits_only(factors: tuple[float, float], verdict: str) -> None:
     results = [with_frequencies("thesis-24", ALIKE | {"thesis": factors})]
-    assert verdict_of("two-modes", Basis(results, EVIDENCE))[0] == verdict
+    assert conclusion_on("two-modes", Basis(results, FROZEN_CRANK))[0] == verdict
 
 
 def test_132_hz_belongs_to_the_mode_whose_range_holds_it() -> None:
-    assert verdict_of("second-mode", Basis([], EVIDENCE))[::2] == (NOT, True)
-    second = dataclasses.replace(EVIDENCE, converged=(Range(11.0, 20.0), Range(120.0, 140.0), Range(200.0, 250.0)))
-    assert verdict_of("second-mode", Basis([], second))[::2] == (HOLDS, False)
+    assert conclusion_on("second-mode", Basis([], FROZEN_CRANK))[::2] == (NOT, True)
+    second = dataclasses.replace(FROZEN_CRANK, converged=(Range(11.0, 20.0), Range(120.0, 140.0), Range(200.0, 250.0)))
+    assert conclusion_on("second-mode", Basis([], second))[::2] == (HOLDS, False)
 
 
 def test_more_elements_are_a_way_only_if_they_lower_the_error() -> None:
-    assert verdict_of("more-elements", Basis([], EVIDENCE))[0] == HOLDS
-    assert verdict_of("more-elements", Basis([], dataclasses.replace(EVIDENCE, elements=(0.16, 0.15, 0.14))))[0] == NOT
+    assert conclusion_on("more-elements", Basis([], FROZEN_CRANK))[0] == HOLDS
+    assert conclusion_on("more-elements", Basis([], dataclasses.replace(FROZEN_CRANK, elements=(0.16, 0.15, 0.14))))[0] == NOT
 
 
 def test_the_single_cubic_is_as_stiff_as_is_known(run_24: CaseResult) -> None:
@@ -119,15 +119,15 @@ def test_frequencies_depend_on_the_crank_length_only_if_they_change_with_it_alon
         with_frequencies("thesis-13", ALIKE, 17.0),
         with_frequencies("thesis-21", ALIKE, 18.0),
     ]
-    assert verdict_of("frequency-depends-on-crank", Basis(same_tip, None))[0] == UNCHECKABLE  # the tip never changes alone
+    assert conclusion_on("frequency-depends-on-crank", Basis(same_tip, None))[0] == UNCHECKABLE  # the tip never changes alone
     other_tip = [*same_tip, with_frequencies("thesis-23", ALIKE, 14.0)]
-    assert verdict_of("frequency-depends-on-crank", Basis(other_tip, None))[0] == HOLDS
+    assert conclusion_on("frequency-depends-on-crank", Basis(other_tip, None))[0] == HOLDS
 
 
 def test_without_a_waveform_relations_cannot_be_checked_and_with_one_they_are() -> None:
-    assert verdict_of("pre-frequency", Basis([], None))[0] == UNCHECKABLE
-    assert verdict_of("pre-frequency", Basis([], None, {"pre_frequency": {24: 1.01}}))[0] == HOLDS
-    assert verdict_of("pre-frequency", Basis([], None, {"pre_frequency": {24: 1.20}}))[0] == NOT
+    assert conclusion_on("pre-frequency", Basis([], None))[0] == UNCHECKABLE
+    assert conclusion_on("pre-frequency", Basis([], None, {"pre_frequency": {24: 1.01}}))[0] == HOLDS
+    assert conclusion_on("pre-frequency", Basis([], None, {"pre_frequency": {24: 1.20}}))[0] == NOT
 
 
 def measured(run_24: CaseResult, origin: str, of_experiment: bool = True) -> list[MeasuredHalf]:
@@ -152,7 +152,7 @@ def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
     wrong = dataclasses.replace(run_24.runs["mujoco"], engine="foreign", consensus=(EstimatedConsensus("pre", 99.0, 0.1, 0.1),))
     others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
     before, after = Content(results=[run_24]), Content(results=[others])
-    assert after.verdicts == before.verdicts
+    assert after.conclusions == before.conclusions
     assert after.axes
     assert all(axis.ratio("tool.csv") is None for axis in after.axes)
     facts_before, facts_after = ({chapter.id: chapter.facts for chapter in chapters_of(content)} for content in (before, after))

@@ -5,7 +5,7 @@ from typing import Any
 
 from cases.runs.comparison import REFERENCE, CaseResult, not_judged
 from reports.findings.agreement import differences, engines_of, resolvable
-from reports.findings.verdicts import MODEL
+from reports.findings.conclusions import MODEL
 from reports.page.answer import answer_of
 from reports.page.content import Content
 from reports.tables import claims, engines

@@ -11,8 +11,8 @@ from cases.library import inconsistencies
 from cases.measures import CHANNELS
 from engines.registry import OWN
 from reports.findings.agreement import differences, engines_of
+from reports.findings.conclusions import CANNOT_FOLLOW, MODEL, NOT
 from reports.findings.raw_extremes import Excess, counted_excess
-from reports.findings.verdicts import CANNOT_FOLLOW, MODEL, NOT
 from reports.page.content import Content
 from reports.tables import experiment as experiment_tables
 from reports.tables import thesis_view as tables
@@ -38,11 +38,11 @@ def thesis(content: Content) -> dict[str, Any] | None:
             medians[half] = float(np.median(ratios))
     excesses = counted_excess(results)
     fitted = [difference.relative for difference in differences(results, MODEL, "frequency")]
-    joints = content.evidence.joints if content.evidence is not None else ()
+    joints = content.frozen_crank.joints if content.frozen_crank is not None else ()
     return {
-        "verdicts": content.verdicts,
-        "contradicted": [verdict.statement.words for verdict in content.verdicts if verdict.verdict == NOT],
-        "not_following": [verdict.statement.words for verdict in content.verdicts if verdict.verdict == CANNOT_FOLLOW],
+        "conclusions": content.conclusions,
+        "contradicted": [each.statement.words for each in content.conclusions if each.outcome == NOT],
+        "not_following": [each.statement.words for each in content.conclusions if each.outcome == CANNOT_FOLLOW],
         "medians": medians,
         "fitted": fitted,
         "strains": {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF},
@@ -52,7 +52,7 @@ def thesis(content: Content) -> dict[str, Any] | None:
         "second_mode": SECOND_MODE,
         "stiffness": stiffness_reading(fitted),
         "ratios": tables.ratios(results),
-        "statements": tables.statements(content.verdicts),
+        "statements": tables.statements(content.conclusions),
         "counted": tables.counted(excesses),
         "joint_table": tables.joints(joints, "run 24"),
     }

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 
 from cases.experiment import Statement, statements
+from cases.frozen_crank import ELEMENTS, FrozenCrank
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from reports.findings.agreement import differences
-from reports.findings.evidence import ELEMENTS, Evidence
 from reports.findings.runs import of_run, thesis_runs
 from reports.words import listed, number, percent, size, span
 
@@ -34,31 +34,31 @@ DEPENDS: Final = 0.015
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Conclusion:
     """A statement, what becomes of it, and the numbers that decide; `inference` marks a reading that the numbers allow but do not prove."""
 
     statement: Statement
-    verdict: str
+    outcome: str
     numbers: str
     inference: bool = False
 
 
 @dataclass(frozen=True)
 class Basis:
-    """What verdicts are drawn from.
+    """What conclusions are drawn from.
 
     Attributes:
         results: cases shown.
-        evidence: on the run that the thesis shows as its example; None if that run is not among the cases.
+        frozen_crank: on the run that the thesis shows as its example; None if that run is not among the cases.
         measured: quantity of a statement -> run -> ratio simulation / experiment; empty as long as no measured waveform exists.
     """
 
     results: Sequence[CaseResult]
-    evidence: Evidence | None
+    frozen_crank: FrozenCrank | None
     measured: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
 
 
-def verdicts(basis: Basis) -> list[Verdict]:
+def conclusions(basis: Basis) -> list[Conclusion]:
     """One per statement, in the order of the thesis."""
     return [_RULES.get(statement.id, _relation)(statement, basis) for statement in statements()]
 
@@ -74,26 +74,26 @@ def post_over_pre(results: Sequence[CaseResult], engine: str) -> dict[int, float
     return found
 
 
-def _relation(statement: Statement, basis: Basis) -> Verdict:
+def _relation(statement: Statement, basis: Basis) -> Conclusion:
     """A ratio simulation / experiment, which takes a measured waveform."""
     values = basis.measured.get(statement.quantity, {})
     share = statement.share_of(values)
     if share is None:
-        return Verdict(statement, UNCHECKABLE, "It compares with measured waveforms, and none survives.")
+        return Conclusion(statement, UNCHECKABLE, "It compares with measured waveforms, and none survives.")
     counted = sum(run in values for run in statement.runs)
     numbers = (
         f"{percent(share, '.0f')} of the {counted} runs with measured curves show a ratio of {_limits(statement)};"
         f" the words ask for {percent(statement.share, '.0f')}."
     )
-    return Verdict(statement, HOLDS if statement.holds(values) else NOT, numbers)
+    return Conclusion(statement, HOLDS if statement.holds(values) else NOT, numbers)
 
 
-def _first_mode(statement: Statement, basis: Basis) -> Verdict:
-    if basis.evidence is None:
+def _first_mode(statement: Statement, basis: Basis) -> Conclusion:
+    if basis.frozen_crank is None:
         return _not_shown(statement)
-    found = basis.evidence.converged[0]
+    found = basis.frozen_crank.converged[0]
     overlap = max(0.0, min(found.high, statement.high) - max(found.low, statement.low)) / (statement.high - statement.low)
-    verdict = HOLDS if overlap == 1.0 else IN_PART if overlap > 0.0 else NOT
+    outcome = HOLDS if overlap == 1.0 else IN_PART if overlap > 0.0 else NOT
     place = "lies within" if overlap == 1.0 else "overlaps the upper part of" if found.low < statement.low else "overlaps"
     run = of_run(basis.results, statement.runs[0])
     reference = run.runs.get(REFERENCE) if run else None
@@ -105,29 +105,29 @@ def _first_mode(statement: Statement, basis: Basis) -> Verdict:
         + (f" Its time mean in the simulated cycle is {told}, before and after the return." if told else "")
         + " The measured waveform itself is lost."
     )
-    return Verdict(statement, verdict, numbers)
+    return Conclusion(statement, outcome, numbers)
 
 
-def _second_mode(statement: Statement, basis: Basis) -> Verdict:
-    if basis.evidence is None:
+def _second_mode(statement: Statement, basis: Basis) -> Conclusion:
+    if basis.frozen_crank is None:
         return _not_shown(statement)
-    second, third = basis.evidence.converged[1:3]
+    second, third = basis.frozen_crank.converged[1:3]
     numbers = (
         f"With the crank held, the second converged mode lies at {span(second.low, second.high, '.0f')} Hz, the third at"
         f" {span(third.low, third.high, '.0f')} Hz, the single cubic's second at"
-        f" {span(basis.evidence.cubic[1].low, basis.evidence.cubic[1].high, '.0f')} Hz."
+        f" {span(basis.frozen_crank.cubic[1].low, basis.frozen_crank.cubic[1].high, '.0f')} Hz."
     )
     if second.holds(statement.low):
-        return Verdict(statement, HOLDS, numbers)
+        return Conclusion(statement, HOLDS, numbers)
     if third.holds(statement.low):
-        return Verdict(statement, NOT, f"{numbers} {statement.low:g} Hz is the third mode, not the second.", inference=True)
-    return Verdict(statement, NOT, numbers)
+        return Conclusion(statement, NOT, f"{numbers} {statement.low:g} Hz is the third mode, not the second.", inference=True)
+    return Conclusion(statement, NOT, numbers)
 
 
-def _signs(statement: Statement, basis: Basis) -> Verdict:
-    if basis.evidence is None:
+def _signs(statement: Statement, basis: Basis) -> Conclusion:
+    if basis.frozen_crank is None:
         return _not_shown(statement)
-    alternating, alike = basis.evidence.alternating, basis.evidence.alike
+    alternating, alike = basis.frozen_crank.alternating, basis.frozen_crank.alike
     fast = [str(mode + 1) for mode, share in enumerate(alternating) if share >= MOSTLY]
     numbers = (
         "Strains 1 and 3 against strain 2: mode "
@@ -135,11 +135,11 @@ def _signs(statement: Statement, basis: Basis) -> Verdict:
         + f" of the crank angles. All three alike: mode 1 at {percent(alike[0], '.0f')}."
     )
     if alike[0] >= MOSTLY and fast:
-        return Verdict(statement, HOLDS, f"{numbers} The signs are those of mode {' and '.join(fast)}.", inference=True)
-    return Verdict(statement, NOT, numbers)
+        return Conclusion(statement, HOLDS, f"{numbers} The signs are those of mode {' and '.join(fast)}.", inference=True)
+    return Conclusion(statement, NOT, numbers)
 
 
-def _depends(statement: Statement, basis: Basis) -> Verdict:
+def _depends(statement: Statement, basis: Basis) -> Conclusion:
     groups: dict[str, dict[float, list[tuple[float, float]]]] = {"crank length": {}, "tip mass": {}}
     for result in thesis_runs(basis.results).values():
         run, mechanism = result.runs.get(REFERENCE), result.case.mechanism
@@ -150,10 +150,10 @@ def _depends(statement: Statement, basis: Basis) -> Verdict:
             groups["tip mass"].setdefault(length, []).append((mass, mean))
     changes = {name: _largest_change(group) for name, group in groups.items()}
     if None in changes.values():
-        return Verdict(statement, UNCHECKABLE, "The cases shown do not vary crank length and tip mass one at a time.")
+        return Conclusion(statement, UNCHECKABLE, "The cases shown do not vary crank length and tip mass one at a time.")
     numbers = "; ".join(f"{name} alone: up to {percent(change or 0.0, '.0f')}" for name, change in changes.items())
     holds = all(change is not None and change > DEPENDS for change in changes.values())
-    return Verdict(statement, HOLDS if holds else NOT, f"Reference, mean first-mode frequency before the return: {numbers}.")
+    return Conclusion(statement, HOLDS if holds else NOT, f"Reference, mean first-mode frequency before the return: {numbers}.")
 
 
 def _largest_change(groups: Mapping[float, list[tuple[float, float]]]) -> float | None:
@@ -162,22 +162,22 @@ def _largest_change(groups: Mapping[float, list[tuple[float, float]]]) -> float 
     return max(spreads) if spreads else None
 
 
-def _post_excess(statement: Statement, basis: Basis) -> Verdict:
+def _post_excess(statement: Statement, basis: Basis) -> Conclusion:
     """The reference in the place of the experiment: whether the single cubic alone could make the halves differ as the words say."""
     if basis.measured.get(statement.quantity):
         return _relation(statement, basis)
     halves = {engine: post_over_pre(basis.results, engine) for engine in (MODEL, REFERENCE)}
     excess = _excess(basis.results)
     if not excess:
-        return Verdict(statement, UNCHECKABLE, "No run shown is resolved in both halves by both the single cubic and the reference.")
+        return Conclusion(statement, UNCHECKABLE, "No run shown is resolved in both halves by both the single cubic and the reference.")
     told = [f"{engine} {_median_and_range(list(ratios.values()))}" for engine, ratios in halves.items() if ratios]
     numbers = (
         f"First-mode frequency after / before the return: {'; '.join(told)}. Excess of the single cubic over the reference, after / before:"
         f" {_median_and_range(list(excess.values()))}; the words: {_limits(statement)} in {percent(statement.share, '.0f')} of the runs."
     )
     if not statement.holds(excess):
-        return Verdict(statement, CANNOT_FOLLOW, f"{numbers} The single cubic is too stiff in both halves alike.")
-    return Verdict(statement, UNCHECKABLE, f"{numbers} The measured waveforms that would decide are lost.")
+        return Conclusion(statement, CANNOT_FOLLOW, f"{numbers} The single cubic is too stiff in both halves alike.")
+    return Conclusion(statement, UNCHECKABLE, f"{numbers} The measured waveforms that would decide are lost.")
 
 
 def _excess(results: Sequence[CaseResult]) -> dict[int, float]:
@@ -194,8 +194,8 @@ def _median_and_range(ratios: Sequence[float]) -> str:
     return f"median {number(float(np.median(ratios)), '.3f')} ({span(min(ratios), max(ratios), '.3f')}, {len(ratios)} runs)"
 
 
-def _joint(statement: Statement, basis: Basis) -> Verdict:
-    effects = [effect for effect in basis.evidence.joints if effect.change_pre < 0.0] if basis.evidence else []
+def _joint(statement: Statement, basis: Basis) -> Conclusion:
+    effects = [effect for effect in basis.frozen_crank.joints if effect.change_pre < 0.0] if basis.frozen_crank else []
     if not effects:
         return _not_shown(statement)
     effect = min(effects, key=lambda found: found.stiffness)
@@ -205,42 +205,42 @@ def _joint(statement: Statement, basis: Basis) -> Verdict:
         f" {percent(-effect.change_pre, '.2f')} before and {percent(-effect.change_post, '.2f')} after the return."
     )
     if alike:
-        return Verdict(statement, CANNOT_FOLLOW, f"{numbers} It lowers both halves alike and cannot make them differ.", inference=True)
-    return Verdict(statement, UNCHECKABLE, f"{numbers} It could make the halves differ.")
+        return Conclusion(statement, CANNOT_FOLLOW, f"{numbers} It lowers both halves alike and cannot make them differ.", inference=True)
+    return Conclusion(statement, UNCHECKABLE, f"{numbers} It could make the halves differ.")
 
 
-def _two_modes(statement: Statement, basis: Basis) -> Verdict:
+def _two_modes(statement: Statement, basis: Basis) -> Conclusion:
     ratios = [found.ratio for found in differences(basis.results, MODEL, "frequency")]
     if not ratios:
-        return Verdict(statement, UNCHECKABLE, "No half cycle of the runs shown is resolved by both the single cubic and the reference.")
+        return Conclusion(statement, UNCHECKABLE, "No half cycle of the runs shown is resolved by both the single cubic and the reference.")
     numbers = (
         f"First-mode frequency of the single cubic over the converged one: median {number(float(np.median(ratios)), '.3f')},"
         f" {span(min(ratios), max(ratios), '.3f')} in {len(ratios)} half cycles."
     )
-    if basis.evidence is not None:
-        second = [f"{span(found.low, found.high, '.0f')} Hz" for found in (basis.evidence.cubic[1], basis.evidence.converged[1])]
+    if basis.frozen_crank is not None:
+        second = [f"{span(found.low, found.high, '.0f')} Hz" for found in (basis.frozen_crank.cubic[1], basis.frozen_crank.converged[1])]
         numbers += f" Second mode with the crank held, run {statement.runs[-1]}: {second[0]} against {second[1]}."
     inside = [ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in ratios]
-    verdict = HOLDS if all(inside) else IN_PART if any(inside) else NOT
-    return Verdict(statement, verdict, numbers)
+    outcome = HOLDS if all(inside) else IN_PART if any(inside) else NOT
+    return Conclusion(statement, outcome, numbers)
 
 
-def _more_elements(statement: Statement, basis: Basis) -> Verdict:
+def _more_elements(statement: Statement, basis: Basis) -> Conclusion:
     """Whether more elements of the same kind are a way to a better response."""
-    if basis.evidence is None:
+    if basis.frozen_crank is None:
         return _not_shown(statement)
-    excess = basis.evidence.elements
+    excess = basis.frozen_crank.elements
     told = ", ".join(f"{elements}: {size(share)}" for elements, share in zip(ELEMENTS, excess, strict=True))
     numbers = (
         "The model of the engine thesis takes more cubic elements as a setting. Largest excess of the first frequency over the converged"
         f" one, crank held, by number of elements: {told}."
     )
     falls = all(finer < FALLS * coarser for coarser, finer in pairwise(excess))
-    return Verdict(statement, HOLDS if falls else NOT, numbers)
+    return Conclusion(statement, HOLDS if falls else NOT, numbers)
 
 
-def _not_shown(statement: Statement) -> Verdict:
-    return Verdict(statement, UNCHECKABLE, f"Run {statement.runs[-1]} is not among the cases shown, or its reference did not settle.")
+def _not_shown(statement: Statement) -> Conclusion:
+    return Conclusion(statement, UNCHECKABLE, f"Run {statement.runs[-1]} is not among the cases shown, or its reference did not settle.")
 
 
 def _limits(statement: Statement) -> str:
@@ -249,7 +249,7 @@ def _limits(statement: Statement) -> str:
     return f"at most {statement.high:g}" if np.isinf(statement.low) else f"{statement.low:g} to {statement.high:g}"
 
 
-_RULES: Final[Mapping[str, Callable[[Statement, Basis], Verdict]]] = {
+_RULES: Final[Mapping[str, Callable[[Statement, Basis], Conclusion]]] = {
     "first-mode-range": _first_mode,
     "second-mode": _second_mode,
     "second-mode-signs": _signs,
