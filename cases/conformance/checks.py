@@ -1,7 +1,8 @@
 """What a check of an adapter says."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,30 @@ class Conformance:
     def failed(self) -> tuple[Check, ...]:
         """The checks that failed."""
         return tuple(check for check in self.checks if check.status == "failed")
+
+
+class Fault(Exception):
+    """A check fails: what is wrong, and what to try."""
+
+    status: Status = "failed"
+
+    def __init__(self, cause: str, advice: str = "") -> None:
+        super().__init__(cause)
+        self.cause, self.advice = cause, advice
+
+
+class Unjudged(Fault):
+    """A check cannot be made: why, and what to try."""
+
+    status: Status = "not judged"
+
+
+def looked_at(name: str, look: Callable[..., str | None], *arguments: Any) -> Check:
+    """The check that `look` makes: it raises `Fault`, or gives back a remark, if there is one."""
+    try:
+        return Check(name, "passed", look(*arguments) or "")
+    except Fault as fault:
+        return Check(name, fault.status, fault.cause, fault.advice)
 
 
 def percent(share: float) -> str:

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from cases.conformance.bench import Bench, Truth, truth
-from cases.conformance.checks import Array, Check, Status, percent
+from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, percent
 from cases.conformance.scenes import CHANGES, Change
 from engines.base import EngineFailure, Refusal
 from engines.relative import rms
@@ -25,63 +25,52 @@ _APART: Final = 0.9
 #: An effect that is as far off is looked at more closely, even if the engine says that it may be.
 _SUSPICIOUS: Final = 0.3
 
-Motion = Mapping[str, Array]
-
 
 def quantities(bench: Bench) -> Iterator[Check]:
     """A check for each of `CHANGES`."""
     for change in CHANGES:
-        needs_torque = any(path.startswith("crank.drive.") for path in change.values)
-        if isinstance(bench.scene.crank.drive, PrescribedSpeed) and needs_torque:
-            yield Check(f"quantity {change.name}", "passed", "refused: a driven crank is not modelled")
-            continue
-        yield _followed(bench, change)
+        yield looked_at(f"quantity {change.name}", _followed, bench, change)
 
 
-def _followed(bench: Bench, change: Change) -> Check:
-    name, advice = f"quantity {change.name}", f"model {change.name} or refuse it in `check`, with a sentence"
+def _followed(bench: Bench, change: Change) -> str:
+    advice = f"model {change.name} or refuse it in `check`, with a sentence"
+    if isinstance(bench.scene.crank.drive, PrescribedSpeed) and any(path.startswith("crank.drive.") for path in change.values):
+        return "refused: a driven crank is not modelled"
     before = changed(bench.scene, change.context)
     after = changed(before, change.values)
     try:
         bench.engine.check(after)
-        found = [_run(bench, scene) for scene in (before, after)]
+        found = [bench.run(scene, duration=_DURATION) for scene in (before, after)]
     except Refusal as refusal:
-        return Check(name, "passed", f"refused: {refusal}")
+        return f"refused: {refusal}"
     except EngineFailure as failure:
-        status: Status = "failed" if failure.cause.startswith("the engine r") else "not judged"  # raised, returned: no adapter says so
-        return Check(name, status, f"with another value the run breaks down: {failure.cause}", failure.advice)
+        kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # raised, returned: no adapter says so
+        raise kind(f"with another value the run breaks down: {failure.cause}", failure.advice) from failure
     known = [truth(scene, _DURATION) for scene in (before, after)]
     names = [column for column in bench.columns(found[0].columns) if rms(known[1].columns[column]) > 0.0]
     scale = {column: 1.0 / _size(known, column) for column in names}
 
-    def effect(first: Motion, second: Motion) -> Array:
+    def effect(first: Mapping[str, Array], second: Mapping[str, Array]) -> Array:
         return np.concatenate([scale[column] * (second[column] - first[column]) for column in names])
 
     shown, due = effect(found[0].columns, found[1].columns), effect(known[0].columns, known[1].columns)
     if rms(shown) <= _NONE * rms(due):
-        return Check(name, "failed", f"{change.name} is ignored in silence: another value changes nothing", advice)
+        raise Fault(f"{change.name} is ignored in silence: another value changes nothing", advice)
     worst = _worst(bench, before, after, found, known, names)
     share = float(shown @ due / (due @ due))
     left = rms(shown - due) / rms(due)
     if worst == "" and left <= _SUSPICIOUS:
-        return Check(name, "passed")
+        return ""
     if worst is None and left <= _APART and _HALF_TO_DOUBLE[0] <= share <= _HALF_TO_DOUBLE[1]:
-        coarse = f"coarse: its effect is {share:.2g} times that in reference"
-        return Check(name, "passed", coarse if left > 0.1 else "")
-    cause = _mistake(change, before, shown, due, known[0], effect, None if worst is None else share)
-    if cause:
-        return Check(name, "failed", cause, advice)
+        return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
+    if cause := _mistake(change, before, shown, due, known[0], effect, None if worst is None else share):
+        raise Fault(cause, advice)
     off = f"the effect is {percent(left)} off"
     if worst == "":
-        return Check(name, "passed", f"coarse: {off}")
+        return f"coarse: {off}"
     if worst is None:
-        return Check(name, "not judged", f"coarse: {off}, and the engine does not say how much it may be", "")
-    cause = f"{change.name} is not followed as reference does: {off}, most in {worst}, beyond what it says of its own error"
-    return Check(name, "failed", cause, advice)
-
-
-def _run(bench: Bench, scene: Mechanism) -> Trajectory:
-    return bench.run(scene, duration=_DURATION)
+        raise Unjudged(f"coarse: {off}, and the engine does not say how much it may be")
+    raise Fault(f"{change.name} is not followed as reference does: {off}, most in {worst}, beyond what it says of its own error", advice)
 
 
 def _size(known: list[Truth], column: str) -> float:

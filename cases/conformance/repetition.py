@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from cases.conformance.bench import COMPARED, Bench, found_engine
-from cases.conformance.checks import Array, Check
+from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at
 from cases.conformance.scenes import OUTPUT_STEP
 from cases.jobs.display import answers
 from cases.jobs.job import Job
@@ -39,7 +39,6 @@ def _run(bench: Bench) -> Trajectory:
 
 def repetition(bench: Bench, other: dict[str, Array] | str) -> Iterator[Check]:
     """The same scene again, behind another scene, and in another process (`other`, from `elsewhere`)."""
-    keep = "keep nothing between runs: no class attribute, module variable, random number or clock"
     try:
         first, again = _run(bench), _run(bench)
         bench.run(changed(bench.scene, {"follower.bending_stiffness": 9.0, "tip.mass": 0.1}), duration=_DURATION)
@@ -47,26 +46,20 @@ def repetition(bench: Bench, other: dict[str, Array] | str) -> Iterator[Check]:
     except EngineFailure as failure:
         yield Check("twice the same", "not judged", failure.cause, failure.advice)
         return
-    for name, run in (("twice the same", again), ("the same behind another scene", behind)):
-        differ = _differ(first.columns, run.columns)
-        cause = f"{differ} comes out another way the second time"
-        yield Check(name, "failed", cause, keep) if differ else Check(name, "passed")
-    name = "the same from another process"
-    if isinstance(other, str):
-        foreign = "raised" in other and (
-            ("Error" in other and "import" in other.lower()) or "Attribute" in other or "pickle" in other.lower()
-        )
-        cause = f"the engine's class cannot be had in another process ({other})" if foreign else f"another process ends: {other}"
-        advice = "give it a module of its own and announce it as an entry point" if foreign else "see what it says there"
-        yield Check(name, "not judged" if foreign else "failed", cause, advice)
-        return
-    differ = _differ({name: first[name] for name in other}, other)
-    yield Check(name, "failed", f"{differ} comes out another way in another process", keep) if differ else Check(name, "passed")
+    yield looked_at("twice the same", _same, first, again.columns, "the second time")
+    yield looked_at("the same behind another scene", _same, first, behind.columns, "the second time")
+    yield looked_at("the same from another process", _same, first, other, "in another process")
 
 
-def _differ(first: dict[str, Array], second: dict[str, Array]) -> str:
-    """A column that differs, or ""."""
-    for name, values in first.items():
-        if name in COMPARED and (len(values) != len(second[name]) or rms(values - second[name]) > _SAME * (rms(values) + 1e-12)):
-            return name
-    return ""
+def _same(first: Trajectory, second: dict[str, Array] | str, when: str) -> None:
+    """Fault if a column differs, or if there is no second run but a clause why; Unjudged if only the class is not to be had there."""
+    if isinstance(second, str):
+        words = second.lower()
+        if "raised" in words and (("error" in words and "import" in words) or "attribute" in words or "pickle" in words):
+            advice = "give it a module of its own and announce it as an entry point"
+            raise Unjudged(f"the engine's class cannot be had in another process ({second})", advice)
+        raise Fault(f"another process ends: {second}", "see what it says there")
+    for name, values in second.items():
+        if name in COMPARED and (len(values) != len(first) or rms(first[name] - values) > _SAME * (rms(first[name]) + 1e-12)):
+            keep = "keep nothing between runs: no class attribute, module variable, random number or clock"
+            raise Fault(f"{name} comes out another way {when}", keep)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from cases.conformance.bench import Bench, Truth, truth
-from cases.conformance.checks import Check
+from cases.conformance.checks import Check, Fault, Unjudged, looked_at
 from engines.accurate import ESTIMATED
 from engines.base import Comparison, EngineFailure
 from engines.relative import rms
@@ -30,32 +30,33 @@ _ABOUT: Final = 2.5
 
 def resolution(bench: Bench) -> Iterator[Check]:
     """All checks of the ladder."""
-    coarse = bench.engine.settings_for(0.05, bench.scene)
-    yield _ends(bench, coarse)
+    coarse, default = bench.engine.settings_for(0.05, bench.scene), bench.settings(bench.scene)
+    yield looked_at("ladder: ends", _ends, bench, coarse)
     try:
-        yield from _gets_finer(bench, coarse)
+        yield from _gets_finer(bench, coarse, default)
     except EngineFailure as failure:
         yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
-    settings = bench.settings(bench.scene)
-    for words, chosen in {"coarse settings": coarse, "default settings": settings}.items():
-        if words == "default settings" or chosen != settings:
-            yield from _estimates(bench, words, chosen)
+    for words, chosen in {"coarse settings": coarse, "default settings": default}.items():
+        if words == "default settings" or chosen != default:
+            yield looked_at(f"estimates hold, {words}", _estimates, bench, chosen)
 
 
-def _ends(bench: Bench, settings: Settings) -> Check:
-    name, seen = "ladder: ends", [settings]
-    excess = (2.0,) * max(1, len(bench.engine.comparisons(settings, bench.scene, 1e-3)))
+def _finer(bench: Bench, settings: Settings) -> Settings | None:
+    """The next rung of an engine that is found to be twice as far off as it may be."""
+    return bench.engine.finer(settings, (2.0,) * max(1, len(bench.engine.comparisons(settings, bench.scene, 1e-3))), 1e-3)
+
+
+def _ends(bench: Bench, settings: Settings) -> str:
+    seen = [settings]
     while len(seen) < _MOST_RUNGS:
-        finer = bench.engine.finer(seen[-1], excess, 1e-3)
+        finer = _finer(bench, seen[-1])
         if finer is None:
-            return Check(name, "passed", f"after {len(seen)} rungs" if len(seen) > 1 else "no rung above the coarsest")
+            return f"after {len(seen)} rungs" if len(seen) > 1 else "no rung above the coarsest"
         if finer in seen:
             cause = "`finer` gives back the settings that it was given" if finer == seen[-1] else "`finer` goes round in circles"
-            return Check(name, "failed", f"{cause}: {finer}", "return finer settings, or None at the end of the ladder")
+            raise Fault(f"{cause}: {finer}", "return finer settings, or None at the end of the ladder")
         seen.append(finer)
-    return Check(
-        name, "failed", f"`finer` has gone on for {_MOST_RUNGS} rungs, to {seen[-1]}", "return None where a finer rung is not affordable"
-    )
+    raise Fault(f"`finer` has gone on for {_MOST_RUNGS} rungs, to {seen[-1]}", "return None where a finer rung is not affordable")
 
 
 def _truth(bench: Bench) -> Truth | Trajectory:
@@ -76,67 +77,63 @@ def _error(run: Trajectory, known: Truth | Trajectory, name: str = "tip_deflecti
     return rms(run[name] - right) / (rms(right) or 1.0)
 
 
-def _gets_finer(bench: Bench, coarse: Settings) -> Iterator[Check]:
-    name, known = "ladder: gets finer", _truth(bench)
-    default, scene = bench.settings(bench.scene), bench.scene
+def _gets_finer(bench: Bench, coarse: Settings, default: Settings) -> Iterator[Check]:
+    known, scene = _truth(bench), bench.scene
     rungs = [coarse]
     for _ in range(_RUN - 1):
-        finer = bench.engine.finer(rungs[-1], (2.0,) * max(1, len(bench.engine.comparisons(rungs[-1], scene, 1e-3))), 1e-3)
+        finer = _finer(bench, rungs[-1])
         if finer is None or bench.run(scene, rungs[-1]).solve_seconds > _SLOW:
             break
         rungs.append(finer)
     errors = [_error(bench.run(scene, rung), known) for rung in rungs]
-    listed = ", ".join(f"{error:.2g}" for error in errors)
-    for before, after in itertools.pairwise(errors):
-        if after > max(_WORSE * before, 0.3 * errors[0], _NOISE):
+    picked, up = _error(bench.run(scene, default), known), _finer(bench, default)
+
+    def gets_finer() -> str:
+        listed = ", ".join(f"{error:.2g}" for error in errors)
+        if any(_is_worse(after, before, errors[0]) for before, after in itertools.pairwise(errors)):
             cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {listed}"
-            yield Check(name, "failed", cause, "return settings with a smaller error; look at the direction of steps and sizes")
-            return
-    if len(errors) > 1 and errors[-1] > 0.9 * errors[0] and errors[0] > _NOISE:
-        cause = f"finer rungs are no better: errors of the tip deflection are {listed}"
-        yield Check(name, "failed", cause, "the error is not that of the resolution; compare a fine run with reference")
-    elif len(errors) == 1:
-        yield Check(name, "not judged", "there is no rung above that for an accuracy of 5 %, or it takes long", "")
-    else:
-        yield Check(name, "passed", f"errors {listed}")
-    picked = _error(bench.run(scene, default), known)
-    up = bench.engine.finer(default, (2.0,) * max(1, len(bench.engine.comparisons(default, scene, 1e-3))), 1e-3)
+            raise Fault(cause, "return settings with a smaller error; look at the direction of steps and sizes")
+        if len(errors) == 1:
+            raise Unjudged("there is no rung above that for an accuracy of 5 %, or it takes long")
+        if errors[-1] > 0.9 * errors[0] and errors[0] > _NOISE:
+            cause = f"finer rungs are no better: errors of the tip deflection are {listed}"
+            raise Fault(cause, "the error is not that of the resolution; compare a fine run with reference")
+        return f"errors {listed}"
+
+    def smaller_accuracy() -> str:
+        if picked > max(_WORSE * errors[0], _NOISE):
+            asked = f"{bench.engine.default_accuracy:g} than for 0.05"
+            cause = f"`settings_for` gives coarser settings for {asked}: errors {picked:.2g}, {errors[0]:.2g}"
+            raise Fault(cause, "look at the direction of the table behind settings_for")
+        return f"errors {errors[0]:.2g} and {picked:.2g}"
+
+    yield looked_at("ladder: gets finer", gets_finer)
     if up is not None and bench.run(scene, default).solve_seconds <= _SLOW:
         above = _error(bench.run(scene, up), known)
-        if above > max(_WORSE * picked, 0.3 * errors[0], _NOISE):
+        if _is_worse(above, picked, errors[0]):
             cause = f"`finer` makes the default settings coarser: the error of the tip deflection goes from {picked:.2g} to {above:.2g}"
             yield Check("ladder: above the default", "failed", cause, "return settings with a smaller error")
-    if picked > max(_WORSE * errors[0], _NOISE):
-        asked = f"{bench.engine.default_accuracy:g} than for 0.05"
-        cause = f"`settings_for` gives coarser settings for {asked}: errors {picked:.2g}, {errors[0]:.2g}"
-        yield Check("ladder: a smaller accuracy is finer", "failed", cause, "look at the direction of the table behind settings_for")
-    else:
-        yield Check(
-            "ladder: a smaller accuracy is finer",
-            "passed",
-            f"errors {errors[0]:.2g} and {picked:.2g}",
-        )
+    yield looked_at("ladder: a smaller accuracy is finer", smaller_accuracy)
 
 
-def _estimates(bench: Bench, words: str, settings: Settings) -> Iterator[Check]:
-    name = f"estimates hold, {words}"
-    if bench.engine.estimates == "unverified":
-        yield Check(name, "not judged", "the engine states that its estimates are not verified", "")
-        return
+def _is_worse(after: float, before: float, coarsest: float) -> bool:
+    return after > max(_WORSE * before, 0.3 * coarsest, _NOISE)
+
+
+def _estimates(bench: Bench, settings: Settings) -> str:
+    of = bench.engine.estimates
+    if of == "unverified":
+        raise Unjudged("the engine states that its estimates are not verified")
     pairs = bench.engine.comparisons(settings, bench.scene, 1e-3)
     found = bench.estimates(bench.scene, settings)
     if found is None:
-        yield Check(
-            name, "not judged", f"no estimate can be made of {settings}", "let `comparisons` name a run that is not the same and completes"
-        )
-        return
+        raise Unjudged(f"no estimate can be made of {settings}", "let `comparisons` name a run that is not the same and completes")
     known = _truth(bench)
     uncertain = known.uncertainty if isinstance(known, Truth) else {}
     run = bench.run(bench.scene, settings)
-    if bench.engine.estimates == "integration" and _error(run, known) < _NOISE:
-        yield Check(name, "passed", "the integration's error is too small to be measured")
-        return
-    missed, allowed = {}, _MISSED[bench.engine.estimates]
+    if of == "integration" and _error(run, known) < _NOISE:
+        return "the integration's error is too small to be measured"
+    missed, allowed = {}, _MISSED[of]
     for column in ESTIMATED:
         size = rms(known.columns[column])
         error, estimate = rms(run[column] - known.columns[column]), found[column]
@@ -146,20 +143,16 @@ def _estimates(bench: Bench, words: str, settings: Settings) -> Iterator[Check]:
     stated = pairs[0].factor if len(pairs) == 1 else math.nan
     if single is not None and (single > 1.0) != (stated > 1.0) and not 1.0 / _ABOUT < single < _ABOUT:
         cause = f"the factor of `comparisons` is upside down, overclaimed if above 1: {stated:g}, the errors' ratio is {single:.3g}"
-        yield Check(name, "failed", cause, "factor is the error of `other` over that of `run`: below 1 where `other` is the finer one")
-    elif missed:
+        raise Fault(cause, "factor is the error of `other` over that of `run`: below 1 where `other` is the finer one")
+    if missed:
         worst = max(missed, key=lambda column: missed[column][0])
         times, error, estimate = missed[worst]
         cause = f"{worst} is {error:.2g} off where the estimate is {estimate:.2g}, {times:.1f} times as much"
         if single is not None and abs(stated - 1.0) > allowed * abs(single - 1.0):
             cause = f"the factor {stated:g} of `comparisons` is overclaimed: the errors' ratio is {single:.3g}; {cause}"
         advice = "state the factor that runs show: error of `other` over that of `run`, on the safe side; or compare with a finer run"
-        yield Check(name, "failed", cause, advice)
-    else:
-        shown = _error(run, known)
-        yield Check(
-            name, "passed", f"error {shown:.2g}, estimate {found['tip_deflection'] / (rms(known.columns['tip_deflection']) or 1.0):.2g}"
-        )
+        raise Fault(cause, advice)
+    return f"error {_error(run, known):.2g}, estimate {found['tip_deflection'] / (rms(known.columns['tip_deflection']) or 1.0):.2g}"
 
 
 def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth | Trajectory) -> float | None:
