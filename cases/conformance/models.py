@@ -1,5 +1,6 @@
 """Which quantity of the scene an engine has wrong, from how its motion differs."""
 
+import contextlib
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
@@ -11,7 +12,6 @@ from cases.conformance.checks import Array
 from cases.conformance.suspects import Finding
 from engines.base import EngineFailure
 from engines.relative import rms
-from engines.start import Start
 from reference_model.mechanism import ImpossibleMechanism, Mechanism, PrescribedSpeed, TorqueDrive, changed
 
 #: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
@@ -27,20 +27,15 @@ _SCALED: Final = (
 )  # fmt: skip
 
 
-def acts_as_if(
-    scene: Mechanism, start: Start | None, moves: Mapping[str, Array], known: Truth, tolerances: Mapping[str, float] | None
-) -> Finding | None:
-    """The one quantity that makes the motion what it is, if there is one.
+def acts_as_if(scene: Mechanism, moves: Mapping[str, Array], known: Truth, tolerances: Mapping[str, float] | None) -> Finding | None:
+    """The one quantity that makes the motion from the standard start what it is, if there is one.
 
     Args:
         scene: what was asked for.
-        start: in which state; None: the standard start.
         moves: columns of the engine.
         known: the right motion.
         tolerances: by how much columns may be off; None: the engine does not say.
     """
-    if start is not None:  # the quantities were tried from the standard start
-        return None
     names = [name for name in moves if rms(known.columns[name]) > 0.0]
     weights = {name: 1.0 / _noise(name, known, tolerances) for name in names}
 
@@ -48,39 +43,29 @@ def acts_as_if(
         return np.concatenate([weights[name] * (columns[name] - known.columns[name]) for name in names])
 
     shown = stacked(moves)
-    size, rows = rms(shown), len(next(iter(moves.values())))
-    duration = (rows - 1) * float(known.columns["time"][1])
-    best: tuple[float, Finding] | None = None
-    for words, advice, other, scaled in _models(scene):
+    least, best = _EXPLAINED, None
+    for words, other, tried in _models(scene):
         try:
-            effect = stacked(truth(other, duration).columns)
+            effect = stacked(truth(other, float(known.columns["time"][-1])).columns)
         except EngineFailure:
             continue
         if rms(effect) == 0.0:
             continue
-        amount = float(shown @ effect / (effect @ effect)) if scaled else 1.0
-        left = rms(shown - amount * effect) / size
-        if left < _EXPLAINED and (best is None or left < 0.7 * best[0]):
-            if scaled:
-                best = (
-                    left,
-                    Finding(f"the motion is that with {words} {1.0 + amount * (_tried(words) - 1.0):.4g} times as large", advice, True),
-                )
-            else:
-                best = left, Finding(f"the motion is that with {words}", advice, True)
-    return None if best is None else best[1]
+        amount = float(shown @ effect / (effect @ effect)) if tried else 1.0
+        left = rms(shown - amount * effect) / rms(shown)
+        if left < least:
+            least = 0.7 * left  # another must explain clearly more
+            scaled = f" {1.0 + amount * (tried - 1.0):.4g} times as large" if tried else ""
+            best = Finding(f"the motion is that with {words}{scaled}", f"look where {words.split()[0]} enters", True)
+    return best
 
 
 def _noise(name: str, known: Truth, tolerances: Mapping[str, float] | None) -> float:
     return (0.01 if tolerances is None else 1e-4) * rms(known.columns[name]) + (0.0 if tolerances is None else tolerances[name])
 
 
-def _tried(name: str) -> float:
-    return _TRIED_OF_SMALL if name in ("base.inertia", "tip.inertia") else _TRIED
-
-
-def _models(scene: Mechanism) -> Iterator[tuple[str, str, Mechanism, bool]]:
-    """What it may be, the advice, the scene, and whether its effect is in proportion."""
+def _models(scene: Mechanism) -> Iterator[tuple[str, Mechanism, float | None]]:
+    """What it may be, the scene, and the factor that was tried where the effect is in proportion."""
     crank, drive = scene.crank, scene.crank.drive
     own_words: list[tuple[str, dict[str, Any]]] = [
         ("no tip body", {"tip": None}),
@@ -104,14 +89,12 @@ def _models(scene: Mechanism) -> Iterator[tuple[str, str, Mechanism, bool]]:
             ("the crank's speed prescribed", {"crank.drive": PrescribedSpeed(speed=drive.initial_speed)}),
         ]
     for words, values in own_words:
-        yield words, f"look where {words.split()[0]} enters", changed(scene, values), False
+        yield words, changed(scene, values), None
     for path in _SCALED:
         owner: object = scene
         for part in path.split("."):
             owner = getattr(owner, part, None)
         if isinstance(owner, float) and math.isfinite(owner) and owner != 0.0:
-            name = path.replace("drive.", "")
-            try:
-                yield name, f"look where {name} enters", changed(scene, {path: _tried(name) * owner}), True
-            except ImpossibleMechanism:
-                continue
+            tried = _TRIED_OF_SMALL if path in ("base.inertia", "tip.inertia") else _TRIED
+            with contextlib.suppress(ImpossibleMechanism):
+                yield path.replace("drive.", ""), changed(scene, {path: tried * owner}), tried
