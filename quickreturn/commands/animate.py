@@ -8,18 +8,7 @@ import click
 
 from cases.errors import as_written
 from cases.units import plain_number
-from quickreturn.commands.options import (
-    accuracy_option,
-    begin,
-    case_argument,
-    engines_option,
-    load,
-    path_given,
-    read_assignments,
-    set_option,
-    settings_of,
-    single_option,
-)
+from quickreturn.commands import options
 
 ENDINGS: Final = (".webp", ".html")
 
@@ -32,13 +21,13 @@ def _factor(context: click.Context, option: click.Parameter, text: str | None) -
 
 
 @click.command(name="animate")
-@case_argument
-@engines_option
-@single_option("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
-@single_option("--magnify", metavar="N", callback=_factor, help="How many times the deflection is magnified; default: so that it shows.")
-@accuracy_option
-@set_option
-@single_option("--output", metavar="FILE", required=True, callback=path_given, help=f"Where it goes: {', '.join(ENDINGS)}.")
+@options.case
+@options.engines
+@options.duration
+@options.single("--magnify", metavar="N", callback=_factor, help="How many times the deflection is magnified; default: so that it shows.")
+@options.accuracy
+@options.assignments
+@options.output(f"Where it goes: {', '.join(ENDINGS)}.")
 def command(
     case: str,
     engines: Sequence[str],
@@ -56,15 +45,15 @@ def command(
     from quickreturn.commands.simulate import trajectories
     from reports.output import check_writable, write_file
 
-    overrides, settings = read_assignments(assignments)
+    overrides, settings = options.read_assignments(assignments)
     names = list(dict.fromkeys(engines))
-    texts = settings_of(settings, names)
+    texts = options.settings_of(settings, names)
     if magnify is not None and output.lower().endswith(".html"):
         raise click.UsageError("--magnify: in a page (.html) it is chosen with a slider; leave it out")
-    loaded = load(case, overrides, duration)
+    loaded = options.load(case, overrides, duration)
     check_writable(Path(output), "", *ENDINGS)
     found = {name: trajectory for (_, name), trajectory in trajectories([loaded], names, texts, accuracy).items()}
-    begin(f"drawing {output}")
+    options.begin(f"drawing {output}")
     from quickreturn.animation import moving
 
     write_file(Path(output), moving(loaded, found, Path(output).suffix.lower(), magnify))

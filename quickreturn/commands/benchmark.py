@@ -5,22 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from quickreturn.commands.options import (
-    WholeNumber,
-    announce,
-    cases_argument,
-    json_option,
-    load_all,
-    memory_limit_option,
-    opened_workshop,
-    read_assignments,
-    refuse_engine_settings,
-    set_option,
-    single_option,
-    tag_option,
-    tell,
-    time_limit_option,
-)
+from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from cases.benchmark import Benchmark
@@ -28,24 +13,21 @@ if TYPE_CHECKING:
 
 
 @click.command(name="benchmark")
-@cases_argument
-@tag_option
-@click.option("--engine", "engines", metavar="E", multiple=True, help="Engine to measure; may be given again. Default: all eight of ours.")
-@single_option(
-    "--repetitions", metavar="N", type=WholeNumber(1, 100), default=5, show_default=True, help="Repetitions at most, interleaved."
+@options.cases
+@options.tag
+@options.engines_for(help="Engine to measure; may be given again. Default: all eight of ours.")
+@options.single(
+    "--repetitions", metavar="N", type=options.WholeNumber(1, 100), default=5, show_default=True, help="Repetitions at most, interleaved."
 )
-@set_option
-@time_limit_option
-@memory_limit_option
-@json_option
+@options.assignments
+@options.limited
+@options.json
 def command(
     cases: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
     repetitions: int,
     assignments: Sequence[str],
-    time_limit: str | None,
-    memory_limit: str | None,
     as_json: bool,
 ) -> int:
     """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
@@ -63,21 +45,21 @@ def command(
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
-    overrides, settings = read_assignments(assignments)
-    refuse_engine_settings(settings)
-    loaded = load_all(cases or ([] if tag else SCENES), tag, overrides)
+    overrides, settings = options.read_assignments(assignments)
+    options.refuse_engine_settings(settings)
+    loaded = options.load_all(cases or ([] if tag else SCENES), tag, overrides)
     names = list(dict.fromkeys(engines)) or list(ENGINES)
     for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
         usable_engine(name) if engines else engine(name)
     _ = [case.mechanism for case in loaded]  # and so is a scene without crank
-    workshop, tables = opened_workshop(None, time_limit, memory_limit), []
-    announce(loaded, names, workshop)
+    workshop, tables = options.opened_workshop(), []
+    options.announce(loaded, names, workshop)
     failed = False
     for case in loaded:
         try:
             tables.append(measure(case, workshop, names, repetitions))
         except EngineFailure as failure:  # of the solution to measure against; the other cases have their own
-            tell(f"{case.name}: {failure}")
+            options.tell(f"{case.name}: {failure}")
             failed = True
             continue
         if not as_json:
@@ -86,7 +68,7 @@ def command(
         print_json({"benchmarks": [_as_document(table) for table in tables]})
     for table in tables:
         for name, reason in table.failures.items():
-            tell(f"{table.case}: engine {name} was left out: {reason}")
+            options.tell(f"{table.case}: engine {name} was left out: {reason}")
     if failed or any(table.failures for table in tables):
         return ENGINE_TROUBLE
     return BAD_INPUT if workshop.store.lost else GOOD

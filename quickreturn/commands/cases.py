@@ -2,12 +2,12 @@
 
 import click
 
-from quickreturn.commands.options import json_option, single_option
+from quickreturn.commands import options
 
 
 @click.command(name="cases")
-@single_option("--tag", metavar="TAG", help="Only cases with this tag.")
-@json_option
+@options.single("--tag", metavar="TAG", help="Only cases with this tag.")
+@options.json
 def command(tag: str | None, as_json: bool) -> None:
     """List the cases of the library: name, tags, title."""
     from quickreturn.catalogue import cases

@@ -6,21 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from quickreturn.commands.options import (
-    accuracy_option,
-    announce,
-    jobs_option,
-    json_option,
-    load,
-    memory_limit_option,
-    opened_workshop,
-    path_given,
-    read_assignments,
-    set_option,
-    settings_of,
-    single_option,
-    time_limit_option,
-)
+from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from cases.runs.comparison import CaseResult
@@ -30,20 +16,16 @@ PICTURES: Final = (".png", ".svg", ".pdf")
 
 
 @click.command(name="compare")
-@click.argument("case", metavar="CASE")
+@options.case
 @click.argument("files", metavar="FILE...", nargs=-1, required=True)
-@click.option(
-    "--engine", "engines", metavar="E", multiple=True, help="Engine to hold against; may be given again. Default: the four main ones."
+@options.engines_for(help="Engine to hold against; may be given again. Default: the four main ones.")
+@options.accuracy
+@options.assignments
+@options.single(
+    "--output", metavar="PICTURE", callback=lambda c, o, text: text and options.path_given(c, o, text), help="Draw it: .png, .svg or .pdf."
 )
-@accuracy_option
-@set_option
-@single_option(
-    "--output", metavar="PICTURE", callback=lambda c, o, text: text and path_given(c, o, text), help="Draw it: .png, .svg or .pdf."
-)
-@jobs_option
-@time_limit_option
-@memory_limit_option
-@json_option
+@options.of_workshop
+@options.json
 def command(
     case: str,
     files: Sequence[str],
@@ -51,9 +33,6 @@ def command(
     accuracy: float | None,
     assignments: Sequence[str],
     output: str | None,
-    jobs: int | None,
-    time_limit: str | None,
-    memory_limit: str | None,
     as_json: bool,
 ) -> int:
     """Measure recorded tables of CASE and hold them against engines.
@@ -72,18 +51,18 @@ def command(
     from quickreturn.questions import check_engines, check_settings
     from reports.output import check_writable, print_json
 
-    overrides, settings = read_assignments(assignments)
-    loaded = load(case, overrides)
+    overrides, settings = options.read_assignments(assignments)
+    loaded = options.load(case, overrides)
     names = list(dict.fromkeys(engines)) or list(MAIN)
     check_engines(engines)
-    texts = settings_of(settings, names)
+    texts = options.settings_of(settings, names)
     check_settings([loaded], names, texts)
     if output:
         check_writable(Path(output), "" if loaded.source == "library" else case, *PICTURES)
     tables = [read_table(file) for file in dict.fromkeys(files)]
     refuse_equal_tables([table.name for table in tables])
-    workshop = opened_workshop(jobs, time_limit, memory_limit)
-    announce([loaded], names, workshop)
+    workshop = options.opened_workshop()
+    options.announce([loaded], names, workshop)
     results = hold_against_engines(loaded, tables, workshop, names, accuracy, texts)
     if as_json:
         document = as_document(results, workshop.store.notices)

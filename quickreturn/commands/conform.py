@@ -2,12 +2,12 @@
 
 import click
 
-from quickreturn.commands.options import json_option
+from quickreturn.commands import options
 
 
 @click.command(name="conform")
 @click.argument("engine", metavar="ENGINE")
-@json_option
+@options.json
 def command(engine: str, as_json: bool) -> int:
     """Try ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.
 

@@ -2,12 +2,12 @@
 
 import click
 
-from quickreturn.commands.options import json_option
+from quickreturn.commands import options
 
 
 @click.command(name="engines")
 @click.argument("engine", required=False)
-@json_option
+@options.json
 def command(engine: str | None, as_json: bool) -> None:
     """List the engines: name, version, method, available or why not; of one ENGINE also the settings and the default accuracy."""
     if engine is None:

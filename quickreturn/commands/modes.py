@@ -7,34 +7,20 @@ from typing import TYPE_CHECKING
 
 import click
 
-from quickreturn.commands.options import (
-    WholeNumber,
-    cases_argument,
-    crank_angle_option,
-    engines_option,
-    json_option,
-    load_all,
-    quiet,
-    read_assignments,
-    set_option,
-    settings_of,
-    single_option,
-    tag_option,
-    tell,
-)
+from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from quickreturn.frequencies import Modes
 
 
 @click.command(name="modes")
-@cases_argument
-@tag_option
-@engines_option
-@crank_angle_option
-@single_option("--count", metavar="N", type=WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
-@set_option
-@json_option
+@options.cases
+@options.tag
+@options.engines
+@options.crank_angle
+@options.single("--count", metavar="N", type=options.WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
+@options.assignments
+@options.json
 def command(
     cases: Sequence[str],
     tag: str | None,
@@ -57,21 +43,21 @@ def command(
     from quickreturn.frequencies import frozen_crank
     from reports.output import print_json
 
-    overrides, settings = read_assignments(assignments)
+    overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
-    loaded, names = load_all(cases, tag, overrides), list(dict.fromkeys(engines))
-    texts = settings_of(settings, names)
+    loaded, names = options.load_all(cases, tag, overrides), list(dict.fromkeys(engines))
+    texts = options.settings_of(settings, names)
     asked = list(itertools.product(loaded, names))
     for case, name in asked:
         questions.check(name, case.mechanism, texts[name])
     angles = [math.radians(angle) for angle in crank_angles]
     jobs = [Job(f"{case.name} {name}", frozen_crank, (case, name, angles, count, texts[name])) for case, name in asked]
     found = []
-    for (case, name), outcome in zip(asked, questions.asked(jobs, "natural frequencies", quiet=quiet()), strict=True):
+    for (case, name), outcome in zip(asked, questions.asked(jobs, "natural frequencies", quiet=options.quiet()), strict=True):
         try:
             found.append(questions.value_of(outcome))
         except EngineFailure as failure:  # its own text tells of an instant, which there is none of here
-            tell(f"{case.name}: engine {name}: {failure.cause}; {failure.advice}")
+            options.tell(f"{case.name}: engine {name}: {failure.cause}; {failure.advice}")
             return ENGINE_TROUBLE
     if as_json:
         documents = [vars(each) for angled in found for each in angled]

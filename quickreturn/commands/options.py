@@ -87,7 +87,7 @@ class SingleOption(click.Option):
         return super().handle_parse_result(ctx, opts, args)
 
 
-single_option: Final = functools.partial(click.option, cls=SingleOption)
+single: Final = functools.partial(click.option, cls=SingleOption)
 
 
 def path_given(context: click.Context, option: click.Parameter, text: str) -> str:
@@ -95,6 +95,11 @@ def path_given(context: click.Context, option: click.Parameter, text: str) -> st
     if not text.strip():
         raise click.UsageError(f"{option.opts[0]} {as_written(text)}: give a path")
     return text
+
+
+def output(told: str, metavar: str = "FILE") -> Callable[[Any], Any]:
+    """The option that says where the result goes."""
+    return single("--output", metavar=metavar, required=True, callback=path_given, help=told)
 
 
 def _complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -109,11 +114,11 @@ def _complete_engine(context: click.Context, option: click.Parameter, begun: str
     return [CompletionItem(name) for name in engine_names() if name.startswith(begun)]
 
 
-cases_argument: Final[Callable[[Any], Any]] = click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=_complete_case)
-case_argument: Final[Callable[[Any], Any]] = click.argument("case", metavar="CASE", shell_complete=_complete_case)
-plotted_argument: Final[Callable[[Any], Any]] = click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=_complete_case)
-tag_option: Final = single_option("--tag", metavar="TAG", help="Besides, all cases of the library with this tag.")
-_engines_option: Final = functools.partial(
+cases: Final[Callable[[Any], Any]] = click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=_complete_case)
+case: Final[Callable[[Any], Any]] = click.argument("case", metavar="CASE", shell_complete=_complete_case)
+plotted: Final[Callable[[Any], Any]] = click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=_complete_case)
+tag: Final = single("--tag", metavar="TAG", help="Besides, all cases of the library with this tag.")
+engines_for: Final = functools.partial(
     click.option,
     "--engine",
     "engines",
@@ -121,30 +126,18 @@ _engines_option: Final = functools.partial(
     multiple=True,
     shell_complete=_complete_engine,
 )
-engines_option: Final = _engines_option(required=True, help="Engine, see `quickreturn engines`; may be given again.")
-engines_option_if_any: Final = _engines_option(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
-main_engines_option: Final = _engines_option(
-    help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines."
-)
-json_option: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
-accuracy_option: Final = single_option(
+engines: Final = engines_for(required=True, help="Engine, see `quickreturn engines`; may be given again.")
+engines_if_any: Final = engines_for(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
+main_engines: Final = engines_for(help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines.")
+json: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
+accuracy: Final = single(
     "--accuracy",
     metavar="REL",
     callback=_accuracy,
     help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.",
 )
-jobs_option: Final = single_option("--jobs", metavar="N", type=WholeNumber(1, 1000), help="Processes at a time; default: one per core.")
-time_limit_option: Final = single_option(
-    "--time-limit",
-    metavar="S",
-    help='Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.',
-)
-memory_limit_option: Final = single_option(
-    "--memory-limit",
-    metavar="GIB",
-    help="Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less.",
-)
-crank_angle_option: Final = single_option(
+duration: Final = single("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
+crank_angle: Final = single(
     "--crank-angle",
     "crank_angles",
     metavar="DEG",
@@ -152,7 +145,7 @@ crank_angle_option: Final = single_option(
     callback=_angles,
     help="Angle at which the crank is held, degrees; or FROM:TO:STEP, both ends included.",
 )
-set_option: Final[Callable[[Any], Any]] = click.option(
+assignments: Final[Callable[[Any], Any]] = click.option(
     "--set",
     "assignments",
     metavar="KEY=VALUE",
@@ -283,20 +276,18 @@ def quiet() -> bool:
     return bool(click.get_current_context().meta.get(QUIET))
 
 
-def opened_workshop(
-    jobs: int | None = None, time_limit: str | None = None, memory_limit: str | None = None, preload: Sequence[str] = ()
-) -> "Workshop":
-    """The store of results and the processes of this machine, by the options' texts; `preload`: modules that workers need besides.
+def opened_workshop() -> "Workshop":
+    """The store of results and the processes of this machine, as `of_workshop` or `limited` say.
 
-    What the store has to tell it tells on standard error at once. StoreError if its folder cannot be used; limits: see `limits`.
+    What the store has to tell it tells on standard error at once. StoreError if its folder cannot be used.
     """
-    allowed = limits(time_limit, memory_limit)
-    from cases.jobs.processes import PRELOAD, LocalProcesses
+    from cases.jobs.processes import LocalProcesses
     from cases.jobs.store import Store
     from cases.jobs.workshop import Workshop
 
-    workshop = Workshop(Store(tell=tell), LocalProcesses(jobs, allowed, (*PRELOAD, *preload), quiet()))
-    click.get_current_context().meta[WORKSHOP] = workshop
+    meta = click.get_current_context().meta
+    workshop = Workshop(Store(tell=tell), LocalProcesses(meta.get("jobs"), limits(), quiet=quiet()))
+    meta[WORKSHOP] = workshop
     return workshop
 
 
@@ -321,23 +312,46 @@ def tell(sentence: str) -> None:
         click.echo(f"quickreturn: {one_line(sentence)}", err=True)
 
 
-def limits(time_limit: str | None, memory_limit: str | None) -> "Limits":
-    """What an engine may take, from the texts of the two options; None stands for the default.
-
-    Raises:
-        CaseError: a time of another dimension.
-        click.UsageError: no positive number.
-    """
+def limits() -> "Limits":
+    """What an engine may take, as `limited` say."""
     from cases.jobs.job import Limits, default_limits
 
-    usual = default_limits()
-    seconds = usual.seconds if time_limit is None else _seconds("--time-limit", time_limit)
-    if seconds is None or not 0.0 < seconds < math.inf:
-        raise click.UsageError(f'--time-limit {as_written(time_limit)}: give a positive number of seconds or a time, e.g. 600 or "10 min"')
-    gibibytes = None if memory_limit is None else plain_number(memory_limit)
-    if memory_limit is not None and (gibibytes is None or not 0.0 < gibibytes < HIGHEST_MEMORY):
-        raise click.UsageError(f"--memory-limit {as_written(memory_limit)}: give a positive number of GiB, e.g. 4")
-    return Limits(seconds=seconds, memory=usual.memory if gibibytes is None else round(gibibytes * 2**30))
+    meta, usual = click.get_current_context().meta, default_limits()
+    return Limits(seconds=meta["time_limit"] or usual.seconds, memory=meta["memory_limit"] or usual.memory)
+
+
+def _keep_time(context: click.Context, option: click.Parameter, text: str | None) -> None:
+    seconds = None if text is None else _seconds("--time-limit", text)
+    if seconds is not None and not 0.0 < seconds < math.inf:
+        raise click.UsageError(f'--time-limit {as_written(text)}: give a positive number of seconds or a time, e.g. 600 or "10 min"')
+    context.meta["time_limit"] = seconds
+
+
+def _keep_memory(context: click.Context, option: click.Parameter, text: str | None) -> None:
+    gibibytes = None if text is None else plain_number(text)
+    if text is not None and (gibibytes is None or not 0.0 < gibibytes < HIGHEST_MEMORY):
+        raise click.UsageError(f"--memory-limit {as_written(text)}: give a positive number of GiB, e.g. 4")
+    context.meta["memory_limit"] = gibibytes and round(gibibytes * 2**30)
+
+
+def _keep_jobs(context: click.Context, option: click.Parameter, number: int | None) -> None:
+    context.meta["jobs"] = number
+
+
+def limited(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Options on what an engine may take; the command asks `limits` or `opened_workshop` for them."""
+    time = 'Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.'
+    memory = "Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less."
+    for name, metavar, keep, told in (("--memory-limit", "GIB", _keep_memory, memory), ("--time-limit", "S", _keep_time, time)):
+        command = single(name, metavar=metavar, callback=keep, expose_value=False, help=told)(command)
+    return command
+
+
+def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
+    """These, and how many processes there may be at a time."""
+    told = "Processes at a time; default: one per core."
+    keep = single("--jobs", metavar="N", type=WholeNumber(1, 1000), callback=_keep_jobs, expose_value=False, help=told)
+    return keep(limited(command))
 
 
 def _seconds(option: str, text: str) -> float:

@@ -7,19 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from quickreturn.commands.options import (
-    accuracy_option,
-    begin,
-    engines_option_if_any,
-    load_all,
-    path_given,
-    plotted_argument,
-    read_assignments,
-    set_option,
-    settings_of,
-    single_option,
-    tag_option,
-)
+from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from cases.case import Case
@@ -29,14 +17,16 @@ ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 @click.command(name="plot")
-@plotted_argument
-@tag_option
-@engines_option_if_any
+@options.plotted
+@options.tag
+@options.engines_if_any
 @click.option("--column", "columns", metavar="NAME", multiple=True, help="Column to show; may be given again. Default: four of them.")
-@single_option("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
-@accuracy_option
-@set_option
-@single_option("--output", metavar="FILE", required=True, callback=path_given, help=f"Where the picture goes: {', '.join(ENDINGS)}.")
+@options.duration
+@options.accuracy
+@options.assignments
+@options.single(
+    "--output", metavar="FILE", required=True, callback=options.path_given, help=f"Where the picture goes: {', '.join(ENDINGS)}."
+)
 def command(
     sources: Sequence[str],
     tag: str | None,
@@ -56,18 +46,18 @@ def command(
     from quickreturn.commands.simulate import trajectories
     from reports.output import check_writable, write_file
 
-    overrides, settings = read_assignments(assignments)
+    overrides, settings = options.read_assignments(assignments)
     names = list(dict.fromkeys(engines))
-    texts = settings_of(settings, names)
+    texts = options.settings_of(settings, names)
     files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
-    loaded = load_all(cases, tag, overrides, duration) if cases or tag or not files else []
+    loaded = options.load_all(cases, tag, overrides, duration) if cases or tag or not files else []
     if files and loaded and not names:
         raise click.UsageError("a case beside a file: give --engine, so that it has a trajectory as well")
     for given, what in ((columns, "--column"), (duration, "--duration"), (accuracy, "--accuracy")):
         if given and not names and not (files and what == "--column"):
             raise click.UsageError(f"{what}: without --engine nothing is simulated; give --engine as well")
     check_writable(Path(output), "", *ENDINGS)
-    begin(f"drawing {output}")
+    options.begin(f"drawing {output}")
     if not names and not files:
         from quickreturn.drawing import mechanisms
 

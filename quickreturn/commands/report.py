@@ -8,20 +8,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from cases.errors import as_written
-from quickreturn.commands.options import (
-    announce,
-    cases_argument,
-    jobs_option,
-    load_all,
-    main_engines_option,
-    memory_limit_option,
-    opened_workshop,
-    path_given,
-    single_option,
-    tag_option,
-    tell,
-    time_limit_option,
-)
+from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from cases.runs.comparison import CaseResult
@@ -34,7 +21,7 @@ _OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".p
 
 def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:
     """The path as given; UsageError if it looks like that of a file and is no folder yet."""
-    folder = Path(path_given(context, option, text))
+    folder = Path(options.path_given(context, option, text))
     if folder.suffix.lower() in _OF_FILES and not os.path.isdir(folder):
         accepted = "give a folder, the page in it is index.html"
         raise click.UsageError(f'--output {as_written(text)}: the ending "{folder.suffix}" is that of a file; {accepted}')
@@ -42,10 +29,10 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
 
 
 @click.command(name="report")
-@cases_argument
-@tag_option
-@main_engines_option
-@single_option(
+@options.cases
+@options.tag
+@options.main_engines
+@options.single(
     "--output",
     metavar="DIR",
     default="reports/output",
@@ -53,17 +40,12 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
     callback=_folder_given,
     help="Folder of the page and its tables.",
 )
-@jobs_option
-@time_limit_option
-@memory_limit_option
+@options.of_workshop
 def command(
     cases: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
     output: str,
-    jobs: int | None,
-    time_limit: str | None,
-    memory_limit: str | None,
 ) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
 
@@ -77,20 +59,20 @@ def command(
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from quickreturn.questions import check_engines
 
-    loaded, (names, paths) = load_all(cases, tag, {}, otherwise="thesis"), apart(engines or MAIN)
+    loaded, (names, paths) = options.load_all(cases, tag, {}, otherwise="thesis"), apart(engines or MAIN)
     check_engines(names if engines else ())
     tables = tables_of(paths, [case.name for case in loaded])
-    workshop = opened_workshop(jobs, time_limit, memory_limit)
-    announce(loaded, names, workshop)
+    workshop = options.opened_workshop()
+    options.announce(loaded, names, workshop)
     from reports.report import write_report
 
     written = write_report(loaded, Path(output), workshop, names, tables)
     _print(written)
     for trouble in written.content.troubles:
         if trouble.is_failure:
-            tell(f"{trouble.case}: engine {trouble.engine} {trouble.status}: {trouble.remark}")
+            options.tell(f"{trouble.case}: engine {trouble.engine} {trouble.status}: {trouble.remark}")
     for case, run in written.unusable:
-        tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
+        options.tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
     if written.failed:
         return ENGINE_TROUBLE
     return BAD_INPUT if workshop.store.lost else GOOD

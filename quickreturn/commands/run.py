@@ -5,23 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from quickreturn.commands.options import (
-    accuracy_option,
-    announce,
-    cases_argument,
-    jobs_option,
-    json_option,
-    load_all,
-    main_engines_option,
-    memory_limit_option,
-    opened_workshop,
-    read_assignments,
-    set_option,
-    settings_of,
-    tag_option,
-    tell,
-    time_limit_option,
-)
+from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from cases.jobs.workshop import Workshop
@@ -30,24 +14,19 @@ if TYPE_CHECKING:
 
 
 @click.command(name="run")
-@cases_argument
-@tag_option
-@main_engines_option
-@accuracy_option
-@set_option
-@jobs_option
-@time_limit_option
-@memory_limit_option
-@json_option
+@options.cases
+@options.tag
+@options.main_engines
+@options.accuracy
+@options.assignments
+@options.of_workshop
+@options.json
 def command(
     cases: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
     accuracy: float | None,
     assignments: Sequence[str],
-    jobs: int | None,
-    time_limit: str | None,
-    memory_limit: str | None,
     as_json: bool,
 ) -> int:
     """Bring engines to their steady state on each CASE, measure, compare.
@@ -61,13 +40,13 @@ def command(
     from quickreturn.questions import check_engines, check_settings
     from reports.output import print_json
 
-    overrides, settings = read_assignments(assignments)
-    loaded, (names, paths) = load_all(cases, tag, overrides), apart(engines)
+    overrides, settings = options.read_assignments(assignments)
+    loaded, (names, paths) = options.load_all(cases, tag, overrides), apart(engines)
     check_engines(names if engines else ())
-    texts = settings_of(settings, names)
+    texts = options.settings_of(settings, names)
     check_settings(loaded, names, texts)
-    workshop = opened_workshop(jobs, time_limit, memory_limit)
-    announce(loaded, names, workshop)
+    workshop = options.opened_workshop()
+    options.announce(loaded, names, workshop)
     from cases.runs.request import REFUSED
     from quickreturn.cross_validation import run
     from quickreturn.verdict_text import text_of
@@ -91,10 +70,10 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
     results = [result.whole for result in results]
     for result in results:
         for each in result.failures:
-            tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
+            options.tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
     refused = [(result.case.name, each) for result in results for each in result.runs.values() if engines and each.status == REFUSED]
     for name, each in refused:
-        tell(f"{name}: engine {each.engine}: {each.remark}")
+        options.tell(f"{name}: engine {each.engine}: {each.remark}")
     if refused:
         return BAD_INPUT
     if any(result.failures for result in results):

@@ -8,15 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from quickreturn.commands.options import (
-    cases_argument,
-    json_option,
-    load_all,
-    read_assignments,
-    refuse_engine_settings,
-    set_option,
-    tag_option,
-)
+from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from cases.case import Case
@@ -24,11 +16,11 @@ if TYPE_CHECKING:
 
 
 @click.command(name="show")
-@cases_argument
-@tag_option
-@set_option
+@options.cases
+@options.tag
+@options.assignments
 @click.option("--for-other-tools", "for_others", is_flag=True, help="Print what is needed to build the scene in another tool instead.")
-@json_option
+@options.json
 def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
     """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.
 
@@ -38,15 +30,15 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
     from quickreturn.questions import TELLING
     from reports.output import print_json
 
-    overrides, settings = read_assignments(assignments)
-    refuse_engine_settings(settings)
+    overrides, settings = options.read_assignments(assignments)
+    options.refuse_engine_settings(settings)
     if for_others:
         if as_json:
             raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
-        _print_for_others(load_all(cases, tag, overrides), assignments)
+        _print_for_others(options.load_all(cases, tag, overrides), assignments)
         return
     get_ready(TELLING)
-    documents = [_document(case) for case in load_all(cases, tag, overrides)]
+    documents = [_document(case) for case in options.load_all(cases, tag, overrides)]
     if as_json:
         print_json(documents[0] if len(documents) == 1 else documents)
         return

@@ -9,24 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from quickreturn.commands.options import (
-    accuracy_option,
-    cases_argument,
-    engines_option,
-    json_option,
-    limits,
-    load_all,
-    memory_limit_option,
-    path_given,
-    quiet,
-    read_assignments,
-    set_option,
-    settings_of,
-    single_option,
-    tag_option,
-    tell,
-    time_limit_option,
-)
+from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from cases.case import Case
@@ -38,23 +21,16 @@ _ADVICE: Final = "see the limits of time and memory, or report this to the autho
 
 
 @click.command(name="simulate")
-@cases_argument
-@tag_option
-@engines_option
-@single_option("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
-@single_option("--output-step", metavar="S", help='Time between rows, "1 ms" or a number of seconds.')
-@accuracy_option
-@set_option
-@single_option(
-    "--output",
-    metavar="FILE.csv",
-    required=True,
-    callback=path_given,
-    help="Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name.",
-)
-@time_limit_option
-@memory_limit_option
-@json_option
+@options.cases
+@options.tag
+@options.engines
+@options.duration
+@options.single("--output-step", metavar="S", help='Time between rows, "1 ms" or a number of seconds.')
+@options.accuracy
+@options.assignments
+@options.output("Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name.", "FILE.csv")
+@options.limited
+@options.json
 def command(
     cases: Sequence[str],
     tag: str | None,
@@ -64,8 +40,6 @@ def command(
     accuracy: float | None,
     assignments: Sequence[str],
     output: str,
-    time_limit: str | None,
-    memory_limit: str | None,
     as_json: bool,
 ) -> int:
     """Simulate CASE from the standard start and write the trajectory.
@@ -81,11 +55,11 @@ def command(
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import check_writable, print_json
 
-    overrides, settings = read_assignments(assignments)
+    overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
-    loaded = load_all(cases, tag, overrides, duration, output_step)
-    allowed, names = limits(time_limit, memory_limit), list(dict.fromkeys(engines))
-    texts = settings_of(settings, names)
+    loaded = options.load_all(cases, tag, overrides, duration, output_step)
+    allowed, names = options.limits(), list(dict.fromkeys(engines))
+    texts = options.settings_of(settings, names)
     for case, name in itertools.product(loaded, names):
         questions.check(name, case.scene, texts[name])
     places = _places(output, loaded, names)
@@ -93,7 +67,7 @@ def command(
     for case, name in asked:
         check_writable(Path(places[case.name, name]), "" if case.source == "library" else case.source, ".csv")
     jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy)) for case, name in asked]
-    outcomes = questions.asked(jobs, "simulating", allowed, quiet())
+    outcomes = questions.asked(jobs, "simulating", allowed, options.quiet())
     documents: list[Simulated] = []
     refusal: Exception | None = None
     for (case, name), outcome in zip(asked, outcomes, strict=True):
@@ -113,7 +87,7 @@ def command(
     for document in documents:
         if not document.reached:
             kept = f"; {document.rows} rows are kept in {document.output}" if document.rows else "; there is nothing to keep"
-            tell(f"{document.case}: engine {document.engine}: {document.remark}{kept}")
+            options.tell(f"{document.case}: engine {document.engine}: {document.remark}{kept}")
     if refusal is not None:
         raise refusal
     return GOOD if all(document.reached for document in documents) else ENGINE_TROUBLE
@@ -135,12 +109,12 @@ def trajectories(
         questions.check(name, case.scene, settings[name])
     jobs = [Job(f"{case.name} {name}", attempt, (case, name, settings[name], accuracy)) for case, name in asked]
     found = {}
-    for (case, name), outcome in zip(asked, questions.asked(jobs, "simulating", quiet=quiet()), strict=True):
+    for (case, name), outcome in zip(asked, questions.asked(jobs, "simulating", quiet=options.quiet()), strict=True):
         _, solution = questions.value_of(outcome)
         if isinstance(solution, Exception):
             raise solution
         if not solution.reached:
-            tell(f"{case.name}: engine {name}: {solution.remark}")
+            options.tell(f"{case.name}: engine {name}: {solution.remark}")
         found[case.name, name] = solution.trajectory
     return found
 

@@ -2,15 +2,19 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
 from cases.benchmark import Benchmark, fastest_at, observed_order, pareto_front
 from cases.benchmark.findings import LEVELS, Point, completed, error_of
 from cases.benchmark.measurement import NOT_TRIED
-from reports.tables.table import Cell, Column, Table, TableBuilder
+from reports.tables.table import CASE, Cell, Column, Table, TableBuilder
 from reports.words import case_label, duration, settings_words
 
 _ERRORS = (("tip_deflection", "deflection"), ("tip_acceleration", "tip acc."), ("strain", "worst strain"), ("slider_force", "force"))
+
+
+SCENE: Final = replace(CASE, head="scene")
 
 
 def methods_of(tables: Sequence[Benchmark]) -> list[str]:
@@ -26,7 +30,7 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
         "Solve time of the fastest settings of each method whose error of the tip deflection is at most the one given; the fastest method"
         " is marked, – where no settings of the ladder get there. The settings are shown where the pointer rests.",
         (
-            Column("case", "scene"),
+            SCENE,
             Column("level", "error", "1", "g", "%", 100.0),
             *(Column(f"{name} solve_seconds", name, "s", ".2g", shown_unit="") for name in names),
         ),
@@ -39,7 +43,7 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
             for name, (point, measured) in found.items():
                 seconds, note = measured.solve_seconds, settings_words(point.changing)
                 cells[f"{name} solve_seconds"] = Cell(seconds, duration(seconds), note, "good" if name == first else "")
-            builder.add(case=Cell(table.case, case_label(table.case)), level=level, **cells)
+            builder.add(case=table.case, level=level, **cells)
     return builder.table()
 
 
@@ -95,7 +99,7 @@ def failures(tables: Sequence[Benchmark]) -> Table:
     builder = TableBuilder(
         "not_completed",
         "Settings that did not complete.",
-        (Column("case", "scene"), Column("method", "method"), Column("settings", "settings"), Column("status", "what happened")),
+        (SCENE, Column("method", "method"), Column("settings", "settings"), Column("status", "what happened")),
     )
     for table in tables:
         told: set[str] = set()
@@ -106,7 +110,7 @@ def failures(tables: Sequence[Benchmark]) -> Table:
             if untried:
                 told.add(point.method)
             words = settings_words(point.changing) + (" and finer" if untried else "")
-            builder.add(case=Cell(table.case, case_label(table.case)), method=point.method, settings=words, status=point.status)
+            builder.add(point, case=table.case, settings=words)
     return builder.table()
 
 
@@ -115,7 +119,7 @@ def points(tables: Sequence[Benchmark]) -> Table:
     builder = TableBuilder(
         "benchmark",
         "Every method, all settings, all scenes",
-        (Column("case", "scene"), *_point_columns(), Column("status", "status")),
+        (SCENE, *_point_columns(), Column("status", "status")),
         in_page=False,
     )
     for table in tables:
@@ -184,7 +188,7 @@ def scenes(tables: Sequence[Benchmark]) -> Table:
         "Scenes; RMS of the tip deflection; and by how much the solution that errors are measured against differs from the one of an"
         " engine that shares neither coordinates nor joint nor integrator with it.",
         (
-            Column("case", "scene"),
+            SCENE,
             Column("title", "what it is"),
             Column("duration", "duration", "s", "g"),
             Column("size", "RMS", "m", ".3g", "mm", 1e3),
@@ -197,7 +201,6 @@ def scenes(tables: Sequence[Benchmark]) -> Table:
         truth, other = table.truth, table.confirmation
         builder.add(
             table,
-            case=Cell(table.case, case_label(table.case)),
             size=truth.sizes["tip_deflection"],
             truth=f"{truth.engine} ({settings_words(truth.settings)})",
             confirming=f"{other.engine}: {other.failure}" if other.failure else f"{other.engine} ({settings_words(other.settings)})",

@@ -1,6 +1,7 @@
 """What engines claim, where they differ by more, and how good each of them is."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -8,13 +9,27 @@ import numpy as np
 from cases.runs.comparison import CLASSES, WORSE, CaseResult, Check
 from cases.runs.estimates import EXTREMES
 from reports.findings.agreement import engines_of
-from reports.tables.table import Cell, Column, Table, TableBuilder
-from reports.words import HALF, QUANTITY, case_label, channel_name
+from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table, TableBuilder
 
 #: The slider is at a gauge within this part of the follower's length: half of one of sixteen elements.
 KINK: Final = 1.0 / 32.0
 #: What exceeds a tolerance by less than this part of it is marginal.
 MARGINAL: Final = 0.1
+
+
+#: Of one comparison, in every table of them.
+_COMPARISON: Final = (
+    CASE,
+    Column("engine", "engine"),
+    Column("other", "against"),
+    QUANTITY_COLUMN,
+    HALF_COLUMN,
+    CHANNEL,
+    Column("value", "value", "SI", ".4g"),
+    Column("other_value", "other value", "SI", ".4g"),
+    Column("difference", "difference", "1", "+.2f", "%", 100.0),
+    Column("tolerance", "tolerance", "1", ".2f", "%", 100.0),
+)
 
 
 def departures(results: Sequence[CaseResult]) -> Table:
@@ -26,16 +41,7 @@ def departures(results: Sequence[CaseResult]) -> Table:
         " number's error and the uncertainty of its measurement; the tolerance is the sum of both engines' claims. Share: the value's size"
         " over that magnitude.",
         (
-            Column("case", "run"),
-            Column("engine", "engine"),
-            Column("other", "against"),
-            Column("quantity", "quantity"),
-            Column("half", "half"),
-            Column("channel", "channel"),
-            Column("value", "value", "SI", ".4g"),
-            Column("other_value", "other value", "SI", ".4g"),
-            Column("difference", "difference", "1", "+.2f", "%", 100.0),
-            Column("tolerance", "tolerance", "1", ".2f", "%", 100.0),
+            *_COMPARISON,
             Column("claim", "engine", "1", ".2g", "%", 100.0, group="claim"),
             Column("other_claim", "other", "1", ".2g", "%", 100.0, group="claim"),
             Column("share", "share", "1", ".2f"),
@@ -44,62 +50,39 @@ def departures(results: Sequence[CaseResult]) -> Table:
     )
     for result in results:
         for check in result.missed:
-            builder.add(**_departure(result, check))
+            builder.add(
+                check,
+                **_compared(result, check) | {"difference": Cell(check.difference / check.scale, mark="missed")},
+                claim=check.mine.width / check.scale,
+                other_claim=check.its.width / check.scale,
+                share=abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
+                cause=cause(result, check),
+            )
     return builder.table()
 
 
 def table_departures(results: Sequence[CaseResult]) -> Table:
     """One row per number in which a recorded table and an engine differ by more than the engine claims and the measures are uncertain."""
+    heads = {"engine": ("table", "table"), "channel": ("channel", "column"), "other_value": ("other_value", "engine's value")}
     builder = TableBuilder(
         "table_departures",
         "Every number in which a recorded table and an engine differ by more than the uncertainty of the measures and the engine's own"
         " estimate together, relative to the engine's value, of an extreme to the column's largest magnitude in the turn.",
-        (
-            Column("case", "run"),
-            Column("table", "table"),
-            Column("other", "against"),
-            Column("quantity", "quantity"),
-            Column("half", "half"),
-            Column("channel", "column"),
-            Column("value", "value", "SI", ".4g"),
-            Column("other_value", "engine's value", "SI", ".4g"),
-            Column("difference", "difference", "1", "+.2f", "%", 100.0),
-            Column("tolerance", "tolerance", "1", ".2f", "%", 100.0),
-        ),
+        [replace(column, key=key, head=head) for column in _COMPARISON for key, head in [heads.get(column.key, (column.key, column.head))]],
     )
     for result in results:
         for check in (check for check in result.table_checks if not check.passed):
-            builder.add(
-                case=Cell(result.case.name, case_label(result.case.name)),
-                table=check.engine,
-                other=check.other,
-                quantity=Cell(check.quantity, QUANTITY[check.quantity]),
-                half=Cell(check.half, HALF[check.half]),
-                channel=Cell(check.channel, channel_name(check.channel)),
-                value=check.mine.value,
-                other_value=check.its.value,
-                difference=check.difference / check.scale,
-                tolerance=check.tolerance / check.scale,
-            )
+            builder.add(check, table=check.engine, **_compared(result, check))
     return builder.table()
 
 
-def _departure(result: CaseResult, check: Check) -> dict[str, Any]:
+def _compared(result: CaseResult, check: Check) -> dict[str, Any]:
     return {
-        "case": Cell(result.case.name, case_label(result.case.name)),
-        "engine": check.engine,
-        "other": check.other,
-        "quantity": Cell(check.quantity, QUANTITY[check.quantity]),
-        "half": Cell(check.half, HALF[check.half]),
-        "channel": Cell(check.channel, channel_name(check.channel)),
+        "case": result.case.name,
         "value": check.mine.value,
         "other_value": check.its.value,
-        "difference": Cell(check.difference / check.scale, mark="missed"),
+        "difference": check.difference / check.scale,
         "tolerance": check.tolerance / check.scale,
-        "claim": check.mine.width / check.scale,
-        "other_claim": check.its.width / check.scale,
-        "share": abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
-        "cause": cause(result, check),
     }
 
 
@@ -138,7 +121,7 @@ def summary(results: Sequence[CaseResult]) -> Table:
         (
             Column("engine", "engine"),
             Column("other", "against"),
-            Column("quantity", "quantity"),
+            QUANTITY_COLUMN,
             Column("compared", "compared", form="d"),
             Column("beyond", "beyond", form="d"),
             Column("tolerance", "tolerance", "1", ".2g", "%", 100.0),
@@ -155,7 +138,7 @@ def summary(results: Sequence[CaseResult]) -> Table:
         builder.add(
             engine=engine,
             other=other,
-            quantity=Cell(quantity, QUANTITY[quantity]),
+            quantity=quantity,
             compared=len(checks),
             beyond=Cell(beyond, mark="missed" if beyond else ""),
             tolerance=float(np.median([check.tolerance / check.scale for check in checks])),

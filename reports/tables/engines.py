@@ -7,8 +7,8 @@ from typing import Any, Final
 from cases.measures import CHANNELS
 from cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
 from cases.runs.request import INACCURATE, Run
-from reports.tables.table import Cell, Column, Mark, Table, TableBuilder
-from reports.words import case_label, channel_name, listed
+from reports.tables.table import CASE, Cell, Column, Mark, Table, TableBuilder
+from reports.words import channel_name, listed
 
 #: Channels whose amplitudes the page shows; the CSV file has all.
 SHOWN: Final = ("tip_acceleration", "strain_2")
@@ -24,7 +24,7 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
         " the return, with the difference to the reference (Δ). n. r.: not resolvable; the reason shows where the pointer rests, and"
         f" stands in the CSV file, which also has the uncertainties and {listed([channel_name(c) for c in CHANNELS if c not in SHOWN])}.",
         (
-            *(Column("case", "run"), Column("engine", "engine"), Column("status", "status")),
+            *(CASE, Column("engine", "engine"), Column("status", "status")),
             Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
             *_number_columns(),
         ),
@@ -40,7 +40,7 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
                 for channel in CHANNELS:
                     numbers |= _amplitude_cells(run, reference, half, channel, name == REFERENCE)
             numbers |= {"status": _status(run), "accuracy_class": result.accuracy_class(name)}
-            builder.add(case=Cell(result.case.name, case_label(result.case.name)), engine=name, **numbers)
+            builder.add(case=result.case.name, engine=name, **numbers)
     return builder.table()
 
 
@@ -144,7 +144,7 @@ def settings(results: Sequence[CaseResult]) -> Table:
         " case's duration from the standard start; that of thesis is of the integration of its own equations alone. Marched from: where the"
         " cycles began; the reference finds its steady state without.",
         (
-            Column("case", "run"),
+            CASE,
             Column("engine", "engine"),
             Column("accuracy", "asked", "1", ".2g", "%", 100.0),
             Column("error_estimate", "estimate", "1", ".2g", "%", 100.0),
@@ -156,16 +156,11 @@ def settings(results: Sequence[CaseResult]) -> Table:
         ),
     )
     for result in results:
-        for name, run in result.runs.items():
+        for run in result.runs.values():
             builder.add(
-                case=Cell(result.case.name, case_label(result.case.name)),
-                engine=name,
-                accuracy=run.accuracy,
-                error_estimate=run.error_estimate,
-                degrees_of_freedom=run.degrees_of_freedom,
+                run,
+                case=result.case.name,
                 start=run.start or Cell(None, note=run.status),
-                cycles=run.cycles,
-                settling_error=run.settling_error,
                 settings=", ".join(f"{key} = {value}" for key, value in (run.settings or {}).items()) or "none: it did not come so far",
             )
     return builder.table()

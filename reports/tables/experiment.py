@@ -13,8 +13,8 @@ from reports.findings.axes import AxisComparison
 from reports.findings.conclusions import MODEL
 from reports.findings.measured import MeasuredHalf
 from reports.findings.runs import thesis_runs
-from reports.tables.table import Cell, Column, Table, TableBuilder
-from reports.words import HALF, case_label, channel_name
+from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, Cell, Column, Table, TableBuilder
+from reports.words import channel_name
 
 
 def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison]) -> Table:
@@ -25,7 +25,7 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
         " legible axis label of the appendix' figure and the simulated peak over it (printed strain read as percent). A label bounds"
         " the plotted curves roughly and from below: labels are missing, and measured curves share the axes.",
         (
-            Column("case", "run"),
+            CASE,
             Column("measured_speed", "measured", "rad/s", ".3f", group="crank speed"),
             Column("simulated_speed", "simulated", "rad/s", ".3f", group="crank speed", meaning="mean of the reference's steady cycle"),
             Column("acceleration_valid", "acceleration", group="valid"),
@@ -51,7 +51,7 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
             angle, time = reference.cycle["crank_angle"], reference.cycle["time"]
             cells["simulated_speed"] = float(angle[-1] - angle[0]) / float(time[-1] - time[0])
         builder.add(
-            case=Cell(result.case.name, case_label(result.case.name)),
+            case=result.case.name,
             measured_speed=Cell(None, "none printed", "tables 3.1 and 5.2 say N/A") if measured is None else measured,
             acceleration_valid=channel_is_usable(number_of_run, "tip_acceleration"),
             strain_valid=channel_is_usable(number_of_run, "strain_1"),
@@ -66,7 +66,7 @@ def recorded(results: Sequence[CaseResult]) -> Table:
         "recorded",
         "Recorded tables: results of other tools, earlier versions and measurements, with what their files declare.",
         (
-            Column("case", "run"),
+            CASE,
             Column("table", "table"),
             Column("version", "version"),
             Column("origin", "origin"),
@@ -80,15 +80,14 @@ def recorded(results: Sequence[CaseResult]) -> Table:
     for result in results:
         for run in result.recorded.values():
             builder.add(
-                case=Cell(result.case.name, case_label(result.case.name)),
+                run,
+                case=result.case.name,
                 table=run.engine,
-                version=run.version,
                 origin=_origin(run),
                 status=Cell(run.status, mark="" if run.usable else "failed"),
                 rows=0 if run.recording is None else run.recording.rows,
                 columns=", ".join(channel_name(name) for name in run.cycle if name not in ("time", "crank_angle")),
                 source=run.method,
-                remark=run.remark,
             )
     return builder.table()
 
@@ -105,11 +104,11 @@ def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> T
         "Engines over recorded tables: first-mode frequency and amplitude of the table (measured like an engine's cycle) and each engine's"
         " number over it. Extremes of what was measured or digitised are taken after a zero-phase low-pass at 200 Hz.",
         (
-            Column("case", "run"),
+            CASE,
             Column("table", "table"),
-            Column("channel", "channel"),
+            CHANNEL,
             Column("origin", "origin"),
-            Column("half", "half"),
+            HALF_COLUMN,
             Column("frequency", "table", "Hz", ".2f", uncertainty="frequency_uncertainty", group="first-mode frequency"),
             Column("frequency_uncertainty", "±", "Hz", ".2f", in_page=False),
             *(Column(f"frequency_{name}", name, "1", ".3f", group="first-mode frequency", meaning="engine / table") for name in engines),
@@ -128,14 +127,11 @@ def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> T
                 its = _first_mode(item.engines.get(engine), short)
                 cells[f"{short}_{engine}"] = its / value if its is not None and value else None
         builder.add(
-            case=Cell(item.case, case_label(item.case)),
+            item.measure,
+            case=item.case,
             table=item.table.engine,
-            channel=Cell(item.measure.channel, channel_name(item.measure.channel)),
             origin=_origin(item.table),
-            half=Cell(item.measure.half, HALF[item.measure.half]),
             frequency_uncertainty=item.measure.first_mode_frequency_uncertainty,
-            minimum=item.measure.minimum,
-            maximum=item.measure.maximum,
             **cells,
         )
     return builder.table()
@@ -161,7 +157,7 @@ def inconsistencies(found: Sequence[Inconsistency]) -> Table:
         ),
     )
     for item in found:
-        builder.add(runs=_runs(item.runs), what=item.what, published=item.published, used=item.used, reason=item.reason)
+        builder.add(item, runs=_runs(item.runs))
     return builder.table()
 
 

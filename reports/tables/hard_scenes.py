@@ -138,18 +138,10 @@ def cells(matrix: Matrix) -> Table:
     )
     known = (matrix.cells.get((case.name, name)) for case in matrix.cases for name in matrix.engines)
     for cell in filter(None, known):
-        verdict = cell.verdict
         builder.add(
-            scene=cell.scene,
-            engine=cell.engine,
-            verdict=verdict.kind,
-            reason=verdict.reason,
-            claimed_error=verdict.claimed_error,
-            stretch=verdict.stretch,
-            time=verdict.time,
-            true_error=cell.true_error,
+            {**vars(cell.verdict), **vars(cell)},
+            verdict=cell.verdict.kind,
             claim_holds=cell.holds,
-            model_error=cell.model_error,
             settings=", ".join(f"{name} = {value}" for name, value in cell.settings.items()),
         )
     return builder.table()

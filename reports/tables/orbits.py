@@ -5,8 +5,7 @@ from collections.abc import Sequence
 
 from cases.runs.comparison import REFERENCE, CaseResult
 from cases.studies import BothStarts
-from reports.tables.table import Cell, Column, Table, TableBuilder
-from reports.words import case_label
+from reports.tables.table import CASE, Column, Table, TableBuilder
 
 #: What is left of the way to the steady state when a marched run counts as settled, and a distance at which no measure sees it any more.
 SETTLED_AT, GONE_AT = 1e-3, 1e-6
@@ -26,7 +25,7 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         " follow the cycles that marching takes to shrink one to a part of itself. Beside it the cycles that engines marched: from this"
         " state, or from the standard start (thesis, whose steady state is another one).",
         (
-            Column("case", "run"),
+            CASE,
             Column("period", "period", "s", ".4f"),
             Column("iterations", "Newton steps", form="d"),
             Column("cycles_of_work", "cycles' work", form=".3g"),
@@ -46,12 +45,10 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         shrinking = 0.0 < modulus < 1.0
         cycles = {f"{name}_cycles": result.runs[name].cycles for name in marching if name in result.runs}
         builder.add(
-            case=Cell(result.case.name, case_label(result.case.name)),
-            period=orbit.period,
-            iterations=orbit.iterations,
+            orbit,
+            case=result.case.name,
             cycles_of_work=run.cycles if orbit.stable else None,
             multiplier=modulus,
-            stable=orbit.stable,
             cycles_to_settled=math.log(SETTLED_AT) / math.log(modulus) if shrinking else None,
             cycles_to_gone=math.log(GONE_AT) / math.log(modulus) if shrinking else None,
             **cycles,

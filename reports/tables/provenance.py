@@ -8,8 +8,7 @@ from cases.runs.request import SETTLED, UNAVAILABLE, Run
 from engines.registry import OWN
 from reports.findings.agreement import engines_of
 from reports.findings.failures import Trouble
-from reports.tables.table import Cell, Column, Table, TableBuilder
-from reports.words import case_label
+from reports.tables.table import CASE, Cell, Column, Table, TableBuilder
 
 
 def engines(results: Sequence[CaseResult]) -> Table:
@@ -59,15 +58,10 @@ def troubles(found: Sequence[Trouble]) -> Table:
     builder = TableBuilder(
         "failures",
         "Every run that did not simply settle.",
-        (Column("case", "run"), Column("engine", "engine"), Column("status", "status"), Column("remark", "in the engine's words")),
+        (CASE, Column("engine", "engine"), Column("status", "status"), Column("remark", "in the engine's words")),
     )
     for trouble in found:
-        builder.add(
-            case=Cell(trouble.case, case_label(trouble.case)),
-            engine=trouble.engine,
-            status=Cell(trouble.status, mark="failed" if trouble.is_failure else "open"),
-            remark=trouble.remark,
-        )
+        builder.add(trouble, status=Cell(trouble.status, mark="failed" if trouble.is_failure else "open"))
     return builder.table()
 
 

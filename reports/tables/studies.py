@@ -9,7 +9,7 @@ from cases.runs.comparison import CaseResult
 from cases.studies import Moved, StudiedRun
 from engines.accurate import ESTIMATED
 from reports.findings.agreement import engines_of
-from reports.tables.table import Cell, Column, Table, TableBuilder
+from reports.tables.table import CASE, Cell, Column, Table, TableBuilder
 from reports.words import HALF, QUANTITY, case_label, settings_words, short_name
 
 #: Columns of the errors, with their headings.
@@ -88,7 +88,7 @@ def sensitivity(found: Sequence[Moved]) -> Table:
         "Change of the steady state with what the thesis leaves open, reference: first-mode frequency (consensus) and first-mode amplitude"
         " of each channel, relative to the run as published. n. r.: not resolvable in one of the two.",
         (
-            Column("run", "run"),
+            Column("run", "run", words=case_label),
             Column("change", "change"),
             *(
                 Column(f"{half}_{key}", head, "1", "+.1f", "%", 100.0, group=HALF[half])
@@ -105,7 +105,7 @@ def sensitivity(found: Sequence[Moved]) -> Table:
             for each in found
             if (each.run, each.change) == (run, change)
         }
-        builder.add(run=Cell(run, case_label(run)), change=change, **cells)
+        builder.add(run=run, change=change, **cells)
     return builder.table()
 
 
@@ -117,7 +117,7 @@ def solve_times(results: Sequence[CaseResult]) -> Table:
         "Solve time to the steady state (all its cycles), and per simulated second, of each engine on each case. Single-threaded, as"
         " measured when the run was computed; runs computed side by side share the machine.",
         (
-            Column("case", "run"),
+            CASE,
             *(Column(f"{name}_solve_seconds", name, "s", ".2f", group="solve time") for name in engines),
             *(Column(f"{name}_per_second", name, "1", ".2f", group="solve time / simulated time") for name in engines),
         ),
@@ -132,5 +132,5 @@ def solve_times(results: Sequence[CaseResult]) -> Table:
                 cells[f"{name}_solve_seconds"] = seconds
             if seconds is not None and simulated:
                 cells[f"{name}_per_second"] = seconds / simulated
-        builder.add(case=Cell(result.case.name, case_label(result.case.name)), **cells)
+        builder.add(case=result.case.name, **cells)
     return builder.table()

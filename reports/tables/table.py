@@ -1,13 +1,13 @@
 """What a table is: a data frame in SI units, and how its columns and cells are shown. Page and CSV file are made from the same cells."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import pandas as pd
 
-from reports.words import number
+from reports.words import HALF, QUANTITY, case_label, channel_name, number
 
 Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed"]
@@ -55,6 +55,7 @@ class Column:
         uncertainty: key of the column that is shown behind this one's values, after ±.
         group: heading above this and its neighbours of the same group.
         meaning: shown where the pointer rests on the heading.
+        words: value -> what the page shows in its place.
     """
 
     key: str
@@ -67,6 +68,7 @@ class Column:
     uncertainty: str = ""
     group: str = ""
     meaning: str = ""
+    words: Callable[[Any], str] | None = None
 
     @property
     def page_unit(self) -> str:
@@ -84,6 +86,8 @@ class Column:
         if cell.text:
             return cell.text
         value = cell.value
+        if self.words:
+            return self.words(value)
         if value is None:
             return "–"
         if isinstance(value, bool):
@@ -96,6 +100,13 @@ class Column:
     def is_text(self) -> bool:
         """Whether the column holds words: they are aligned left."""
         return not self.form
+
+
+#: Columns that many tables have.
+CASE: Final = Column("case", "run", words=case_label)
+QUANTITY_COLUMN: Final = Column("quantity", "quantity", words=QUANTITY.__getitem__)
+HALF_COLUMN: Final = Column("half", "half", words=HALF.__getitem__)
+CHANNEL: Final = Column("channel", "channel", words=channel_name)
 
 
 @dataclass(frozen=True)

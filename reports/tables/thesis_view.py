@@ -131,10 +131,8 @@ def joints(effects: Sequence[JointEffect], run: str) -> Table:
     )
     for effect in effects:
         builder.add(
-            stiffness=effect.stiffness,
+            effect,
             stiffness_in_lbf_per_in=effect.stiffness / LBF_PER_IN,
-            change_pre=effect.change_pre,
-            change_post=effect.change_post,
             third_mode_low=effect.third_mode.low,
             third_mode_high=effect.third_mode.high,
         )
