@@ -26,7 +26,6 @@ SHOWN: Final = 0.15  # of the follower's length: the magnified deflection is at 
 STRAIGHT: Final = 1e-6  # of the follower's length: less is no bending
 STEPS: Final = (1.0, 2.0, 5.0)  # of the factor, times powers of ten
 POINTS: Final = 61  # along the follower
-_CENTRED: Final[Any] = {"ha": "center", "va": "center"}
 BESIDE: Final = np.array([18.0, 11.0])  # points: how far a name is from what it names, to the side and up
 CLEAR: Final = math.radians(120.0)  # a crank angle at which nothing covers anything
 MARGIN: Final = 0.07  # of the follower's length, around everything

@@ -20,8 +20,6 @@ _njit: Any = njit  # its type hints lack some of its options
 _OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "fastmath": FASTMATH, "no_cfunc_wrapper": True}
 #: For code that compiled code alone calls: without the entry from Python, which unpacks tuples of 200 numbers.
 _INSIDE: Final[dict[str, Any]] = {**_OPTIONS, "no_cpython_wrapper": True}
-#: For `numba.extending.overload`, with machine code that becomes part of every caller's.
-OVERLOADED: Final[Any] = {**_INSIDE, "forceinline": True}
 
 #: For the one function whose address is handed around.
 KERNEL: Final[dict[str, Any]] = {"error_model": "numpy", "fastmath": FASTMATH, "_nrt": False}
@@ -39,32 +37,9 @@ def compiled(function: Function) -> Function:
     return cast(Function, _njit(cache=True, **_OPTIONS)(function))
 
 
-def inside(function: Function) -> Function:
-    """Like `compiled`, for functions that compiled code alone calls: less to compile."""
-    return cast(Function, _njit(cache=True, **_INSIDE)(function))
-
-
 def borrowing(function: Function) -> Function:
     """Like `compiled`, for functions that neither make nor keep arrays: without numba's reference counts (and refused with any array)."""
     return cast(Function, _njit(cache=True, **_OPTIONS, _nrt=False)(function))
-
-
-def merged(function: Function) -> Function:
-    """Like `borrowing` and `inside`, for a large function in a loop: its machine code becomes part of the caller's.
-
-    The tuples do not travel by value then, some 200 numbers: a third of the time that a right-hand side with two modes takes.
-    """
-    return cast(Function, _njit(cache=True, **_INSIDE, _nrt=False, forceinline=True)(function))
-
-
-def merged_and_callable(function: Function) -> Function:
-    """Like `merged`, with an entry from Python too."""
-    return cast(Function, _njit(cache=True, **_OPTIONS, _nrt=False, forceinline=True)(function))
-
-
-def embedded(function: Function) -> Function:
-    """Like `compiled`, its machine code part of every caller's: with several callers less to compile than `inlined`."""
-    return cast(Function, _njit(cache=True, **_OPTIONS, forceinline=True)(function))
 
 
 def inlined(function: Function) -> Function:

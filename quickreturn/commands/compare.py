@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -67,7 +67,9 @@ def command(
     if as_json:
         document = as_document(results, workshop.store.notices)
         for entry, result in zip(document["cases"], results, strict=True):
-            entry["differences"], entry["slips"] = _differences(result), _slips(result)
+            entry["differences"], entry["slips"] = {name: {} for name in result.recorded}, _slips(result)
+            for (table, engine), found in _differences(result).items():
+                entry["differences"][table][engine] = found
         print_json(document)
     else:
         _print(results)
@@ -91,14 +93,11 @@ def _pairs(result: "CaseResult") -> "list[tuple[Run, Run]]":
     return [(run, other) for run in result.recorded.values() for other in result.runs.values() if run.usable and other.usable]
 
 
-def _differences(result: "CaseResult") -> dict[str, dict[str, dict[str, float]]]:
-    """Table -> engine -> column -> relative RMS difference in the turn that is compared."""
+def _differences(result: "CaseResult") -> dict[tuple[str, str], dict[str, float]]:
+    """Table and engine -> column -> relative RMS difference in the turn that is compared."""
     from cases.runs.differences import column_differences
 
-    found: dict[str, dict[str, dict[str, float]]] = {name: {} for name in result.recorded}
-    for run, other in _pairs(result):
-        found[run.engine][other.engine] = column_differences(run, other)
-    return found
+    return {(run.engine, other.engine): column_differences(run, other) for run, other in _pairs(result)}
 
 
 def _slips(result: "CaseResult") -> dict[str, dict[str, str]]:
@@ -114,24 +113,14 @@ def _print(results: "Sequence[CaseResult]") -> None:
 
     for result in results:
         click.echo(text_of(result))
-        differences = {
-            run.engine: by_engine for run, by_engine in zip(result.recorded.values(), _differences(result).values(), strict=True)
-        }
-        rows = [(f"  {column}", *_cells(differences, column)) for column in _columns(differences)]
-        if rows:
-            alone = len(differences) == 1
-            heads = [engine if alone else f"{table} - {engine}" for table, by_engine in differences.items() for engine in by_engine]
+        differences = _differences(result)
+        columns = dict.fromkeys(name for found in differences.values() for name in found)
+        if columns:
+            alone = len(result.recorded) == 1
+            heads = [engine if alone else f"{table} - {engine}" for table, engine in differences]
+            rows = [[f"  {name}", *(f"{found[name]:.1e}" if name in found else "-" for found in differences.values())] for name in columns]
             click.echo("  RMS difference in this turn, over the engine's RMS:")
             print_table(rows, ("", *heads))
-        for table, found in _slips(result).items():
-            for column, told in found.items():
+        for table, slips in _slips(result).items():
+            for column, told in slips.items():
                 click.echo(f"  {table}, {column}: {told}")
-
-
-def _columns(differences: dict[str, dict[str, dict[str, float]]]) -> list[str]:
-    return list(dict.fromkeys(name for by_engine in differences.values() for found in by_engine.values() for name in found))
-
-
-def _cells(differences: dict[str, dict[str, dict[str, float]]], column: str) -> list[str]:
-    found: list[Any] = [columns.get(column) for by_engine in differences.values() for columns in by_engine.values()]
-    return ["-" if value is None else f"{value:.1e}" for value in found]

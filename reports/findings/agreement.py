@@ -55,7 +55,6 @@ class Spread:
 
     count: int
     median: float
-    median_size: float
     lowest: float
     highest: float
     worst: Difference
@@ -97,7 +96,6 @@ def spread(found: Sequence[Difference]) -> Spread | None:
     return Spread(
         count=len(found),
         median=float(np.median(relative)),
-        median_size=float(np.median(np.abs(relative))),
         lowest=float(relative.min()),
         highest=float(relative.max()),
         worst=found[int(np.argmax(np.abs(relative)))],

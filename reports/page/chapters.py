@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from reports.page.content import Content
-from reports.page.facts import agreement, methods, own, recorded, run_by_run, studies, thesis
+from reports.page.facts import agreement, methods, own, runs, studies, thesis
 from reports.tables.table import Table
 
 Facts = Mapping[str, Any]
@@ -41,8 +41,8 @@ def tables_in(values: Any) -> Iterator[Table]:
 #: Chapter, its name, and what makes its facts: None where a report has nothing for it.
 _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
     ("agreement", "Who agrees with whom", agreement.agreement),
-    ("runs", "Every run on every engine", agreement.runs),
-    ("recorded", "Recorded tables", recorded.recorded),
+    ("runs", "Every run on every engine", runs.runs),
+    ("recorded", "Recorded tables", runs.recorded),
     ("methods", "Which method excels", methods.methods),
     ("thesis", "What the thesis saw", thesis.thesis),
     ("open", "What the thesis leaves open", studies.open_points),
@@ -50,7 +50,7 @@ _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
     ("hard", "Hard scenes", methods.hard_scenes),
     ("experiment", "The experiment", thesis.experiment),
     ("inconsistencies", "Published inconsistencies", thesis.inconsistencies_found),
-    ("each", "Run by run", run_by_run.run_by_run),
+    ("each", "Run by run", runs.run_by_run),
     ("next", "What to do next", own.next_steps),
     ("provenance", "Provenance", own.provenance),
 )

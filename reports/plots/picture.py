@@ -1,6 +1,5 @@
 """A finished picture: lossless WebP at twice the density of the screen, with its size on the page and its description."""
 
-import base64
 import io
 from dataclasses import dataclass
 from typing import Final
@@ -32,11 +31,6 @@ class Picture:
     width: int
     height: int
     alt: str
-
-    @property
-    def uri(self) -> str:
-        """The picture as a data URI, to be put into a page."""
-        return f"data:{self.mime};base64,{base64.b64encode(self.data).decode('ascii')}"
 
 
 def picture(figure: Figure, alt: str, colours: int = COLOURS) -> Picture:

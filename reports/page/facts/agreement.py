@@ -1,14 +1,14 @@
-"""Who agrees with whom, and every run on every engine."""
+"""Who agrees with whom."""
 
 from collections.abc import Sequence
 from typing import Any
 
 from cases.runs.comparison import REFERENCE, CaseResult, not_judged
-from reports.findings.agreement import differences, engines_of, resolvable
+from reports.findings.agreement import differences, engines_of
 from reports.findings.conclusions import MODEL
 from reports.page.answer import answer_of
 from reports.page.content import Content
-from reports.tables import claims, engines
+from reports.tables import claims
 from reports.tables.table import Cell, Column, Mark, Table, TableBuilder
 from reports.words import case_label
 
@@ -82,15 +82,3 @@ def _map_cells(result: CaseResult, name: str) -> dict[str, Cell]:
         largest = max(found, key=abs, default=None)
         cells[f"{name}_{kind}_difference"] = Cell(largest, "n. r." if largest is None else "", why, "open" if why else "good", opens)
     return cells | {f"{name}_beyond": Cell(None, "–", why, mark, opens) if why else Cell(beyond, mark=mark, run=opens)}
-
-
-def runs(content: Content) -> dict[str, Any]:
-    """All measures."""
-    names = engines_of(content.results)
-    return {
-        "troubles": content.troubles,
-        "cases": len(content.results),
-        "resolved": {name: resolvable(content.results, name) for name in names},
-        "table": engines.run_by_engine(content.results),
-        "measures": engines.measures(content.results),
-    }

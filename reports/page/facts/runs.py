@@ -1,0 +1,55 @@
+"""Every run on every engine, recorded tables beside them, and case by case; the curves are drawn by the script."""
+
+from typing import Any
+
+from cases.library import inconsistencies
+from cases.library.thesis import RUNS
+from reports.findings.agreement import engines_of, resolvable
+from reports.page.content import Content
+from reports.tables import engines, experiment
+from reports.tables.claims import table_departures
+
+
+def runs(content: Content) -> dict[str, Any]:
+    """All measures."""
+    names = engines_of(content.results)
+    return {
+        "troubles": content.troubles,
+        "cases": len(content.results),
+        "resolved": {name: resolvable(content.results, name) for name in names},
+        "table": engines.run_by_engine(content.results),
+        "measures": engines.measures(content.results),
+    }
+
+
+def recorded(content: Content) -> dict[str, Any] | None:
+    """None where no table was given."""
+    runs = [run for result in content.results for run in result.recorded.values()]
+    if not runs:
+        return None
+    checks = [check for result in content.results for check in result.table_checks]
+    return {
+        "names": [run.engine for run in runs],
+        "synthetic": [run.engine for run in runs if run.recording and run.recording.declared.get("origin") == "synthetic"],
+        "checks": len(checks),
+        "missed": sum(not check.passed for check in checks),
+        "tables": experiment.recorded(content.results),
+        "comparison": experiment.curve_comparison(content.comparisons, engines_of(content.results)),
+        "departures": table_departures(content.results),
+    }
+
+
+def run_by_run(content: Content) -> dict[str, Any]:
+    """One section per case; what is said of every run of the thesis has a chapter of its own."""
+    general = {found.sentence for found in inconsistencies() if set(found.runs) == set(RUNS)}
+    sections = [
+        {
+            "case": result.case,
+            "notes": [note for note in result.case.notes if note not in general],
+            "failures": result.failures,
+            "departures": result.departures,
+            "table": engines.case_table(result),
+        }
+        for result in content.results
+    ]
+    return {"sections": sections, "tables": [section["table"] for section in sections]}
