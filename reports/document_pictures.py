@@ -7,6 +7,7 @@ import io
 import sys
 from pathlib import Path
 
+from matplotlib.figure import Figure
 from PIL import Image
 
 from cases.case_file import load_case
@@ -15,29 +16,28 @@ from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.runs.comparison import cross_validate
 from reports.long_studies import benchmarks
-from reports.plots.cycle import cycle_figure
-from reports.plots.picture import Picture
-from reports.plots.work_precision import work_precision_figure
+from reports.plots import cycle, work_precision
+from reports.plots.style import PER_INCH
 
 RUN = 24
 CASE = f"thesis-{RUN}"
-COLOURS = 64  # of the palette: flat colours and their soft edges need no more
+COLOURS = 32  # of the palette: lines and their smoothed edges need no more
 
 
 def main(folder: Path) -> None:
     """Write them into a folder."""
     (result,) = cross_validate([load_case(CASE)], Workshop(Store()))
     folder.mkdir(parents=True, exist_ok=True)
-    _write(folder / "run-24.png", cycle_figure(result, axis_labels(RUN)))
-    _write(folder / "methods.png", work_precision_figure(benchmarks()[CASE]))
+    (folder / "run-24.png").write_bytes(png(cycle.draw_cycle(result, axis_labels(RUN))))
+    (folder / "methods.png").write_bytes(png(work_precision.draw(benchmarks()[CASE])))
 
 
-def _write(path: Path, picture: Picture | None) -> None:
-    if picture is None:
-        raise SystemExit(f"{path}: there is nothing to draw")
-    image = Image.open(io.BytesIO(picture.data)).convert("RGB").quantize(COLOURS)
-    image.save(path, optimize=True)
-    print(f"{path} {image.width} x {image.height}")
+def png(figure: Figure) -> bytes:
+    """A small file of few colours."""
+    drawn, file = io.BytesIO(), io.BytesIO()
+    figure.savefig(drawn, format="png", dpi=PER_INCH)
+    Image.open(drawn).convert("RGB").quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(file, "PNG", optimize=True)
+    return file.getvalue()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,7 @@
-"""Tip acceleration and the three surface strains over the steady cycle, as in the thesis' figures A.1 to A.24."""
+"""The cycle as the axis of pictures: from the slider's farthest place (0) over the quick return (0.5) to the next (1).
+
+On it tip acceleration and the three surface strains, as in the thesis' figures A.1 to A.24.
+"""
 
 from collections.abc import Sequence
 from typing import Final
@@ -13,55 +16,42 @@ from matplotlib.patches import Patch
 from cases.experiment import AxisLabels
 from cases.measures import CHANNELS
 from cases.runs.comparison import CaseResult
-from reports.plots.picture import Picture, picture
-from reports.plots.steady_cycle import Array, direction, drawn_runs, fraction, missing_runs, name_in_legend, stacked_panels
-from reports.plots.style import BAND, legend_above, look, new_figure, note, number, padded
+from cases.runs.request import Run
+from reports.plots.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, number, padded, tidy
 
 ACCELERATION: Final = "tip_acceleration"
 PERCENT: Final = 100.0  # strain is shown in percent of surface strain, as the thesis prints it
 WIDEST: Final = 2.0  # times the curves' own range: an axis is not widened further to show the printed labels, or curves would lie flat
+TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 BEND_IN: Final = 1e-9  # a strain below this in a whole cycle is round-off of a follower that does not bend
 
 
-def cycle_figure(result: CaseResult, labels: Sequence[AxisLabels] = ()) -> Picture | None:
+def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels] = ()) -> Figure:
     """All engines over one cycle, with the range of the printed axis labels where there are any.
 
     Args:
-        result: of a case.
+        result: of a case, at least one of its runs with a cycle.
         labels: of the case's run, first choice first (`cases.experiment.axis_labels`).
-
-    Returns:
-        None where no engine has a cycle to show.
     """
-    figure = draw_cycle(result, labels)
-    if figure is None:
-        return None
-    engines = ", ".join(drawn_runs(result))
-    return picture(figure, f"{result.case.name}: tip acceleration and surface strains over the steady cycle, engines {engines}")
-
-
-def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels]) -> Figure | None:
-    """The figure before it is rendered; see `cycle_figure`."""
-    runs = drawn_runs(result)
+    runs = {name: run for name, run in result.runs.items() if run.usable}
     channels = [name for name in CHANNELS if name == ACCELERATION or any(run.peak(name) > BEND_IN for run in runs.values())]
-    if not runs:
-        return None
     figure = new_figure(1.4 + 1.25 * len(channels))
     heights = [1.5 if name == ACCELERATION else 1.0 for name in channels]
     panels = np.ravel(figure.subplots(len(channels), 1, sharex=True, height_ratios=heights, squeeze=False))
+    gauges = [place / result.case.mechanism.follower.length for place in result.case.mechanism.follower.strain_gauges]
     for axes, channel in zip(panels, channels, strict=True):
         factor = 1.0 if channel == ACCELERATION else PERCENT
-        shown = [(fraction(run.cycle["crank_angle"]), factor * run.cycle[channel], look(name).of_line) for name, run in runs.items()]
-        for cycle, values, style in shown:
-            axes.plot(cycle, values, **style)
-        _limits(axes, [values for _, values, _ in shown], _printed_range(labels, channel), factor)
-    gauges = [place / result.case.mechanism.follower.length for place in result.case.mechanism.follower.strain_gauges]
-    y_labels = ["tip acceleration (m/s²)" if name == ACCELERATION else f"strain {name[-1]} (%)" for name in channels]
-    stacked_panels(list(panels), y_labels, direction(next(iter(runs.values()))))
-    for axes, channel in zip(panels, channels, strict=True):
+        for name, run in runs.items():
+            axes.plot(fraction(run.cycle["crank_angle"]), factor * run.cycle[channel], **look(name).of_line)
+        _limits(axes, [factor * run.cycle[channel] for run in runs.values()], _printed_range(labels, channel), factor)
         if channel != ACCELERATION:
             note(axes, 0.01, 0.97, f"gauge at {gauges[int(channel[-1]) - 1]:.3g} L")
-    legend_above(figure, _handles(result, labels), 3)
+    y_labels = ["tip acceleration (m/s²)" if name == ACCELERATION else f"strain {name[-1]} (%)" for name in channels]
+    stacked_panels(list(panels), y_labels, direction(next(iter(runs.values()))))
+    handles: list[Artist] = [Line2D([], [], label=name, **look(name).of_sample) for name in runs]
+    if any(_printed_range(labels, channel) for channel in CHANNELS):
+        handles.append(Patch(facecolor=BAND, edgecolor="#C9A227", linewidth=0.6, label="printed axis labels"))
+    legend_above(figure, handles, 3)
     return figure
 
 
@@ -84,13 +74,33 @@ def _limits(axes: Axes, curves: Sequence[Array], printed: tuple[float, float] | 
     axes.set_ylim(low, high)
 
 
-def _handles(result: CaseResult, labels: Sequence[AxisLabels]) -> list[Artist]:
-    handles: list[Artist] = []
-    for name, run in drawn_runs(result).items():
-        handles.append(Line2D([], [], label=name_in_legend(name, run), **look(name).of_sample))
-    if any(_printed_range(labels, channel) for channel in CHANNELS):
-        handles.append(Patch(facecolor=BAND, edgecolor="#C9A227", linewidth=0.6, label="printed axis labels"))
-    absent = missing_runs(result)
-    if absent:
-        handles.append(Line2D([], [], linestyle="none", label=absent))
-    return handles
+def fraction(crank_angle: Array) -> Array:
+    """Fraction of the cycle, by crank angle (rad, from the slider's farthest place), in either direction of turning."""
+    return np.abs(crank_angle - crank_angle[0]) / (2.0 * np.pi)
+
+
+def direction(run: Run) -> int:
+    """+1 where the crank angle grows, -1 where it falls."""
+    angle = run.cycle["crank_angle"]
+    return 1 if angle[-1] > angle[0] else -1
+
+
+def cycle_axis(panels: Sequence[Axes], turning: int, mark: str = "#444444") -> None:
+    """Fraction of the cycle below the lowest panel, crank angle above the uppermost, the quick return marked in all (in colour `mark`)."""
+    for axes in panels:
+        axes.set_xlim(0.0, 1.0)
+        axes.set_xticks(TICKS)
+        axes.axvline(0.5, color=mark, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
+        axes.tick_params(labelbottom=axes is panels[-1])
+    panels[-1].set_xlabel("cycle (0.5: quick return)", fontsize=FONT_SIZE)
+    above = panels[0].secondary_xaxis("top")
+    above.set_xticks(TICKS, [f"{number(180 + turning * 360 * tick)}°" for tick in TICKS])
+    above.tick_params(labelsize=SMALL, length=2.5, width=0.6)
+    above.set_xlabel("crank angle", fontsize=FONT_SIZE)
+
+
+def stacked_panels(panels: Sequence[Axes], labels: Sequence[str], turning: int) -> None:
+    """Quantities stacked over the common cycle axis, each with its label and unit."""
+    for axes, label in zip(panels, labels, strict=True):
+        tidy(axes, None, label)
+    cycle_axis(panels, turning)

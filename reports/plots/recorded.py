@@ -12,12 +12,11 @@ from matplotlib.lines import Line2D
 from cases.runs.comparison import CaseResult
 from cases.runs.recorded import GROWING, TELLING
 from reference_model.columns import COLUMNS
-from reports.plots.steady_cycle import direction, fraction, stacked_panels
-from reports.plots.style import all_looks, legend_above, new_figure, note
+from reports.plots.cycle import direction, fraction, stacked_panels
+from reports.plots.style import PER_INCH, all_looks, legend_above, new_figure, note
 
 #: Columns drawn of a table.
 MOST_PANELS: Final = 8
-PER_INCH: Final = 192
 
 
 def drawn(results: Sequence[CaseResult], ending: str) -> bytes:

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 WIDTH: Final = 5.0  # in, 480 CSS pixels
 WHOLE: Final = 32  # 1/32 in is 3 CSS pixels and exact in binary: sizes in pixels are whole numbers
+PER_INCH: Final = 192  # dots of a picture file: two to a CSS pixel, sharp on fine screens
 FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
 SMALL: Final = 8.0  # pt, ticks and notes
 

@@ -10,7 +10,6 @@ from matplotlib.ticker import NullFormatter
 
 from cases.benchmark import Benchmark, pareto_front
 from cases.benchmark.findings import Point, completed, error_of
-from reports.plots.picture import Picture, picture
 from reports.plots.style import LIGHT, legend_above, look, new_figure, plain_numbers, tidy
 
 PERCENT: Final = 100.0
@@ -26,19 +25,9 @@ LOWEST, HIGHEST = 1e-3, 300.0
 FRONT_WIDTH: Final = 5.0
 
 
-def work_precision_figure(table: Benchmark) -> Picture | None:
-    """Error of four observables against solve time, with the Pareto front of each; None where no point completed."""
-    figure = draw(table)
-    if figure is None:
-        return None
-    return picture(figure, f"Error over solve time of all methods on {table.case}, four observables, both axes logarithmic")
-
-
-def draw(table: Benchmark) -> Figure | None:
-    """The figure before it is rendered."""
+def draw(table: Benchmark) -> Figure:
+    """Error of four observables against solve time, with the Pareto front of each."""
     points = [point for point, _ in completed(table.points)]
-    if not points:
-        return None
     figure = new_figure(5.2)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     for axes, (column, words) in zip(panels.flat, PANELS.items(), strict=True):
