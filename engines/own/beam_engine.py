@@ -7,7 +7,7 @@ import math
 import time
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 import scipy
@@ -17,7 +17,9 @@ from engines.base import Engine, EngineFailure, ModelDescription, Refusal
 from engines.settings import Settings, setting
 from engines.start import Start
 from engines.start_state import reconstruct
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, Scene
+from reference_model.natural_modes import stiffness_ratio
+from reference_model.shapes import ShapeSet
 
 if TYPE_CHECKING:
     from engines.own.simulation import OwnSimulation
@@ -61,15 +63,6 @@ class BeamEngine(Engine[S]):
         """Whether the follower's angle is a coordinate of its own."""
         return True
 
-    def refuse_compliance(self, mechanism: Mechanism, closes: str) -> None:
-        """For methods that leave no gap."""
-        slider = mechanism.slider
-        if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
-            raise Refusal(
-                f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
-                f' modelled by {self.name}, which closes the {closes} exactly; accepted: "inf" and "0 N*s/m"'
-            )
-
     def version(self) -> str:
         """The libraries that it computes with; equations and integrator are this project's own."""
         return f"numpy {np.__version__}, scipy {scipy.__version__}"
@@ -98,6 +91,50 @@ class BeamEngine(Engine[S]):
         """Of the discretized model."""
         self.check(mechanism)
         return self.model(mechanism, settings).natural_frequencies(crank_angle, count)
+
+
+def refuse_compliance(name: str, mechanism: Mechanism, closes: str) -> None:
+    """For methods that leave no gap. Raises Refusal."""
+    slider = mechanism.slider
+    if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
+        raise Refusal(
+            f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
+            f' modelled by {name}, which closes the {closes} exactly; accepted: "inf" and "0 N*s/m"'
+        )
+
+
+def refuse_open_loop(name: str, mechanism: Mechanism, why: str) -> None:
+    """For methods whose loop is open, parts that this leaves without inertia; `why`: of the follower. Raises Refusal."""
+    if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
+        raise Refusal(
+            f"crank.inertia: {mechanism.crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {name}, whose open loop"
+            " leaves the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"
+        )
+    if (mass := mechanism.follower.mass_per_length) <= 0.0:
+        raise Refusal(f"follower.mass_per_length: {mass:g} kg/m cannot be modelled by {name}{why}; accepted: above 0")
+
+
+def refuse_kinks(mechanism: Mechanism, shapes: ShapeSet, accepted: str) -> None:
+    """For a slider with rotary inertia, which the shapes' slope must carry smoothly. Raises Refusal."""
+    if (inertia := mechanism.slider.inertia) > 0.0 and not shapes.has_continuous_curvature:
+        raise Refusal(
+            f"slider.inertia: {inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia needs shapes with"
+            f" continuous curvature, {accepted}"
+        )
+
+
+#: First bending frequency over the crank's in run 24, on which ladders were measured.
+RATIO_OF_RUN_24: Final = 4.1
+
+
+def gain_of(scene: Scene) -> float:
+    """Error of few shapes over that in run 24.
+
+    Equilibrium recovers what the shapes left out hold nearly at rest; what is missing is their inertia, which falls with the square of
+    the ratio of the first bending frequency to the crank's.
+    """
+    ratio = stiffness_ratio(scene) if isinstance(scene, Mechanism) else 0.0
+    return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
 
 
 def bodies_of(mechanism: Mechanism, beam: str) -> tuple[str, ...]:

@@ -1,22 +1,20 @@
 """The engine `fixed-shapes`: the thesis' method with more fixed shapes, the slider eliminated: what shapes that follow are worth."""
 
-import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, ModelDescription, Refusal
-from engines.follower import FollowerEngine, parts
-from engines.own.staying_shapes import LADDER, ShapeSettings, StayingShapesEngine, gain_of, of_shapes, shapes_of
+from engines.own.alone import OwnAlone
+from engines.own.beam_engine import gain_of, refuse_compliance, refuse_kinks
+from engines.own.staying_shapes import LADDER, ShapeSettings, StayingShapesEngine, shape_number, shapes_of
 from engines.settings import setting
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import hermite_between
 
 if TYPE_CHECKING:
-    from engines.own.simulation import OwnSimulation
     from reference_model.model import BeamModel
 
 _BOTH: Final = "both components"
@@ -45,20 +43,15 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant slider joint: the loop is closed exactly."""
-        self.refuse_compliance(mechanism, "loop")
+        refuse_compliance(self.name, mechanism, "loop")
 
     def model(self, mechanism: Mechanism, settings: FixedShapesSettings) -> "BeamModel":
         """See `BeamEngine.model`."""
         from reference_model.model import BeamModel
 
-        chosen = settings
-        shapes = shapes_of(mechanism.follower, chosen)
-        if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
-            raise Refusal(
-                f"slider.inertia: {mechanism.slider.inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia"
-                " needs shapes with continuous curvature, clamped-free modes or one Hermite element"
-            )
-        return BeamModel.staying(mechanism, shapes, transverse_damping=chosen.damping_law != _BOTH)
+        shapes = shapes_of(mechanism.follower, settings)
+        refuse_kinks(mechanism, shapes, "clamped-free modes or one Hermite element")
+        return BeamModel.staying(mechanism, shapes, transverse_damping=settings.damping_law != _BOTH)
 
     def joint_line(self, mechanism: Mechanism, settings: FixedShapesSettings) -> str:
         """No joint force at all."""
@@ -88,39 +81,15 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
                 return found
             elements, last = 2 * elements, found
 
-    def follower_alone(self) -> "FixedShapesAlone":
+    def follower_alone(self) -> OwnAlone:
         """The same beam on a base that turns as prescribed."""
-        return FixedShapesAlone(self)
 
+        def model(scene: FollowerAlone, settings: FixedShapesSettings) -> "BeamModel":
+            from reference_model.model import BeamModel
 
-class FixedShapesAlone(FollowerEngine[FixedShapesSettings]):
-    """The follower alone in the engine's shapes."""
+            return BeamModel.alone(scene, shapes_of(scene.follower, settings), transverse_damping=settings.damping_law != _BOTH)
 
-    def __init__(self, engine: FixedShapesEngine) -> None:
-        super().__init__(engine)
-        self._engine = engine
-
-    def describe(self, scene: FollowerAlone, settings: FixedShapesSettings) -> ModelDescription:
-        """Bodies and joints that have terms in the equations."""
-        n = shapes_of(scene.follower, settings).count
-        return ModelDescription(*parts(scene, f"follower beam ({n} shapes)"), n)
-
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> FixedShapesSettings:
-        """The engine's table: shapes converge faster without a slider."""
-        return self._engine.settings_for(accuracy, scene)
-
-    def comparisons(self, settings: FixedShapesSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """Other numbers of shapes, as with the mechanism: the estimate is too large rather than too small."""
-        return of_shapes(settings)
-
-    def prepare(self, scene: FollowerAlone, start: None, settings: FixedShapesSettings) -> "OwnSimulation":
-        """See `FollowerEngine.prepare`."""
-        from engines.own.simulation import OwnSimulation
-        from reference_model.model import BeamModel
-
-        began, chosen = time.perf_counter(), settings
-        model = BeamModel.alone(scene, shapes_of(scene.follower, chosen), transverse_damping=chosen.damping_law != _BOTH)
-        return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)
+        return OwnAlone(self, lambda settings: (shape_number(settings), "shapes"), model)
 
 
 def _nodes(length: float, support: float, elements: int) -> NDArray[np.float64]:

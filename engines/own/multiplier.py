@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from engines.own.staying_shapes import LADDER, RivalEngine, ShapeSettings, StayingShapesEngine, gain_of, shapes_of
+from engines.own.beam_engine import gain_of, refuse_compliance
+from engines.own.staying_shapes import LADDER, RivalEngine, ShapeSettings, StayingShapesEngine, shapes_of
 from engines.settings import setting
 from reference_model.mechanism import Mechanism
 from reference_model.treatment import MULTIPLIER, Treatment
@@ -32,15 +33,14 @@ class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[Mult
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant joint besides what no rival can do."""
         super().check(mechanism)
-        self.refuse_compliance(mechanism, "gap")
+        refuse_compliance(self.name, mechanism, "gap")
 
     def model(self, mechanism: Mechanism, settings: MultiplierSettings) -> "BeamModel":
         """See `BeamEngine.model`."""
         from reference_model.model import BeamModel
 
-        chosen = settings
-        treatment = Treatment(kind=MULTIPLIER, stabilization=chosen.stabilization)
-        return BeamModel.staying(mechanism, shapes_of(mechanism.follower, chosen), treatment)
+        treatment = Treatment(kind=MULTIPLIER, stabilization=settings.stabilization)
+        return BeamModel.staying(mechanism, shapes_of(mechanism.follower, settings), treatment)
 
     def joint_line(self, mechanism: Mechanism, settings: MultiplierSettings) -> str:
         """One multiplier."""

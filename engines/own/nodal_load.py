@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Final
 
 from engines.base import Comparison
 from engines.ladder import Ladder
-from engines.own.beam_engine import BeamSettings
-from engines.own.staying_shapes import RivalEngine, gain_of
+from engines.own.beam_engine import BeamSettings, gain_of, refuse_compliance
+from engines.own.staying_shapes import RivalEngine
 from engines.settings import setting
 from reference_model.mechanism import Mechanism
 from reference_model.shapes import hermite_elements, no_shapes
@@ -71,18 +71,17 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant joint besides what no rival can do."""
         super().check(mechanism)
-        self.refuse_compliance(mechanism, "gap")
+        refuse_compliance(self.name, mechanism, "gap")
 
     def model(self, mechanism: Mechanism, settings: NodalLoadSettings) -> "BeamModel":
         """See `BeamEngine.model`; conjugate distributions need no damping, and a rigid follower has no nodes but one multiplier."""
         from reference_model.model import BeamModel
 
-        chosen = settings
         follower = mechanism.follower
-        shapes = no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, chosen.elements)
-        damping = chosen.bending_damping if chosen.distribution == "lever" else 0.0
-        kind = MULTIPLIER if follower.is_rigid else _DISTRIBUTIONS[chosen.distribution]
-        return BeamModel.staying(mechanism, shapes, Treatment(kind=kind, stabilization=chosen.stabilization, bending_damping=damping))
+        shapes = no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
+        damping = settings.bending_damping if settings.distribution == "lever" else 0.0
+        kind = MULTIPLIER if follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
+        return BeamModel.staying(mechanism, shapes, Treatment(kind=kind, stabilization=settings.stabilization, bending_damping=damping))
 
     def shape_count(self, mechanism: Mechanism, settings: NodalLoadSettings) -> int:
         """Two per element."""
@@ -98,16 +97,15 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
 
     def comparisons(self, settings: NodalLoadSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Two numbers of elements, coarser ones where they run."""
-        chosen = settings
 
         def with_part(part: float, factor: float, instead: Comparison | None = None) -> Comparison:
-            other = chosen.elements + (1 if part > 1.0 else -1) * max(1, round(abs(part - 1.0) * chosen.elements))
-            return Comparison(chosen, chosen.replaced(elements=other), factor, instead=instead)
+            other = settings.elements + (1 if part > 1.0 else -1) * max(1, round(abs(part - 1.0) * settings.elements))
+            return Comparison(settings, settings.replaced(elements=other), factor, instead=instead)
 
-        if 2 * chosen.elements > _MOST_ELEMENTS:
+        if 2 * settings.elements > _MOST_ELEMENTS:
             return tuple(with_part(part, FACTOR) for part in COARSER)
         finer = [with_part(part, PART_OF_FINER) for part in FINER]
-        if chosen.elements < FEWEST_WITH_COARSER:
+        if settings.elements < FEWEST_WITH_COARSER:
             return tuple(finer)
         return tuple(with_part(part, FACTOR, instead) for part, instead in zip(COARSER, finer, strict=True))
 

@@ -3,31 +3,26 @@
 What its numbers were measured from stands in `engines/LADDERS.md`, section 1.
 """
 
-import dataclasses
 import math
-import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, ModelDescription, NoSteadyState, Refusal, SteadyState
-from engines.follower import FollowerEngine, parts
+from engines.base import Comparison, NoSteadyState, Refusal, SteadyState
 from engines.ladder import Ladder
-from engines.own.beam_engine import BeamEngine, BeamSettings
+from engines.own.alone import OwnAlone
+from engines.own.beam_engine import BeamEngine, BeamSettings, gain_of, refuse_open_loop
 from engines.settings import setting
 from engines.start import Start, standard_start
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene, changed
+from reference_model.natural_modes import frozen_crank_modes
 from reference_model.treatment import CLOSED, SPRING, Treatment
 
 if TYPE_CHECKING:
-    from engines.own.simulation import OwnSimulation
     from reference_model.model import BeamModel
 
-#: First bending frequency over the crank's in run 24; the error of few modes falls with the square of that ratio.
-RATIO_OF_RUN_24: Final = 4.1
 #: Tolerance for an accuracy where so few modes do.
 TOLERANCE_PER_ACCURACY: Final = 1e-4
 
@@ -78,24 +73,12 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a damper beside a rigid joint, and with a compliant one parts that the open loop leaves without inertia."""
-        slider, crank, follower = mechanism.slider, mechanism.crank, mechanism.follower
-        if not self.opens_loop(mechanism):
-            if slider.joint_damping > 0.0:
-                raise Refusal(
-                    f"slider.joint_damping: {slider.joint_damping:g} N*s/m does nothing in a rigid joint; accepted: 0, or a finite"
-                    " slider.joint_stiffness"
-                )
-            return
-        if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
-            raise Refusal(
-                f"crank.inertia: {crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {self.name}, whose open loop leaves"
-                " the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"
-            )
-        if follower.mass_per_length <= 0.0:
-            raise Refusal(
-                f"follower.mass_per_length: {follower.mass_per_length:g} kg/m cannot be modelled by {self.name} with a compliant slider"
-                " joint, which leaves the follower to itself; accepted: above 0"
-            )
+        damping = mechanism.slider.joint_damping
+        if self.opens_loop(mechanism):
+            refuse_open_loop(self.name, mechanism, " with a compliant slider joint, which leaves the follower to itself")
+        elif damping > 0.0:
+            told = f"slider.joint_damping: {damping:g} N*s/m does nothing in a rigid joint"
+            raise Refusal(f"{told}; accepted: 0, or a finite slider.joint_stiffness")
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """A compliant joint leaves the follower's angle free."""
@@ -125,17 +108,20 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
         """Number of modes from the measured table; fewer where the follower is stiffer than run 24's."""
         usual = LADDER.pick(accuracy)
-        ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
-        gain = min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
-        found = LADDER.pick(accuracy, gain)
+        found = LADDER.pick(accuracy, gain_of(mechanism))
         if found.modes == usual.modes:
             return found
         fit = 10.0 ** math.floor(math.log10(TOLERANCE_PER_ACCURACY * accuracy) + 1e-9)
         return found.replaced(tolerance=min(found.tolerance, fit))
 
-    def comparisons(self, settings: ReferenceSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """A run with more modes and a tolerance fit for them: it shows truncation and integration at once."""
-        more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
+    def comparisons(self, settings: ReferenceSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+        """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
+
+        Of clamped modes the error of more is a smaller part, which makes the estimate a little too large.
+        """
+        more, ratio = settings.modes + 2, RATIO
+        if isinstance(mechanism, Mechanism):
+            more, ratio = COMPARED.get(settings.modes, (more, ratio))
         if more > MOST_MODES:
             more, ratio = settings.modes - 2, 1.0 / RATIO
         return (Comparison(settings, LADDER.sized(settings, more), ratio),)
@@ -171,42 +157,15 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         self.check(mechanism)
         return frozen_crank_modes(mechanism, crank_angle, count).frequencies
 
-    def follower_alone(self) -> "ReferenceAlone":
-        """Modes of the beam clamped at its base in place of those that follow the slider."""
-        return ReferenceAlone(self)
+    def follower_alone(self) -> OwnAlone:
+        """Modes of the beam clamped at its base in place of those that follow the slider: five leave 6e-5 in the library's spin-up."""
 
+        def model(scene: FollowerAlone, settings: ReferenceSettings) -> "BeamModel":
+            from reference_model.model import BeamModel
 
-class ReferenceAlone(FollowerEngine[ReferenceSettings]):
-    """The follower alone in its clamped modes; geometry and recovery are those of the mechanism."""
+            return BeamModel.alone(scene, settings.modes)
 
-    def __init__(self, engine: ReferenceEngine) -> None:
-        super().__init__(engine)
-        self._engine = engine
-
-    def describe(self, scene: FollowerAlone, settings: ReferenceSettings) -> ModelDescription:
-        """Bodies and joints that have terms in the equations."""
-        modes = settings.modes
-        return ModelDescription(*parts(scene, f"follower beam ({modes} clamped modes)"), modes)
-
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> ReferenceSettings:
-        """The mechanism's table: clamped modes converge faster (five leave 6e-5 in the spin-up of the library)."""
-        return self._engine.settings_for(accuracy, scene)
-
-    def comparisons(self, settings: ReferenceSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """A run with more modes, as with the mechanism; its error is a smaller part here, which makes the estimate a little too large."""
-        more, ratio = settings.modes + 2, RATIO
-        if more > MOST_MODES:
-            more, ratio = settings.modes - 2, 1.0 / RATIO
-        return (Comparison(settings, LADDER.sized(settings, more), ratio),)
-
-    def prepare(self, scene: FollowerAlone, start: None, settings: ReferenceSettings) -> "OwnSimulation":
-        """See `FollowerEngine.prepare`."""
-        from engines.own.simulation import OwnSimulation
-        from reference_model.model import BeamModel
-
-        began = time.perf_counter()
-        model = BeamModel.alone(scene, settings.modes)
-        return OwnSimulation(model, model.state_at_rest(), settings.tolerance, time.perf_counter() - began)
+        return OwnAlone(self, lambda settings: (settings.modes, "clamped modes"), model)
 
 
 def joint_inertia(mechanism: Mechanism, modes: int) -> float:
@@ -219,12 +178,12 @@ def joint_inertia(mechanism: Mechanism, modes: int) -> float:
     stiffness = mechanism.slider.joint_stiffness
     if mechanism.follower.is_rigid or stiffness <= 0.0:
         return 0.0
-    held = dataclasses.replace(mechanism, slider=dataclasses.replace(mechanism.slider, joint_stiffness=math.inf))
+    held = changed(mechanism, {"slider.joint_stiffness": math.inf})
     rigid, own_one = (float(frozen_crank_modes(scene, math.pi, 1).frequencies[0]) for scene in (held, mechanism))
-    changed = 2.0 * abs(1.0 - own_one / rigid)  # of the frequency's square, which a motion's amplitude follows
-    if changed > SOFT:
+    part = 2.0 * abs(1.0 - own_one / rigid)  # of the frequency's square, which a motion's amplitude follows
+    if part > SOFT:
         return 0.0
     highest = float(frozen_crank_modes(held, math.pi, modes).frequencies[-1])
     # no slower than the modes themselves, which bound the step anyway
-    slowed = 2.0 * math.pi * max(rigid * math.sqrt(changed / (UNSEEN * LADDER.claim(modes))), highest)
+    slowed = 2.0 * math.pi * max(rigid * math.sqrt(part / (UNSEEN * LADDER.claim(modes))), highest)
     return stiffness / slowed**2

@@ -6,11 +6,9 @@ from typing import Final, TypeVar
 from engines.base import Comparison, Refusal
 from engines.follower import FollowerEngine
 from engines.ladder import Ladder
-from engines.own.beam_engine import BeamEngine, BeamSettings, S
-from engines.own.reference import RATIO_OF_RUN_24
+from engines.own.beam_engine import BeamEngine, BeamSettings, S, refuse_open_loop
 from engines.settings import setting
-from reference_model.mechanism import Follower, Mechanism, Scene
-from reference_model.natural_modes import stiffness_ratio
+from reference_model.mechanism import Follower, Mechanism
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
 
 
@@ -65,14 +63,17 @@ def shapes_of(follower: Follower, settings: ShapeSettings) -> ShapeSet:
     return clamped_free_modes(follower.length, settings.shapes)
 
 
+def shape_number(settings: ShapeSettings) -> int:
+    """Of a flexible follower."""
+    return 2 * max(1, settings.shapes // 2) if settings.family == "hermite" else settings.shapes
+
+
 class StayingShapesEngine(BeamEngine[AnyShapes]):
     """An engine with clamped-free modes or Hermite elements."""
 
     def shape_count(self, mechanism: Mechanism, settings: AnyShapes) -> int:
         """As set; elements bring two each."""
-        if mechanism.follower.is_rigid:
-            return 0
-        return 2 * max(1, settings.shapes // 2) if settings.family == "hermite" else settings.shapes
+        return 0 if mechanism.follower.is_rigid else shape_number(settings)
 
     def comparisons(self, settings: AnyShapes, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Other numbers of shapes."""
@@ -88,21 +89,9 @@ class RivalEngine(BeamEngine[S]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse what a force along the normal cannot do, and parts that the open loop leaves without inertia."""
-        slider, crank, follower = mechanism.slider, mechanism.crank, mechanism.follower
-        if slider.inertia > 0.0:
-            raise Refusal(
-                f"slider.inertia: {slider.inertia:g} kg*m^2 cannot be modelled by {self.name}, its joint passes no moment; accepted: 0"
-            )
-        if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
-            raise Refusal(
-                f"crank.inertia: {crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {self.name}, whose open loop leaves"
-                " the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"
-            )
-        if follower.mass_per_length <= 0.0:
-            raise Refusal(
-                f"follower.mass_per_length: {follower.mass_per_length:g} kg/m cannot be modelled by {self.name}, whose shapes need mass of"
-                " their own; accepted: above 0"
-            )
+        if (inertia := mechanism.slider.inertia) > 0.0:
+            raise Refusal(f"slider.inertia: {inertia:g} kg*m^2 cannot be modelled by {self.name}, its joint passes no moment; accepted: 0")
+        refuse_open_loop(self.name, mechanism, ", whose shapes need mass of their own")
 
     def follower_alone(self) -> FollowerEngine[S]:
         """Refuse: without a slider there is no constraint to treat."""
@@ -120,13 +109,3 @@ def of_shapes(chosen: ShapeSettings) -> tuple[Comparison, ...]:
         return (Comparison(chosen, LADDER.sized(chosen, 2 * taken + 2), PART_OF_FINER),)
     fewer = ((round(part * taken), factor) for part, factor in COARSER)
     return tuple(Comparison(chosen, chosen.replaced(shapes=n + n % 2 if elements else n), factor) for n, factor in fewer)
-
-
-def gain_of(mechanism: Scene) -> float:
-    """Error of few shapes over that in run 24.
-
-    Equilibrium recovers what the shapes left out hold nearly at rest; what is missing is their inertia, which falls with the square of
-    the ratio of the first bending frequency to the crank's.
-    """
-    ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
-    return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Final
 
 from engines.base import Comparison
 from engines.ladder import Ladder
+from engines.own.beam_engine import gain_of
 from engines.own.staying_shapes import LADDER as SHAPES
-from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, gain_of, of_shapes, shapes_of
+from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, of_shapes, shapes_of
 from engines.settings import setting
 from reference_model.mechanism import Mechanism
 from reference_model.treatment import SPRING, Treatment
@@ -86,10 +87,10 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
 
     def _spring(self, mechanism: Mechanism, settings: StiffSpringSettings) -> Treatment:
         """The scene's joint if it is compliant, else the stiff spring of the settings; dampings of joint and settings do not add."""
-        slider, chosen = mechanism.slider, settings
+        slider = mechanism.slider
         if math.isfinite(slider.joint_stiffness):
             return Treatment(kind=SPRING, stiffness=slider.joint_stiffness, damping=slider.joint_damping)
-        return Treatment(kind=SPRING, stiffness=chosen.stiffness, damping=chosen.damping)
+        return Treatment(kind=SPRING, stiffness=settings.stiffness, damping=settings.damping)
 
     def joint_line(self, mechanism: Mechanism, settings: StiffSpringSettings) -> str:
         """Whose spring it is."""
@@ -107,25 +108,23 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
 
     def comparisons(self, settings: StiffSpringSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Other numbers of shapes on the same spring, and a spring half as stiff; of a compliant joint the spring is no error."""
-        chosen = settings
         if math.isfinite(mechanism.slider.joint_stiffness):
-            return of_shapes(chosen)
-        part = SOFTER if SOFTER * chosen.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
-        other = chosen.replaced(stiffness=part * chosen.stiffness, damping=min(part * chosen.damping, MOST_DAMPING))
-        return (*of_shapes(chosen), Comparison(chosen, other, 1.0 / part))
+            return of_shapes(settings)
+        part = SOFTER if SOFTER * settings.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
+        other = settings.replaced(stiffness=part * settings.stiffness, damping=min(part * settings.damping, MOST_DAMPING))
+        return (*of_shapes(settings), Comparison(settings, other, 1.0 / part))
 
     def finer(self, settings: StiffSpringSettings, excess: tuple[float, ...], output_step: float) -> StiffSpringSettings | None:
         """More shapes, a stiffer spring or both, as the parts of the estimate ask for."""
-        chosen = settings
-        count = len(of_shapes(chosen))
+        count = len(of_shapes(settings))
         in_shapes, in_spring = sum(excess[:count]) / _SHARE_OF_SHAPES, sum(excess[count:]) / _SHARE_OF_SPRING
-        found: StiffSpringSettings | None = chosen
+        found: StiffSpringSettings | None = settings
         if in_shapes > 1.0 or not excess:
-            found = SHAPES.finer(chosen, (in_shapes,) if excess else ())
+            found = SHAPES.finer(settings, (in_shapes,) if excess else ())
         if found is None or (excess and in_spring <= 1.0):
             return found
         times = min(max(in_spring, _LEAST_AT_ONCE), _MOST_AT_ONCE) if excess else _UNKNOWN
-        stiffness, damping = (float(f"{times * value:.2g}") for value in (chosen.stiffness, chosen.damping))
+        stiffness, damping = (float(f"{times * value:.2g}") for value in (settings.stiffness, settings.damping))
         return found.replaced(stiffness=stiffness, damping=damping) if stiffness <= MOST_STIFFNESS and damping <= MOST_DAMPING else None
 
 

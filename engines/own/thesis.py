@@ -1,6 +1,5 @@
 """The engine `thesis`: the model as published, one cubic with second-order foreshortening, integrated by LSODA."""
 
-import math
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -9,9 +8,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal
-from engines.follower import FollowerEngine, parts
-from engines.own.beam_engine import bodies_of, joints_of
+from engines.base import Comparison, Engine, EngineFailure, ModelDescription
+from engines.own.alone import OwnAlone
+from engines.own.beam_engine import bodies_of, joints_of, refuse_compliance, refuse_kinks
 from engines.settings import Settings, setting
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -55,12 +54,7 @@ class ThesisEngine(Engine[ThesisSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant slider joint: the loop is closed exactly."""
-        slider = mechanism.slider
-        if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
-            raise Refusal(
-                f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
-                f' modelled by {self.name}, which closes the loop exactly; accepted: "inf" and "0 N*s/m"'
-            )
+        refuse_compliance(self.name, mechanism, "loop")
 
     def model(self, mechanism: Mechanism, settings: ThesisSettings) -> "ThesisModel":
         """The thesis' model of a scene.
@@ -85,11 +79,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""
         length = mechanism.follower.length
         shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, settings.elements)
-        if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
-            raise Refusal(
-                f"slider.inertia: {mechanism.slider.inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia"
-                " needs shapes with continuous curvature, one Hermite element"
-            )
+        refuse_kinks(mechanism, shapes, "one Hermite element")
         return shapes
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ThesisSettings) -> "OwnSimulation":
@@ -117,13 +107,15 @@ class ThesisEngine(Engine[ThesisSettings]):
         return tuple(self.settings_for(accuracy, mechanism) for accuracy in (1e-2, 1e-3))
 
     def comparisons(self, settings: ThesisSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
-        """Ten times the tolerance, or a tenth of one that leaves no more."""
-        return _compared(settings)
+        """Ten times the tolerance, or a tenth of one that leaves no more; the error factor is measured."""
+        times, factor = 10.0, THESIS_ERROR_PER_DECADE
+        if settings.tolerance > 0.1 * LOOSEST:
+            times, factor = 0.1, 1.0 / THESIS_ERROR_PER_DECADE
+        return (Comparison(settings, settings.replaced(tolerance=times * settings.tolerance), factor),)
 
     def finer(self, settings: ThesisSettings, excess: tuple[float, ...], output_step: float) -> ThesisSettings | None:
         """A tenth of the tolerance."""
-        chosen = settings
-        return chosen.replaced(tolerance=0.1 * chosen.tolerance) if chosen.tolerance > 1e-11 else None
+        return settings.replaced(tolerance=0.1 * settings.tolerance) if settings.tolerance > 1e-11 else None
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ThesisSettings) -> NDArray[np.float64]:
         """Of the cubic elements: two per element."""
@@ -135,43 +127,12 @@ class ThesisEngine(Engine[ThesisSettings]):
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
         return shape_frequencies(mechanism, hermite_elements(mechanism.follower.length, settings.elements), support, count)
 
-    def follower_alone(self) -> "ThesisAlone":
+    def follower_alone(self) -> OwnAlone:
         """The same beam on a base that turns as prescribed."""
-        return ThesisAlone(self)
 
+        def model(scene: FollowerAlone, settings: ThesisSettings) -> "ThesisModel":
+            from reference_model.thesis.model import ThesisModel
 
-class ThesisAlone(FollowerEngine[ThesisSettings]):
-    """The follower alone in the engine's shapes."""
+            return ThesisModel(scene, hermite_elements(scene.follower.length, settings.elements), settings.geometry == "exact")
 
-    def __init__(self, engine: ThesisEngine) -> None:
-        super().__init__(engine)
-        self._engine = engine
-
-    def describe(self, scene: FollowerAlone, settings: ThesisSettings) -> ModelDescription:
-        """Bodies and joints that have terms in the equations."""
-        n = 2 * settings.elements
-        return ModelDescription(*parts(scene, f"follower beam ({n} shapes)"), n)
-
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> ThesisSettings:
-        """The integration's tolerance, as with the mechanism."""
-        return self._engine.settings_for(accuracy, scene)
-
-    def comparisons(self, settings: ThesisSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """As with the mechanism."""
-        return _compared(settings)
-
-    def prepare(self, scene: FollowerAlone, start: None, settings: ThesisSettings) -> "OwnSimulation":
-        """See `FollowerEngine.prepare`."""
-        from engines.own.simulation import OwnSimulation
-        from reference_model.thesis.model import ThesisModel
-
-        began, chosen = time.perf_counter(), settings
-        model = ThesisModel(scene, hermite_elements(scene.follower.length, chosen.elements), chosen.geometry == "exact")
-        return OwnSimulation(model, model.state_at_rest(), chosen.tolerance, time.perf_counter() - began)
-
-
-def _compared(chosen: ThesisSettings) -> tuple[Comparison, ...]:
-    """Ten times the tolerance, or a tenth of one that leaves no more; the error factor is measured."""
-    if chosen.tolerance > 0.1 * LOOSEST:
-        return (Comparison(chosen, chosen.replaced(tolerance=0.1 * chosen.tolerance), 1.0 / THESIS_ERROR_PER_DECADE),)
-    return (Comparison(chosen, chosen.replaced(tolerance=10.0 * chosen.tolerance), THESIS_ERROR_PER_DECADE),)
+        return OwnAlone(self, lambda settings: (2 * settings.elements, "shapes"), model)
