@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from reference_model.beam import tables as beam
 from reference_model.beam.modes import ModeFamily
 from reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
+from reference_model.constants import characteristic_frequency
 from reference_model.integrate import Equations, Integration, dop853
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.motion.address import Placed
@@ -30,7 +31,7 @@ from reference_model.motion.layout import (
     workspace,
 )
 from reference_model.motion.observe import WIDTH
-from reference_model.motion.parameters import characteristic_frequency, parameters
+from reference_model.motion.parameters import parameters
 from reference_model.natural_modes import clamped_modes
 from reference_model.rigid import deflection_scale, rigid_motion
 from reference_model.shapes import ShapeSet, no_shapes, vibrating

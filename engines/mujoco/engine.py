@@ -1,6 +1,5 @@
 """Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
 
-import math
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import ClassVar
@@ -8,7 +7,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
+from engines import refusals
+from engines.base import Comparison, Engine, ModelDescription, Simulation
 from engines.mujoco import settings as ladder
 from engines.mujoco.alone import MujocoAlone
 from engines.mujoco.settings import ChainSettings
@@ -43,25 +43,9 @@ class MujocoEngine(Engine[ChainSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """See `Engine.check`."""
-        slider, crank, follower = mechanism.slider, mechanism.crank, mechanism.follower
-        if slider.inertia > 0.0:
-            raise Refusal(
-                f"slider.inertia: {slider.inertia:g} kg m^2 cannot be modelled by engine mujoco, its joint passes no moment; accepted: 0"
-            )
-        if slider.joint_damping > 0.0 and math.isinf(slider.joint_stiffness):
-            raise Refusal(
-                f"slider.joint_damping: {slider.joint_damping:g} N*s/m does nothing in a rigid joint; accepted: 0, or a finite"
-                " slider.joint_stiffness"
-            )
-        if follower.mass_per_length <= 0.0:
-            raise Refusal(
-                f"follower.mass_per_length: {follower.mass_per_length:g} kg/m cannot be modelled by engine mujoco; accepted: above 0"
-            )
-        if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
-            raise Refusal(
-                f"crank.inertia: {crank.inertia:g} kg m^2 cannot be modelled by engine mujoco on a crank without any mass, as it stands"
-                " in dead centre with the slider; accepted: above 0, or crank.mass or slider.mass above 0"
-            )
+        refusals.of_slider_inertia(self.name, mechanism)
+        refusals.of_damper_alone(mechanism)
+        refusals.of_massless_parts(self.name, mechanism, ", whose links need mass")
 
     def describe(self, mechanism: Mechanism, settings: ChainSettings) -> ModelDescription:
         """See `Engine.describe`."""

@@ -1,6 +1,5 @@
 """Natural frequencies of the straight follower with the crank held, and the highest that an integrator meets."""
 
-import dataclasses
 import math
 
 import mujoco
@@ -9,7 +8,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from engines.mujoco import chain, kernels
-from reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed
+from reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, changed
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
@@ -18,7 +17,7 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
     The hinges have no armature here: it is an aid of the time integration.
     """
     hinges = chain.hinge_count(mechanism, links)
-    held = dataclasses.replace(mechanism, crank=dataclasses.replace(mechanism.crank, drive=PrescribedSpeed(speed=0.0)))
+    held = changed(mechanism, {"crank.drive": PrescribedSpeed(speed=0.0)})
     mass, stiffness = chain.follower_matrices(chain.build(held, hinges, 0.0), held, hinges)
     constraint = support_row(mechanism, hinges, crank_angle)
     if math.isfinite(mechanism.slider.joint_stiffness):

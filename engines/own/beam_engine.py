@@ -3,7 +3,6 @@
 The compiled equations are loaded when the first model is built, not when engines are listed.
 """
 
-import math
 import time
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -13,13 +12,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from engines.base import Engine, EngineFailure, ModelDescription, Refusal
+from engines.base import Engine, EngineFailure, ModelDescription
 from engines.settings import Settings, setting
 from engines.start import Start
 from engines.start_state import reconstruct
 from reference_model.mechanism import Mechanism, Scene
 from reference_model.natural_modes import stiffness_ratio
-from reference_model.shapes import ShapeSet
 
 if TYPE_CHECKING:
     from engines.own.simulation import OwnSimulation
@@ -91,36 +89,6 @@ class BeamEngine(Engine[S]):
         """Of the discretized model."""
         self.check(mechanism)
         return self.model(mechanism, settings).natural_frequencies(crank_angle, count)
-
-
-def refuse_compliance(name: str, mechanism: Mechanism, closes: str) -> None:
-    """For methods that leave no gap. Raises Refusal."""
-    slider = mechanism.slider
-    if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
-        raise Refusal(
-            f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
-            f' modelled by {name}, which closes the {closes} exactly; accepted: "inf" and "0 N*s/m"'
-        )
-
-
-def refuse_open_loop(name: str, mechanism: Mechanism, why: str) -> None:
-    """For methods whose loop is open, parts that this leaves without inertia; `why`: of the follower. Raises Refusal."""
-    if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
-        raise Refusal(
-            f"crank.inertia: {mechanism.crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {name}, whose open loop"
-            " leaves the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"
-        )
-    if (mass := mechanism.follower.mass_per_length) <= 0.0:
-        raise Refusal(f"follower.mass_per_length: {mass:g} kg/m cannot be modelled by {name}{why}; accepted: above 0")
-
-
-def refuse_kinks(mechanism: Mechanism, shapes: ShapeSet, accepted: str) -> None:
-    """For a slider with rotary inertia, which the shapes' slope must carry smoothly. Raises Refusal."""
-    if (inertia := mechanism.slider.inertia) > 0.0 and not shapes.has_continuous_curvature:
-        raise Refusal(
-            f"slider.inertia: {inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia needs shapes with"
-            f" continuous curvature, {accepted}"
-        )
 
 
 #: First bending frequency over the crank's in run 24, on which ladders were measured.

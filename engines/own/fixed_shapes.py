@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from engines import refusals
 from engines.own.alone import OwnAlone
-from engines.own.beam_engine import gain_of, refuse_compliance, refuse_kinks
+from engines.own.beam_engine import gain_of
 from engines.own.staying_shapes import LADDER, ShapeSettings, StayingShapesEngine, shape_number, shapes_of
 from engines.settings import setting
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -43,14 +44,14 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant slider joint: the loop is closed exactly."""
-        refuse_compliance(self.name, mechanism, "loop")
+        refusals.of_compliance(self.name, mechanism, "loop")
 
     def model(self, mechanism: Mechanism, settings: FixedShapesSettings) -> "BeamModel":
         """See `BeamEngine.model`."""
         from reference_model.model import BeamModel
 
         shapes = shapes_of(mechanism.follower, settings)
-        refuse_kinks(mechanism, shapes, "clamped-free modes or one Hermite element")
+        refusals.of_kinks(mechanism, shapes, "clamped-free modes or one Hermite element")
         return BeamModel.staying(mechanism, shapes, transverse_damping=settings.damping_law != _BOTH)
 
     def joint_line(self, mechanism: Mechanism, settings: FixedShapesSettings) -> str:

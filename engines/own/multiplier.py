@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from engines.own.beam_engine import gain_of, refuse_compliance
+from engines import refusals
+from engines.own.beam_engine import gain_of
 from engines.own.staying_shapes import LADDER, RivalEngine, ShapeSettings, StayingShapesEngine, shapes_of
 from engines.settings import setting
 from reference_model.mechanism import Mechanism
@@ -33,7 +34,7 @@ class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[Mult
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant joint besides what no rival can do."""
         super().check(mechanism)
-        refuse_compliance(self.name, mechanism, "gap")
+        refusals.of_compliance(self.name, mechanism, "gap")
 
     def model(self, mechanism: Mechanism, settings: MultiplierSettings) -> "BeamModel":
         """See `BeamEngine.model`."""

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from engines import refusals
 from engines.base import Comparison
 from engines.ladder import Ladder
-from engines.own.beam_engine import BeamSettings, gain_of, refuse_compliance
+from engines.own.beam_engine import BeamSettings, gain_of
 from engines.own.staying_shapes import RivalEngine
 from engines.settings import setting
 from reference_model.mechanism import Mechanism
@@ -71,7 +72,7 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant joint besides what no rival can do."""
         super().check(mechanism)
-        refuse_compliance(self.name, mechanism, "gap")
+        refusals.of_compliance(self.name, mechanism, "gap")
 
     def model(self, mechanism: Mechanism, settings: NodalLoadSettings) -> "BeamModel":
         """See `BeamEngine.model`; conjugate distributions need no damping, and a rigid follower has no nodes but one multiplier."""

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, NoSteadyState, Refusal, SteadyState
+from engines import refusals
+from engines.base import Comparison, NoSteadyState, SteadyState
 from engines.ladder import Ladder
 from engines.own.alone import OwnAlone
-from engines.own.beam_engine import BeamEngine, BeamSettings, gain_of, refuse_open_loop
+from engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from engines.settings import setting
 from engines.start import Start, standard_start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, changed
@@ -73,12 +74,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a damper beside a rigid joint, and with a compliant one parts that the open loop leaves without inertia."""
-        damping = mechanism.slider.joint_damping
+        refusals.of_damper_alone(mechanism)
         if self.opens_loop(mechanism):
-            refuse_open_loop(self.name, mechanism, " with a compliant slider joint, which leaves the follower to itself")
-        elif damping > 0.0:
-            told = f"slider.joint_damping: {damping:g} N*s/m does nothing in a rigid joint"
-            raise Refusal(f"{told}; accepted: 0, or a finite slider.joint_stiffness")
+            refusals.of_massless_parts(self.name, mechanism, " with a compliant slider joint, which leaves the follower to itself")
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """A compliant joint leaves the follower's angle free."""

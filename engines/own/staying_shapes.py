@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
+from engines import refusals
 from engines.base import Comparison, Refusal
 from engines.follower import FollowerEngine
 from engines.ladder import Ladder
-from engines.own.beam_engine import BeamEngine, BeamSettings, S, refuse_open_loop
+from engines.own.beam_engine import BeamEngine, BeamSettings, S
 from engines.settings import setting
 from reference_model.mechanism import Follower, Mechanism
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
@@ -89,9 +90,8 @@ class RivalEngine(BeamEngine[S]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse what a force along the normal cannot do, and parts that the open loop leaves without inertia."""
-        if (inertia := mechanism.slider.inertia) > 0.0:
-            raise Refusal(f"slider.inertia: {inertia:g} kg*m^2 cannot be modelled by {self.name}, its joint passes no moment; accepted: 0")
-        refuse_open_loop(self.name, mechanism, ", whose shapes need mass of their own")
+        refusals.of_slider_inertia(self.name, mechanism)
+        refusals.of_massless_parts(self.name, mechanism, ", whose shapes need mass of their own")
 
     def follower_alone(self) -> FollowerEngine[S]:
         """Refuse: without a slider there is no constraint to treat."""

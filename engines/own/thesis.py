@@ -8,9 +8,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from engines import refusals
 from engines.base import Comparison, Engine, EngineFailure, ModelDescription
 from engines.own.alone import OwnAlone
-from engines.own.beam_engine import bodies_of, joints_of, refuse_compliance, refuse_kinks
+from engines.own.beam_engine import bodies_of, joints_of
 from engines.settings import Settings, setting
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -54,7 +55,7 @@ class ThesisEngine(Engine[ThesisSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant slider joint: the loop is closed exactly."""
-        refuse_compliance(self.name, mechanism, "loop")
+        refusals.of_compliance(self.name, mechanism, "loop")
 
     def model(self, mechanism: Mechanism, settings: ThesisSettings) -> "ThesisModel":
         """The thesis' model of a scene.
@@ -79,7 +80,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""
         length = mechanism.follower.length
         shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, settings.elements)
-        refuse_kinks(mechanism, shapes, "one Hermite element")
+        refusals.of_kinks(mechanism, shapes, "one Hermite element")
         return shapes
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ThesisSettings) -> "OwnSimulation":

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_model.columns import OBSERVED, of_follower_alone
+from reference_model.constants import characteristic_frequency
 from reference_model.integrate import Integration
 from reference_model.mechanism import FollowerAlone, Scene
 from reference_model.model import ObservationFailed
@@ -74,7 +75,7 @@ class ThesisModel:
     def error_scales(self, crank_speed: float) -> Array:
         """Sizes against which the relative tolerance is taken, one per controlled state, as those of `reference_model.model.BeamModel`."""
         p = self.parameters
-        frequency = 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n and p.rhoA > 0.0 else 1.0
+        frequency = characteristic_frequency(p)
         shape, speed = p.deflection_scale, 0.1 * max(abs(crank_speed), 1.0)
         return np.array([0.1, *[shape] * p.n, speed, *[shape * frequency] * p.n])
 

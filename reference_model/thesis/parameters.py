@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reference_model import tip_force
 from reference_model.columns import PLACES
-from reference_model.mechanism import FollowerAlone, PrescribedSpeed, Scene
+from reference_model.constants import constants
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
 from reference_model.rigid import deflection_scale
 from reference_model.shapes import ShapeSet
@@ -75,60 +74,28 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     Raises:
         UnsuitableShapes: a slider with rotary inertia on shapes whose curvature jumps.
     """
-    follower, crank = scene.follower, _crank_constants(scene)
-    if crank["slider_inertia"] > 0.0 and not shapes.has_continuous_curvature:
+    known, follower = constants(scene), scene.follower
+    if known["slider_inertia"] > 0.0 and not shapes.has_continuous_curvature:
         raise UnsuitableShapes(
             "a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one Hermite element"
         )
-    tip = scene.tip_body
     tables = build_tables(shapes, cells)
     EI = 0.0 if follower.is_rigid else follower.bending_stiffness
     return Parameters(
-        L=follower.length,
-        crank_is_free=not isinstance(scene, FollowerAlone) and scene.crank_is_free,
-        **crank,
-        base_inertia=scene.base.inertia,
-        base_damping=scene.base.damping,
-        rhoA=follower.mass_per_length,
+        **known,
+        crank_is_free=isinstance(scene, Mechanism) and scene.crank_is_free,
         EI=EI,
-        beam_damping=follower.damping,
-        tip_mass=tip.mass,
-        tip_inertia=tip.inertia,
-        tip_offset=tip.center_of_mass,
-        **tip_force.constants(tip),
-        gravity_1=scene.gravity[0],
-        gravity_2=scene.gravity[1],
         has_gravity=scene.has_gravity,
         exact_geometry=exact_geometry,
         n=shapes.count,
-        thickness=follower.thickness,
-        gauges=np.array(follower.strain_gauges, dtype=float),
         tables=tables,
         shape_edges=np.ascontiguousarray(shapes.edges),
         shape_coefficients=np.ascontiguousarray(shapes.coefficients),
         shape_places=shapes.evaluate(follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)),
         stiffness=EI * (tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)),
         mass_transverse=follower.mass_per_length * (tables.phi.T @ (tables.weights[:, None] * tables.phi)),
-        base_speed=scene.spin_up.speed if isinstance(scene, FollowerAlone) else 0.0,
-        base_time=scene.spin_up.time if isinstance(scene, FollowerAlone) else 0.0,
         deflection_scale=0.01 * follower.length if isinstance(scene, FollowerAlone) else deflection_scale(scene),
     )
-
-
-def _crank_constants(scene: Scene) -> dict[str, float]:
-    """What belongs to crank and slider; zero where the scene has none."""
-    if isinstance(scene, FollowerAlone):
-        return dict.fromkeys(("d", "LA", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia"), 0.0)
-    crank, slider, drive = scene.crank, scene.slider, scene.crank.drive
-    return {
-        "d": scene.pivot_distance,
-        "LA": crank.length,
-        "crank_inertia": scene.crank_inertia,
-        "crank_moment": scene.crank_moment,
-        "torque": 0.0 if isinstance(drive, PrescribedSpeed) else drive.torque,
-        "crank_damping": 0.0 if isinstance(drive, PrescribedSpeed) else drive.damping,
-        "slider_inertia": slider.inertia,
-    }
 
 
 class Workspace(NamedTuple):
@@ -173,40 +140,21 @@ workspace_at = reader(WORKSPACE_TYPE)
 def build_workspace(tables: Tables) -> Workspace:
     """Scratch arrays for a mesh of points and its shapes."""
     N, n, m = len(tables.x), tables.phi.shape[1], len(tables.edges) - 1
-
-    def zeros(*shape: int) -> NDArray[np.float64]:
-        return np.zeros(shape)
-
-    return Workspace(
-        slope=zeros(N),
-        slope_rate=zeros(N),
-        W=zeros(N),
-        W_rate=zeros(N),
-        g=zeros(N),
-        g1=zeros(N),
-        F=zeros(N),
-        F_edges=zeros(m + 1),
-        f=zeros(N, n),
-        f_edges=zeros(m + 1, n),
-        F_rate=zeros(N),
-        end=zeros(2),
-        slider=zeros(2),
-        H=zeros(N),
-        H_edges=zeros(m + 1),
-        integrand=zeros(N),
-        at_s=zeros(4, n),
-        f_s=zeros(n),
-        f_s_slope=zeros(n),
-        weights=zeros(3, POINTS),
-        M=zeros(n + 2, n + 2),
-        Q=zeros(n + 2),
-        tool=zeros(n + 2),
-        C=zeros(n + 2),
-        D=zeros(n + 2),
-        reduced=zeros(n + 1, n + 1),
-        rhs=zeros(n + 1),
-        acceleration=zeros(n + 2),
+    sizes: tuple[tuple[str, tuple[int, ...]], ...] = (
+        ("slope slope_rate W W_rate g g1 F F_rate H integrand", (N,)),
+        ("F_edges H_edges", (m + 1,)),
+        ("f", (N, n)),
+        ("f_edges", (m + 1, n)),
+        ("end slider", (2,)),
+        ("at_s", (4, n)),
+        ("f_s f_s_slope", (n,)),
+        ("weights", (3, POINTS)),
+        ("M", (n + 2, n + 2)),
+        ("Q tool C D acceleration", (n + 2,)),
+        ("reduced", (n + 1, n + 1)),
+        ("rhs", (n + 1,)),
     )
+    return Workspace(**{name: np.zeros(size) for names, size in sizes for name in names.split()})
 
 
 def state_size(parameters: Parameters) -> int:

@@ -1,0 +1,51 @@
+"""What several engines refuse, each thing in the same words. All functions raise `Refusal` if the scene has it."""
+
+import math
+
+from engines.base import Refusal
+from reference_model.mechanism import Mechanism
+from reference_model.shapes import ShapeSet
+
+
+def of_slider_inertia(name: str, mechanism: Mechanism) -> None:
+    """For joints that pass no moment."""
+    if (inertia := mechanism.slider.inertia) > 0.0:
+        raise Refusal(f"slider.inertia: {inertia:g} kg*m^2 cannot be modelled by {name}, its joint passes no moment; accepted: 0")
+
+
+def of_damper_alone(mechanism: Mechanism) -> None:
+    """A damper beside a rigid joint."""
+    slider = mechanism.slider
+    if slider.joint_damping > 0.0 and math.isinf(slider.joint_stiffness):
+        told = f"slider.joint_damping: {slider.joint_damping:g} N*s/m does nothing in a rigid joint"
+        raise Refusal(f"{told}; accepted: 0, or a finite slider.joint_stiffness")
+
+
+def of_compliance(name: str, mechanism: Mechanism, closes: str) -> None:
+    """For methods that leave no gap."""
+    slider = mechanism.slider
+    if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
+        raise Refusal(
+            f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
+            f' modelled by {name}, which closes the {closes} exactly; accepted: "inf" and "0 N*s/m"'
+        )
+
+
+def of_massless_parts(name: str, mechanism: Mechanism, why: str) -> None:
+    """For methods whose loop is open, parts that this leaves without inertia; `why`: of the follower."""
+    if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
+        raise Refusal(
+            f"crank.inertia: {mechanism.crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {name}, whose open loop"
+            " leaves the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"
+        )
+    if (mass := mechanism.follower.mass_per_length) <= 0.0:
+        raise Refusal(f"follower.mass_per_length: {mass:g} kg/m cannot be modelled by {name}{why}; accepted: above 0")
+
+
+def of_kinks(mechanism: Mechanism, shapes: ShapeSet, accepted: str) -> None:
+    """For a slider with rotary inertia, which the shapes' slope must carry smoothly."""
+    if (inertia := mechanism.slider.inertia) > 0.0 and not shapes.has_continuous_curvature:
+        raise Refusal(
+            f"slider.inertia: {inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia needs shapes with"
+            f" continuous curvature, {accepted}"
+        )

@@ -1,0 +1,50 @@
+"""The constants of a scene by their symbols, for the equations of motion of any model (DERIVATION.md, section 1), SI."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from reference_model import tip_force
+from reference_model.mechanism import FollowerAlone, Scene, TorqueDrive
+
+_OF_CRANK = ("d", "LA", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia")
+
+
+def constants(scene: Scene) -> dict[str, Any]:
+    """Those of crank and slider are zero where the scene has none, those of the drive where the speed is prescribed."""
+    follower, tip = scene.follower, scene.tip_body
+    return {
+        **_of_drive(scene),
+        "L": follower.length,
+        "base_inertia": scene.base.inertia,
+        "base_damping": scene.base.damping,
+        "rhoA": follower.mass_per_length,
+        "beam_damping": follower.damping,
+        "tip_mass": tip.mass,
+        "tip_inertia": tip.inertia,
+        "tip_offset": tip.center_of_mass,
+        **tip_force.constants(tip),
+        "gravity_1": scene.gravity[0],
+        "gravity_2": scene.gravity[1],
+        "thickness": follower.thickness,
+        "gauges": np.array(follower.strain_gauges, dtype=float),
+    }
+
+
+def _of_drive(scene: Scene) -> dict[str, float]:
+    if isinstance(scene, FollowerAlone):
+        return {**dict.fromkeys(_OF_CRANK, 0.0), "base_speed": scene.spin_up.speed, "base_time": scene.spin_up.time}
+    drive = scene.crank.drive
+    torque, damping = (drive.torque, drive.damping) if isinstance(drive, TorqueDrive) else (0.0, 0.0)
+    values = (scene.pivot_distance, scene.crank.length, scene.crank_inertia, scene.crank_moment, torque, damping, scene.slider.inertia)
+    return {**dict(zip(_OF_CRANK, values, strict=True)), "base_speed": 0.0, "base_time": 0.0}
+
+
+def characteristic_frequency(p: Any) -> float:
+    """About the first bending frequency, 1/s, that sizes of rates are taken with; 1 for a rigid follower or one without mass.
+
+    Args:
+        p: parameters with n, EI, rhoA and L.
+    """
+    return 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n and p.rhoA > 0.0 else 1.0
