@@ -96,9 +96,9 @@ def test_model_has_the_mass_and_inertia_of_the_scene() -> None:
 @pytest.mark.parametrize(
     ("mechanism", "key"),
     [
-        (run_24(slider=Slider(inertia=1e-6)), "slider.inertia: 1e-06 kg m^2"),
+        (run_24(slider=Slider(inertia=1e-6)), "slider.inertia: 1e-06 kg*m^2"),
         (run_24(follower={"mass_per_length": 0.0}), "follower.mass_per_length: 0 kg/m"),
-        (run_24(crank={"mass": 0.0, "inertia": 0.0}), "crank.inertia: 0 kg m^2"),
+        (run_24(crank={"mass": 0.0, "inertia": 0.0}), "crank.inertia: 0 kg*m^2"),
     ],
 )
 def test_refuses_what_it_cannot_model(mechanism: Mechanism, key: str) -> None:
