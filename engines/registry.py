@@ -11,15 +11,10 @@ import difflib
 from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from typing import ClassVar, Final, NoReturn
+from typing import Any, ClassVar, Final, NoReturn, cast
 
-import numpy as np
-from numpy.typing import NDArray
-
-from engines.base import ESTIMATES, INTERFACE, AnyEngine, Comparison, Engine, ModelDescription, Refusal, Simulation
+from engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal
 from engines.settings import Settings as AnySettings
-from engines.start import Start
-from reference_model.mechanism import Mechanism
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
@@ -138,29 +133,10 @@ class _Missing(Engine[AnySettings]):
     def unavailable(self) -> str:
         return self.reason
 
-    def _refuse(self) -> NoReturn:
+    def _refuse(self, *arguments: Any) -> NoReturn:
         raise Refusal(f"engine {self.name} is not available: {self.reason}")
 
-    def check(self, mechanism: Mechanism) -> None:
-        self._refuse()
-
-    def describe(self, mechanism: Mechanism, settings: AnySettings) -> ModelDescription:
-        self._refuse()
-
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnySettings:
-        self._refuse()
-
-    def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        self._refuse()
-
-    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> AnySettings | None:
-        self._refuse()
-
-    def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> Simulation:
-        self._refuse()
-
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
-        self._refuse()
+    check = describe = settings_for = comparisons = finer = prepare = natural_frequencies = cast(Any, _refuse)
 
 
 def _missing(engine_name: str, sentence: str) -> AnyEngine:
