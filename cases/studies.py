@@ -102,7 +102,7 @@ class Studies:
     Attributes:
         accuracy: of each engine at its default accuracy.
         converged: what that is measured against; None where it could not be computed.
-        confirming: solutions of others that confirm it.
+        confirming: solutions of others that confirm it, where they are stored (see `confirming`).
         convergence: of the engine `reference`, over modes and tolerances.
         sensitivity: to what the thesis leaves open: for each run, change, half and quantity.
         both_starts: of each package that marches.
@@ -123,6 +123,22 @@ def work() -> Work:
     return Work(_requests(), [job for _, job in _solutions()])
 
 
+def confirming(workshop: Workshop, *, compute: bool) -> list[StudiedRun]:
+    """Solutions of others that confirm the converged one.
+
+    Args:
+        workshop: where.
+        compute: False: those that are stored, for they take half a minute.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+    """
+    jobs = [_solution("converged", *CONVERGED), *(_solution("confirming", *other) for other in CONFIRMING.items())]
+    outcomes = workshop.outcomes(jobs, "confirmation") if compute else [workshop.stored(job) for job in jobs]
+    converged, *others = [outcome and outcome.value for outcome in outcomes]
+    return [each.against(converged.columns) for each in others if each] if converged else []
+
+
 def run_studies(workshop: Workshop) -> Studies:
     """All studies, from the store where they are there.
 
@@ -138,13 +154,10 @@ def run_studies(workshop: Workshop) -> Studies:
     converged = found.get(("converged", CONVERGED[0]))
     results = carry_out(_requests(), workshop, "what the thesis leaves open, and another start")
 
-    def against_converged(kind: str) -> list[StudiedRun]:
-        return [each.against(converged.columns) for (what, _), each in found.items() if what == kind] if converged else []
-
     return Studies(
-        accuracy=against_converged("default"),
+        accuracy=[found["default", name].against(converged.columns) for name in MAIN if ("default", name) in found] if converged else [],
         converged=converged and converged.run,
-        confirming=against_converged("confirming"),
+        confirming=confirming(workshop, compute=False),
         convergence=convergence or (),
         sensitivity=_sensitivity(results, failures),
         both_starts=_both_starts(results, failures),
@@ -161,15 +174,18 @@ _CONVERGENCE: Final = ("convergence", "reference")
 
 def _solutions() -> list[tuple[Name, Job[Any]]]:
     """Trajectories of one case, and the convergence of the reference there."""
+    solutions: list[tuple[Name, Job[Any]]] = [(("converged", CONVERGED[0]), _solution("converged", *CONVERGED))]
+    solutions += [(("default", name), _solution("default", name, None)) for name in MAIN]
+    return [*solutions, (_CONVERGENCE, Job("convergence", _convergence, _scene(), "study", ("reference",), _CODE))]
+
+
+def _solution(what: str, name: str, settings: Mapping[str, str] | None) -> Job[StudiedTrajectory]:
+    return Job(f"{what} {name}", _trajectory, (*_scene(), name, settings), "study", (name,), _CODE)
+
+
+def _scene() -> tuple[Mechanism, float, float]:
     case = load_case(ACCURACY_CASE)
-    scene = (case.mechanism, case.duration, case.output_step)
-    wanted: list[tuple[str, str, Mapping[str, str] | None]] = [("confirming", *other) for other in CONFIRMING.items()]
-    wanted += [("converged", *CONVERGED), *(("default", name, None) for name in MAIN)]
-    jobs: list[tuple[Name, Job[Any]]] = [
-        ((what, name), Job(f"{what} {name}", _trajectory, (*scene, name, settings), "study", (name,), _CODE))
-        for what, name, settings in wanted
-    ]
-    return [*jobs, (_CONVERGENCE, Job("convergence", _convergence, scene, "study", ("reference",), _CODE))]
+    return case.mechanism, case.duration, case.output_step
 
 
 def _trajectory(

@@ -4,7 +4,7 @@ import contextlib
 import csv
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -23,7 +23,7 @@ from cases.library.hard import TAG
 from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import REFERENCE, CaseResult, cross_validate
 from cases.runs.request import CODE, Run
-from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
+from cases.studies import ACCURACY_CASE, OPEN_RUNS, Studies, run_studies, work
 from engines.registry import MAIN
 from reports import long_studies
 from reports.findings.runs import of_run, run_number
@@ -108,10 +108,10 @@ def write_report(
         recorded.setdefault(table.declared["case"], []).append(table)
     studied = _studied(cases)
     results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if studied else None)
-    studies = run_studies(workshop) if studied else None
+    studies, confirmation_recorded = _studies(workshop) if studied else (None, False)
     benchmarks, benchmarks_recorded = _benchmarks(cases, workshop, studied)
     matrix, matrix_recorded = _hard_scenes(workshop) if studied else (None, False)
-    of_record = {"benchmark": benchmarks_recorded, "hard scenes": matrix_recorded}
+    of_record = {"benchmark": benchmarks_recorded, "hard scenes": matrix_recorded, "confirmation": confirmation_recorded}
     example = of_run(results, EXAMPLE) if EXAMPLE else None
     found, missing = _frozen_crank(example, workshop)
     content = Content(
@@ -163,6 +163,14 @@ def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[Froze
 def _studied(cases: Sequence[Case]) -> bool:
     """Whether the report is about all runs that the studies are about."""
     return {ACCURACY_CASE, *OPEN_RUNS} <= {case.name for case in cases if case.source == "library"}
+
+
+def _studies(workshop: Workshop) -> tuple[Studies, bool]:
+    """All studies; where no confirming solutions are stored, those of record are taken, and the second value is true."""
+    found = run_studies(workshop)
+    if found.confirming:
+        return found, False
+    return replace(found, confirming=(recorded := long_studies.confirming())), bool(recorded)
 
 
 def _benchmarks(cases: Sequence[Case], workshop: Workshop, studied: bool) -> tuple[list[Benchmark], bool]:

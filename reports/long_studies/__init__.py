@@ -23,6 +23,7 @@ from cases.jobs.records import decoded, encoded
 from cases.jobs.store import Record
 from cases.judging.conditioning import Conditioning
 from cases.judging.matrix import Judged, Matrix
+from cases.studies import StudiedRun
 from engines.registry import MAIN
 
 T = TypeVar("T")
@@ -32,6 +33,7 @@ FOLDER: Final = Path(__file__).parent
 CODE: Final[Mapping[str, tuple[str, ...]]] = {
     "benchmark": (*SIMULATION, "cases.benchmark"),
     "hard scenes": (*SIMULATION, "cases.judging"),
+    "confirmation": (*SIMULATION, "cases.studies"),
 }
 #: Significant digits of recorded numbers.
 DIGITS: Final = 6
@@ -82,6 +84,11 @@ def benchmarks() -> Mapping[str, Benchmark]:
     for each in table("benchmark", RecordedPoint):
         points.setdefault(each.case, []).append(each.point)
     return {scene.case: dataclasses.replace(scene, points=tuple(points[scene.case])) for scene in table("benchmark_scenes", Benchmark)}
+
+
+def confirming() -> list[StudiedRun]:
+    """Solutions that confirm the converged one of the studies."""
+    return table("confirmation", StudiedRun)
 
 
 def matrix(cases: Iterable[Case]) -> Matrix | None:

@@ -14,6 +14,7 @@ from cases.jobs.workshop import Workshop
 from cases.judging.matrix import Matrix, judge_scenes
 from cases.library import catalogue
 from cases.library.hard import TAG
+from cases.studies import confirming
 from engines.registry import MAIN, engine
 from reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedPoint, about, text_of
 from reports.machine import version
@@ -31,6 +32,7 @@ def main(arguments: Sequence[str]) -> int:
     cases = [load_case(name) for name in SCENES]
     found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if compute else None)) is not None]
     matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=compute)
+    confirmed = confirming(workshop, compute=compute)
     made = {study: about(study) for study in CODE}
     if found:
         _write_benchmarks(found)
@@ -38,8 +40,12 @@ def main(arguments: Sequence[str]) -> int:
     if matrix.cells:
         _write_matrix(matrix)
         made["hard scenes"] = _made("hard scenes")
+    if confirmed:
+        _write("confirmation", confirmed)
+        made["confirmation"] = _made("confirmation")
     _write("about", [each for each in made.values() if each])
-    print(f"{len(found)} of {len(cases)} scenes of the benchmark, {len(matrix.cells)} cells of the hard scenes")
+    benchmarks, cells = f"{len(found)} of {len(cases)} scenes of the benchmark", f"{len(matrix.cells)} cells of the hard scenes"
+    print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions")
     return 0
 
 

@@ -27,7 +27,7 @@ class Content:
         benchmarks: of the scenes on which methods are compared, those that there are.
         frozen_crank: on the thesis' example run; None where that is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
-        of_record: study ("benchmark", "hard scenes") -> about its recorded results, where these stand for the user's own.
+        of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
         verification: of the long verification, if there are results.
         facts: about the machine.
         code: fingerprint of the code that computed the results.

@@ -10,7 +10,10 @@ import pytest
 
 from cases.benchmark import Benchmark
 from cases.case_file import load_case
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
 from cases.judging.matrix import Judged
+from cases.studies import confirming
 from engines.accurate import run_once
 from engines.registry import engine
 from engines.start import standard_start
@@ -18,6 +21,7 @@ from engines.trajectory import Trajectory
 from reports import long_studies
 from reports.long_studies import About, RecordedPoint, table, text_of
 from reports.long_studies.__main__ import main
+from reports.page.facts.studies import CONFIRMED
 from tests.reports import pages
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.test_hard_scenes_page import matrix
@@ -66,6 +70,18 @@ def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
     assert any(made)
     assert all(each.date and each.versions and len(each.code) == 64 for each in made if each)
     assert bool(long_studies.benchmarks()) == (long_studies.about("benchmark") is not None)
+
+
+@pytest.mark.verify
+def test_two_packages_confirm_the_converged_solution() -> None:
+    """Kept where the report finds it."""
+    found = confirming(Workshop(Store()), compute=True)
+    assert {run.engine for run in found} == {"exudyn", "mujoco"}
+    assert max(run.errors["tip_deflection"] for run in found) <= CONFIRMED
+
+
+def test_who_has_no_confirming_solutions_sees_those_of_record() -> None:
+    assert {run.engine for run in long_studies.confirming()} == {"exudyn", "mujoco"}
 
 
 @cache

@@ -78,6 +78,7 @@ def accuracy(content: Content) -> dict[str, Any] | None:
         facts |= {
             "plot": _convergence(studies.convergence),
             "accuracy": tables.accuracy(studies.accuracy),
+            "of_record": content.of_record.get("confirmation"),
             "confirmation": tables.confirmation(studies.converged, studies.confirming),
             "convergence": tables.convergence(studies.convergence),
             "both_starts": both_starts(studies.both_starts),
