@@ -50,6 +50,7 @@ class Chain(qr.Model):
         self.data = self.pin.createData()
 
     def add(self, joint, mass, place, inertia):
+        """Fix a body to a joint: its mass, its centre's place along the joint's first axis, its inertia about that centre."""
         body = pin.Inertia(mass, np.array([place, 0.0, 0.0]), inertia * np.eye(3))
         self.pin.appendBodyToJoint(joint, body, pin.SE3.Identity())
 
