@@ -16,6 +16,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import Radau
 
 from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
 from engines.ladder import Ladder
@@ -93,8 +94,6 @@ class Model(ABC):
         The accelerations are integrated by Radau's method (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8), whose
         steps follow the motion and not the fastest vibration that a fine model could make. A tool that steps by itself does so here.
         """
-        from scipy.integrate import Radau
-
         n, latest = len(state) // 2, state
 
         def rates(at: float, y: Array) -> Array:
