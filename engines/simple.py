@@ -20,7 +20,7 @@ from scipy.integrate import Radau
 
 from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
 from engines.ladder import Ladder
-from engines.settings import Settings, setting
+from engines.settings import SettingError, Settings, setting
 from engines.start import Start, standard_start
 from engines.trajectory import REQUIRED, Trajectory
 from reference_model.columns import COLUMNS
@@ -190,8 +190,10 @@ class SimpleEngine(Engine[SimpleSettings]):
         return self._ladder().finer(settings, excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: SimpleSettings) -> Simulation:
-        """See `Engine.prepare`."""
+        """See `Engine.prepare`; SettingError: a resolution that is coarser than any that was measured."""
         self.check(mechanism)
+        if settings.resolution < (coarsest := min(self.errors)):
+            raise SettingError(f"engine.resolution: {settings.resolution} is not accepted; engine {self.name} begins with {coarsest}")
         began = time.perf_counter()
         model = self.model(mechanism, start, settings.resolution)
         return _SimpleSimulation(model, mechanism.follower.length, settings.tolerance, time.perf_counter() - began)

@@ -91,7 +91,7 @@ class Chain(qr.Model):
 
     def row(self, time, q, v):
         (s, e, rates, a, base, place), beam = self.motion(q, v), self.scene.follower
-        base += (q[2] - q[1]) / 24  # the beam's tangent, beside the link's
+        base += (q[2] - q[1]) / 24  # the beam's tangent is beside the link's
         reach, normal = self.lines[-1] * e, 1j * e[-1]
         tip, acceleration = reach.sum(), reach @ (1j * self.turns @ a[1:-1] - rates**2)
         kink = a[-1] / beam.bending_stiffness  # of the curvature's slope at the slider

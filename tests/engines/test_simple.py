@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cases.conformance.scenes import BASE, changed
 from engines.accurate import run_once
 from engines.base import EngineFailure, Refusal
+from engines.settings import SettingError
 from engines.simple import QUANTITIES, Model, SimpleEngine, SimpleSettings
 from engines.start import Start, standard_start
 from engines.trajectory import REQUIRED
@@ -188,6 +189,11 @@ def test_mistakes_of_the_author_are_named() -> None:
     assert "test_simple.py" in wrong.cause  # where the author called, not where numpy raised
     time = failure_of(engine_of(row=lambda self, time, coordinates, speeds: None + time))
     assert "TypeError at test_simple.py" in time.cause
+
+
+def test_a_resolution_that_was_not_measured_is_not_tried() -> None:
+    with pytest.raises(SettingError, match=r"resolution: 3 .* 4"):
+        advanced(ToyEngine(), settings=SimpleSettings(resolution=3))
 
 
 def test_version_and_library() -> None:
