@@ -45,7 +45,17 @@ THREADS: Final = (
     "NUMBA_NUM_THREADS",
 )
 #: What a fork server imports once for all its workers.
-PRELOAD: Final = ("cases.jobs.worker", "numba", "scipy.integrate", "engines.accurate", "engines.registry", "cases.runs.steady_state")
+PRELOAD: Final = (
+    "cases.jobs.worker",
+    "cases.jobs.warm",
+    "scipy.integrate",
+    "engines.accurate",
+    "engines.registry",
+    "engines.own.orbit",
+    "engines.exudyn.simulation",
+    "engines.mujoco.simulation",
+    "cases.runs.steady_state",
+)
 
 _KEPT_OUTPUT: Final = 4000  # bytes: the last of what a job printed
 _LONGEST_WAIT: Final = 86400.0  # s: poll takes no more than 24 days

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.measures.steady_state import FEWEST_CYCLES, Outlook
+from cases.measures.steady_state import Outlook
 from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import Columns
 from cases.runs.orbit import Orbit
@@ -19,6 +19,9 @@ CODE: Final = ("cases.measures", "cases.runs")
 
 #: By how much an engine's cycles may be longer than those of `reference`.
 LONGER: Final = 1.01
+
+#: Cycles from the orbit on in which an engine's error is estimated (`cases.runs.estimates` says what of it is seen so early).
+ESTIMATED_CYCLES: Final = 2
 
 SETTLED: Final = "settled"  # and the accuracy reached by the engine's own estimate
 INACCURATE: Final = "inaccurate"  # settled, but the estimate misses the accuracy asked
@@ -58,9 +61,9 @@ class RunRequest:
         return standard_start(self.mechanism) if found is None or found.begin is None else found.begin.start()
 
     def estimated_on(self, step: float) -> float:
-        """The stretch on which the error is estimated, s: from the periodic state a little more than the fewest cycles that settle."""
+        """The stretch on which the error is estimated, s: from the periodic state a little more than so many cycles."""
         found = self._begun_from
-        stretch = self.duration if found is None else FEWEST_CYCLES * LONGER * found.period
+        stretch = self.duration if found is None else ESTIMATED_CYCLES * LONGER * found.period
         return step * math.ceil(stretch / step - 1e-9)
 
     @property

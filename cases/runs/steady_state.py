@@ -1,33 +1,35 @@
 """One engine on one scene, brought to its steady state, with an error estimate of its own.
 
-A run begins in the periodic state that `reference` found (`cases.runs.orbit`), or in the standard start. From the one as many cycles as
-settling takes at least, from the other the case's duration is simulated to the accuracy asked (`engines.accurate`): that fixes the
-settings and their error estimate. Where there is an orbit the standard start would be no measure of it: a stiff follower rings for
-thousands of cycles if its load, or its weight, is there of a sudden. With these settings the simulation then runs cycle after cycle
-until it has settled (`cases.measures.steady_state`). An engine that finds its periodic steady
-state directly need not run there; where it finds none it marches like the others. If it is known
-beforehand that marching cannot settle, it is not begun. What is kept is the last cycle, with every column of the trajectory.
+A run begins in the periodic state that `reference` found (`cases.runs.orbit`), or in the standard start. From the one two cycles are
+simulated, from the other the case's duration, to the accuracy asked (`engines.accurate`): that fixes the settings and their error
+estimate. Where there is an orbit the standard start would be no measure of it: a stiff follower rings for thousands of cycles if its
+load, or its weight, is there of a sudden. With these settings the simulation then runs cycle after cycle until it has settled
+(`cases.measures.steady_state`). An engine that finds its periodic steady state directly need not run there; where it finds none it
+marches like the others. If it is known beforehand that marching cannot settle, it is not begun. What is kept is the last cycle, with
+every column of the trajectory.
 
-At the same instant of the way the runs are taken by which the engine estimates its error (`Comparison`): from the same start, after as
-many cycles. They show what the settings do to whatever is measured in the cycle (`cases.runs.estimates`).
+The runs by which the engine estimates its error (`Comparison`) are compared after as many cycles from the same start: from the orbit the
+last of those that the error was estimated in, for which nothing more need be simulated, else the last one. They show what the settings
+do to whatever is measured in the cycle (`cases.runs.estimates`).
 """
 
 import contextlib
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import islice
 from typing import Any, Final
 
 import numpy as np
 
-from cases.measures import CHANNELS, measure_cycle, time_scale
+from cases.measures import CHANNELS, Cycle, measure_cycle, time_scale
 from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from cases.runs.marching import Columns, LastCycle, March, columns_of, output_step, settle, whole_cycles
 from cases.runs.orbit import UNKNOWN_ERROR, Orbit
 from cases.runs.request import (
     DIRECT,
+    ESTIMATED_CYCLES,
     FAILED,
     FROM_ORBIT,
     INACCURATE,
@@ -98,6 +100,7 @@ class _Way:
         self._step = 0.0
         self._done: Mapping[Settings, Made] = {}
         self._compared: tuple[Compared[Columns], ...] = ()
+        self._early = Columns()  # of a march from the orbit: the cycle that is compared
         self.run = Run(
             engine=engine.name, method=engine.method, estimate_of=engine.estimates, accuracy=request.accuracy or engine.default_accuracy
         )
@@ -130,7 +133,7 @@ class _Way:
         elif not self._request.estimated:
             self.know(unestimated="none were asked for")
         else:
-            self._compared, why = self._compare(self.run.cycle)
+            self._compared, why = self._compare()
             self.know(unestimated=why)
 
     def measure(self) -> None:
@@ -187,13 +190,20 @@ class _Way:
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
-            last = settle(march, multiplier)
+            last = settle(self._noted(march), multiplier)
         finally:
             self._know_of(last)
             self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         if last.outlook is not None:
             self.say(f"not settled after {last.cycles} cycles: {last.outlook.sentence()}")
         return last.columns
+
+    def _noted(self, cycles: Iterable[Cycle]) -> Iterator[Cycle]:
+        """The cycles; the one that is compared is kept."""
+        for number, cycle in enumerate(cycles, 1):
+            if self.run.start == FROM_ORBIT and number == ESTIMATED_CYCLES:
+                self._early = columns_of(cycle)
+            yield cycle
 
     def _turn(self, number: int) -> Columns:
         """A turn of the run from the standard start, counted from 1."""
@@ -207,13 +217,9 @@ class _Way:
         told = {"settled": last.settled, "cycles": last.cycles, "settling": last.outlook}
         self.know(settling_error=last.error, settling_errors=last.errors, **told)
 
-    def _compare(self, cycle: Columns) -> tuple[tuple[Compared[Columns], ...], str]:
-        """The same cycle in the runs by which the engine estimates its error, and why there are none.
-
-        Args:
-            cycle: of the delivered run.
-        """
-        known: dict[Settings, Columns | EngineFailure] = {self._settings: cycle}
+    def _compare(self) -> tuple[tuple[Compared[Columns], ...], str]:
+        """The same cycle in the runs by which the engine estimates its error, and why there are none."""
+        known: dict[Settings, Columns | EngineFailure] = {self._settings: self._early or self.run.cycle}
         progress.tell(phase="estimating the cycle's error")
 
         def run(settings: Settings) -> Columns:
@@ -241,6 +247,7 @@ class _Way:
 
     def _same_cycle(self, settings: Settings) -> Columns | EngineFailure:
         """The steady cycle with other settings: found directly like the delivered one, or after as many cycles; settled at least."""
+        number = ESTIMATED_CYCLES if self._early else self.run.cycles
         try:
             if self.run.start == DIRECT:
                 with contextlib.suppress(NoSteadyState):
@@ -250,7 +257,7 @@ class _Way:
                 last = settle(self._march(settings))
                 unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
                 return last.columns if last.settled else unsettled
-            return columns_of(next(islice(self._march(settings), self.run.cycles - 1, None)))
+            return columns_of(next(islice(self._march(settings), number - 1, None)))
         except EngineFailure as failure:
             return failure
 

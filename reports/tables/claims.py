@@ -172,9 +172,9 @@ def classes(results: Sequence[CaseResult]) -> Table:
         "accuracy_classes",
         "How good each engine is: on how many runs the accuracy class is the least that covers the engine's own estimates and its deviation"
         " from the reference, in the consensus frequencies and in all extremes (relative to the channel's largest magnitude).",
-        (Column("engine", "engine"), *(Column(f"class_{i}", name, form="d", group="class") for i, name in enumerate(names))),
+        (Column("engine", "engine"), *(Column(f"class {name}", name, form="d", group="class") for name in names)),
     )
     for engine in engines_of(results):
         found = [result.accuracy_class(engine) or "unknown" for result in results if engine in result.runs]
-        builder.add(engine=engine, **{f"class_{i}": found.count(name) for i, name in enumerate(names)})
+        builder.add(engine=engine, **{f"class {name}": found.count(name) for name in names})
     return builder.table()

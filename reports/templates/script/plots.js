@@ -97,6 +97,7 @@ async function drawSignals(holder) {
     const names = drawnOrder().filter((name) => signal in motion.tables[name]), { label, unit, factor: scale } = DATA.signals[signal];
     if (!names.length) continue;
     const made = figure(Bokeh, { height: 250, x_axis_label: motion.cyclic ? "crank angle [°]" : "time [s]", y_axis_label: `${label} [${unit}]`, ...(figures.length ? { x_range: figures[0].x_range } : {}) });
+    if (motion.cyclic) for (const axis of [...made.xaxis, ...made.xgrid]) axis.ticker = new Bokeh.AdaptiveTicker({ mantissas: [1.5, 3, 4.5, 9], desired_num_ticks: 8 });
     for (const name of names) {
       const x = Array.from(motion.cursors[name], (turned) => motion.begin + motion.turning * turned);
       const source = new Bokeh.ColumnDataSource({ data: { x, y: Array.from(motion.tables[name][signal], (value) => value * scale), name: x.map(() => name) } });
