@@ -199,17 +199,13 @@ class SimpleEngine(Engine[SimpleSettings]):
         return _SimpleSimulation(model, mechanism.follower.length, settings.tolerance, time.perf_counter() - began)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: SimpleSettings) -> Array:
-        """By differences of the accelerations about the straight follower at rest, its crank too heavy to move."""
+        """By differences of the accelerations about the straight follower at rest, undamped there; its crank is too heavy to move."""
         self.check(mechanism)
         free = "crank.torque" in self.quantities
         drive = TorqueDrive(torque=0.0, damping=0.0, initial_speed=0.0) if free else PrescribedSpeed(speed=0.0)
-        still = dataclasses.replace(
-            mechanism,
-            crank=dataclasses.replace(mechanism.crank, inertia=_HELD, drive=drive),
-            gravity=(0.0, 0.0),
-            base=dataclasses.replace(mechanism.base, damping=0.0),
-            follower=dataclasses.replace(mechanism.follower, damping=0.0),
-        )
+        crank = dataclasses.replace(mechanism.crank, inertia=_HELD, drive=drive)
+        tip = mechanism.tip and dataclasses.replace(mechanism.tip, force=(0.0, 0.0))
+        still = dataclasses.replace(mechanism, crank=crank, gravity=(0.0, 0.0), tip=tip)
         model = self.model(still, Start(crank_angle, 0.0), settings.resolution)
         rest = model.state[: len(model.state) // 2]
         moved = np.concatenate([rest - _MOVED * np.eye(len(rest)), rest + _MOVED * np.eye(len(rest))])

@@ -35,7 +35,7 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
             engine=name,
             origin="a file" if first.recording else "this project" if name in OWN else "another package",
             version=next((run.version for run in runs if run.version), None) or _no_version(first),
-            conformance=None if first.recording else conformance.get(name, f"not tested: run `quickreturn conform {name}`"),
+            conformance=None if first.recording else conformance.get(name, f"not tested: run quickreturn conform {name}"),
             method=first.method,
             accuracy=first.accuracy,
             runs=len(runs),
