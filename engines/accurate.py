@@ -38,6 +38,9 @@ ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2"
 #: most 1.07 times the difference.
 LEAST_FACTOR: Final = 1.7
 
+#: Libraries in which an author's mistake surfaces.
+_BELOW: Final = frozenset({"numpy", "scipy"})
+
 #: A tip deflection of less than this part of the follower's length is no deflection: the follower is rigid.
 NO_DEFLECTION: Final = 1e-12
 
@@ -160,9 +163,10 @@ def make_run(engine: Solver[S], scene: S, start: Start | None, duration: float, 
 
 
 def raised_at(error: BaseException) -> str:
-    """Where an exception came from, for the author of an engine: " at my_engine.py, line 12"."""
+    """Where an exception came from, for the author of an engine: " at my_engine.py, line 12"; his line, not that of numpy below it."""
     frames = traceback.extract_tb(error.__traceback__)
-    return f" at {Path(frames[-1].filename).name}, line {frames[-1].lineno}" if frames else ""
+    own = [frame for frame in frames if not _BELOW & set(Path(frame.filename).parts)] or frames
+    return f" at {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""
 
 
 def check_trajectory(trajectory: Trajectory, duration: float, output_step: float) -> None:

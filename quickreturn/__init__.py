@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
     from engines.registry import UnknownEngine, engine
     from engines.settings import SettingError, Settings, setting
+    from engines.simple import Model, SimpleEngine
     from engines.start import Start
+    from engines.start_state import reconstruct
     from engines.trajectory import Trajectory
     from quickreturn.catalogue import case, cases, engines
     from quickreturn.cross_validation import CrossValidation, report, run
@@ -31,10 +33,12 @@ __all__ = [
     "CrossValidation",
     "Engine",
     "EngineFailure",
+    "Model",
     "ModelDescription",
     "Refusal",
     "SettingError",
     "Settings",
+    "SimpleEngine",
     "Simulation",
     "Solution",
     "Start",
@@ -47,6 +51,7 @@ __all__ = [
     "engine",
     "engines",
     "modes",
+    "reconstruct",
     "report",
     "run",
     "setting",
@@ -61,7 +66,9 @@ _HOMES: Final = {
     "engines.base": ("Comparison", "Engine", "EngineFailure", "ModelDescription", "Refusal", "Simulation"),
     "engines.registry": ("UnknownEngine", "engine"),
     "engines.settings": ("SettingError", "Settings", "setting"),
+    "engines.simple": ("Model", "SimpleEngine"),
     "engines.start": ("Start",),
+    "engines.start_state": ("reconstruct",),
     "engines.trajectory": ("Trajectory",),
     "quickreturn.catalogue": ("case", "cases", "engines"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+from cases import conformance
 from cases.benchmark import SCENES, Benchmark, stored
 from cases.case import Case
 from cases.case_file import load_case
@@ -122,6 +123,7 @@ def write_report(
         hard_scenes=matrix,
         of_record={study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
         verification=stored_verification(workshop.store.folder),
+        conformance=_conformance(engines, workshop),
         facts=machine_facts(),
         code=code_fingerprint((*SIMULATION, *CODE)),
         notices=(*missing, *workshop.store.notices),
@@ -145,6 +147,12 @@ def write(content: Content, folder: Path) -> Written:
         with contextlib.suppress(OSError):  # what cannot be removed stays: it is not linked from the page
             (folder / name).unlink()
     return Written(folder / PAGE, content, tables)
+
+
+def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
+    """The verdicts that are stored."""
+    found = {name: workshop.stored(conformance.job(name)) for name in engines}
+    return {name: outcome.value.verdict for name, outcome in found.items() if outcome is not None and outcome.value is not None}
 
 
 def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[FrozenCrank | None, list[str]]:

@@ -21,7 +21,7 @@ from engines.accurate import raised_at
 from engines.base import AnyEngine, Refusal
 from engines.registry import UnknownEngine
 
-__all__ = ["GROUPS", "Check", "Conformance", "conform"]
+__all__ = ["GROUPS", "Check", "Conformance", "conform", "job"]
 
 #: Groups of checks by name, in the order in which they are told.
 GROUPS: Final[Mapping[str, Callable[..., Iterator[Check]]]] = {
@@ -62,6 +62,11 @@ def conform(engine: AnyEngine | str, executor: Executor | None = None, groups: t
             raise outcome.error
         checks += outcome.value or [Check(group, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]
     return _told(name, checks)
+
+
+def job(engine: str) -> Job[Conformance]:
+    """`conform` of an installed engine, as its outcome is kept: for this version and code of the engine."""
+    return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,), (__name__,))
 
 
 def checks_of(group: str, engine: AnyEngine | str, *given: Any) -> list[Check]:

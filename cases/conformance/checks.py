@@ -50,6 +50,12 @@ class Conformance:
         """The checks that failed."""
         return tuple(check for check in self.checks if check.status == "failed")
 
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        failed = f"does not conform: {len(self.failed)} check{'s' * (len(self.failed) > 1)} failed"
+        return {True: "conforms", False: failed, None: "not judged"}[self.conforms]
+
 
 class Fault(Exception):
     """A check fails: what is wrong, and what to try."""

@@ -11,16 +11,23 @@ from quickreturn.commands import options
 def command(engine: str, as_json: bool) -> int:
     """Try ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.
 
+    The outcome is kept with the results, and the report shows it beside the engine's version.
+
     Exit code 0: it conforms; 1: it does not; 3: there was nothing to judge by. A coarse engine that says so is not accused.
     """
-    from cases.conformance import conform
-    from cases.jobs.processes import LocalProcesses, get_ready
+    from cases.conformance import conform, job
+    from cases.jobs.job import Outcome
+    from cases.jobs.processes import get_ready
+    from engines.registry import usable_engine
     from quickreturn.command_line import CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
     from quickreturn.questions import COMPUTING
     from reports.output import print_json
 
+    usable_engine(engine)
     get_ready(COMPUTING)
-    found = conform(engine, LocalProcesses())
+    workshop = options.opened_workshop()
+    found = conform(engine, workshop.executor)
+    workshop.kept(Outcome(job(engine), found))
     if as_json:
         print_json(found)
     else:
@@ -28,6 +35,5 @@ def command(engine: str, as_json: bool) -> int:
             click.echo(f"{check.status:10}  {check.check}" + (f": {check.cause}" if check.cause else ""))
             if check.advice:
                 click.echo(f"{'':10}  {check.advice}")
-        words = {True: "conforms", False: f"does not conform: {len(found.failed)} checks failed", None: "could not be judged"}
-        click.echo(f"{engine} {words[found.conforms]}")
+        click.echo(f"{engine}: {found.verdict}")
     return {True: GOOD, False: CLAIMS_BROKEN, None: ENGINE_TROUBLE}[found.conforms]

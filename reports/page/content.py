@@ -29,6 +29,7 @@ class Content:
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
         verification: of the long verification, if there are results.
+        conformance: engine -> verdict on whether it does what it says, where that was tried.
         facts: about the machine.
         code: fingerprint of the code that computed the results.
         notices: sentences of the store on damaged entries.
@@ -41,6 +42,7 @@ class Content:
     hard_scenes: Matrix | None = None
     of_record: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
+    conformance: Mapping[str, str] = field(default_factory=dict)
     facts: Mapping[str, str] = field(default_factory=dict)
     code: str = ""
     notices: Sequence[str] = ()

@@ -11,8 +11,8 @@ from reports.findings.failures import Trouble
 from reports.tables.table import CASE, Cell, Column, Table, TableBuilder
 
 
-def engines(results: Sequence[CaseResult]) -> Table:
-    """One row per engine and recorded table: whose it is, version, method, default accuracy, how its runs ended."""
+def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Table:
+    """One row per engine and recorded table: whose it is, version, conformance, method, default accuracy, how its runs ended."""
     builder = TableBuilder(
         "engines",
         "Engines, the libraries behind them, recorded tables, and how their runs ended.",
@@ -20,6 +20,7 @@ def engines(results: Sequence[CaseResult]) -> Table:
             Column("engine", "engine"),
             Column("origin", "from"),
             Column("version", "version"),
+            Column("conformance", "does what it says", meaning="`quickreturn conform ENGINE` with this version"),
             Column("method", "method"),
             Column("accuracy", "accuracy asked", "1", ".2g", "%", 100.0),
             Column("runs", "runs", form="d"),
@@ -33,6 +34,7 @@ def engines(results: Sequence[CaseResult]) -> Table:
             engine=name,
             origin="a file" if first.recording else "this project" if name in OWN else "another package",
             version=next((run.version for run in runs if run.version), None) or _no_version(first),
+            conformance=None if first.recording else conformance.get(name, f"not tested: run quickreturn conform {name}"),
             method=first.method,
             accuracy=first.accuracy,
             runs=len(runs),

@@ -42,7 +42,7 @@ def provenance(content: Content) -> dict[str, Any]:
         "date": content.facts.get("date", ""),
         "verification": content.verification,
         "failures": tables.troubles(content.troubles),
-        "engines": tables.engines(content.results),
+        "engines": tables.engines(content.results, content.conformance),
         "machine": tables.machine({**content.facts, "code": content.code}),
         "settings": engine_tables.settings(content.results),
         "verified": [_table(f"verification_{index}", part) for index, part in enumerate(content.verification.chapters, start=1)],

@@ -6,6 +6,8 @@ import re
 import pytest
 
 from cases.conformance import GROUPS, conform
+from cases.conformance.bench import Bench
+from cases.conformance.repetition import fingerprint, repetition
 from cases.conformance.scenes import BASE, CHANGES
 from engines.base import AnyEngine
 from engines.exudyn.engine import ExudynEngine
@@ -77,6 +79,25 @@ def test_own_engines_are_not_accused(name: str) -> None:
 def test_coarse_engines_that_say_so_are_not_accused(coarse: AnyEngine) -> None:
     found = conform(coarse, groups=tuple(group for group in GROUPS if group != "repetition"))
     assert found.conforms, found.failed
+
+
+@pytest.mark.parametrize(("part", "status"), [(0.01, "passed"), (0.1, "failed")])
+def test_threads_may_add_in_another_order(part: float, status: str) -> None:
+    """By a part of the engine's own error; here in the force, by some millionths of it."""
+    bench = Bench(ReferenceEngine())
+    errors, other = bench.estimates(bench.scene, duration=0.1), fingerprint(bench.engine)
+    assert errors is not None
+    other["slider_force"] = other["slider_force"] + part * errors["slider_force"]
+    (check,) = [check for check in repetition(bench, other) if "process" in check.check]
+    assert check.status == status
+
+
+def test_a_class_that_no_other_process_can_import_is_not_accused() -> None:
+    found = conform(type("Local", (ReferenceEngine,), {})(), groups=("repetition",))
+    assert found.conforms
+    (check,) = [check for check in found.checks if "process" in check.check]
+    assert check.status == "not judged"
+    assert "entry point" in check.advice
 
 
 def test_every_change_is_one_that_the_scene_takes() -> None:
