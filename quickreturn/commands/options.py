@@ -313,11 +313,11 @@ def tell(sentence: str) -> None:
 
 
 def limits() -> "Limits":
-    """What an engine may take, as `limited` say."""
+    """What an engine may take, as `limited` say; the usual where a command has no such options."""
     from cases.jobs.job import Limits, default_limits
 
     meta, usual = click.get_current_context().meta, default_limits()
-    return Limits(seconds=meta["time_limit"] or usual.seconds, memory=meta["memory_limit"] or usual.memory)
+    return Limits(seconds=meta.get("time_limit") or usual.seconds, memory=meta.get("memory_limit") or usual.memory)
 
 
 def _keep_time(context: click.Context, option: click.Parameter, text: str | None) -> None:
