@@ -9,13 +9,14 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from engines.convergence import CHANNELS
 
+from engines.accurate import ESTIMATED
 from engines.base import Engine, EngineFailure
 from engines.own.multiplier import MultiplierEngine, MultiplierSettings
 from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from engines.relative import relative_error
 from engines.settings import Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
@@ -55,7 +56,7 @@ def rival_table(
         elements: numbers of Hermite elements.
 
     Returns:
-        One row per method and settings: `method`, `flexible` (number of flexible coordinates), one error per name in `CHANNELS`
+        One row per method and settings: `method`, `flexible` (number of flexible coordinates), one error per name in `ESTIMATED`
         (RMS of the difference over RMS; NaN where the run failed), `order` (observed, of the tip deflection, between this row and the one
         before), `spurious` (work of the joint regardless of sign over the drive's work, NaN where the joint is ideal), `largest_gap` (m),
         `calls`, `solve_seconds`, `failure`.
@@ -87,7 +88,7 @@ def stiffness_table(
         output_step: s.
 
     Returns:
-        One row per stiffness: `stiffness`, one difference per name in `CHANNELS`, `order` of the tip deflection, `calls`.
+        One row per stiffness: `stiffness`, one difference per name in `ESTIMATED`, `order` of the tip deflection, `calls`.
     """
     start = standard_start(mechanism)
     rigid = MultiplierEngine().prepare(mechanism, start, MultiplierSettings(shapes=shapes, tolerance=TOLERANCE))
@@ -108,13 +109,13 @@ def _row(
     name: str, engine: Engine, settings: Settings, mechanism: Mechanism, truth: Trajectory, duration: float, output_step: float
 ) -> dict[str, object]:
     free = engine.describe(mechanism, settings).degrees_of_freedom - (2 if mechanism.crank_is_free else 1)
-    row: dict[str, object] = {"method": name, "flexible": free} | dict.fromkeys((*CHANNELS, "order", "spurious"), math.nan)
+    row: dict[str, object] = {"method": name, "flexible": free} | dict.fromkeys((*ESTIMATED, "order", "spurious"), math.nan)
     simulation = engine.prepare(mechanism, standard_start(mechanism), settings)
     try:
         trajectory = simulation.advance(duration, output_step)
     except EngineFailure as failure:
         return row | {"largest_gap": math.nan, "calls": math.nan, "solve_seconds": math.nan, "failure": str(failure)}
-    errors = {channel: _error(trajectory, truth, channel) for channel in CHANNELS}
+    errors = {channel: relative_error(trajectory[channel], truth[channel]) for channel in ESTIMATED}
     moved = trajectory.statistics.get("spurious_energy_moved", math.nan)
     return row | {
         **errors,
@@ -124,10 +125,6 @@ def _row(
         "solve_seconds": trajectory.solve_seconds,
         "failure": "",
     }
-
-
-def _error(trajectory: Trajectory, truth: Trajectory, channel: str) -> float:
-    return float(np.sqrt(np.mean((trajectory[channel] - truth[channel]) ** 2) / np.mean(truth[channel] ** 2)))
 
 
 def _order(before: dict[str, object], now: dict[str, object]) -> float:
