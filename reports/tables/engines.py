@@ -8,7 +8,7 @@ from cases.measures import CHANNELS
 from cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
 from cases.runs.request import INACCURATE, Run
 from reports.tables.table import CASE, Cell, Column, Mark, Table, TableBuilder
-from reports.words import channel_name, listed
+from reports.words import channel_name, listed, settings_words
 
 #: Channels whose amplitudes the page shows; the CSV file has all.
 SHOWN: Final = ("tip_acceleration", "strain_2")
@@ -140,9 +140,9 @@ def settings(results: Sequence[CaseResult]) -> Table:
     """How each engine was run on each case."""
     builder = TableBuilder(
         "settings",
-        "Settings per run and engine. They follow from the accuracy asked; the estimate is the engine's own, of the tip deflection over the"
-        " case's duration from the standard start; that of thesis is of the integration of its own equations alone. Marched from: where the"
-        " cycles began; the reference finds its steady state without.",
+        "Settings per run and engine. They follow from the accuracy asked; the estimate is the engine's own, of the tip deflection: over"
+        " two cycles where it marched from the periodic state, else over the case's duration from the standard start; that of thesis is of"
+        " the integration of its own equations alone. Marched from: where the cycles began; the reference finds its steady state without.",
         (
             CASE,
             Column("engine", "engine"),
@@ -161,7 +161,7 @@ def settings(results: Sequence[CaseResult]) -> Table:
                 run,
                 case=result.case.name,
                 start=run.start or Cell(None, note=run.status),
-                settings=", ".join(f"{key} = {value}" for key, value in (run.settings or {}).items()) or "none: it did not come so far",
+                settings=settings_words(run.settings or {}) or "none: it did not come so far",
             )
     return builder.table()
 

@@ -72,7 +72,7 @@ def convergence(runs: Sequence[StudiedRun]) -> Table:
             *_ERRORS,
             Column("solve_seconds", "solve", "s", ".2g"),
             Column("right_hand_side_calls", "right hand side calls", form="g"),
-            Column("is_reference", "is reference"),
+            Column("is_reference", "is reference", in_page=False),
         ),
     )
     for run in runs:
