@@ -30,9 +30,12 @@ class FollowerModel:
     """The assembled system, straight and at rest.
 
     Attributes:
+        drive_equation: there is no crank.
         assembly: what was built.
         clock: s, the instant at which Exudyn's own clock stands at zero.
     """
+
+    drive_equation: int | None = None
 
     def __init__(self, scene: FollowerAlone, settings: ExudynSettings) -> None:
         elements = settings.elements
@@ -141,8 +144,8 @@ class FollowerSimulation(ExudynSimulation):
     trajectory_type = FollowerTrajectory
     _model: FollowerModel
 
-    def _stretch(self) -> tuple[str, str] | None:
-        trouble = super()._stretch()
+    def _solved(self) -> tuple[str, str] | None:
+        trouble = super()._solved()
         self._model.clock += self._solver.it.endTime
         return trouble
 

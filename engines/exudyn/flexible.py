@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from engines.exudyn.assembly import Assembly
 from engines.exudyn.cable import Cable, Kink
 from engines.exudyn.damping import Dampers
-from engines.exudyn.record import Record, accumulated, drive_columns, index, shape_columns
+from engines.exudyn.record import Record, accumulated, drive_columns, equation_of, index, shape_columns
 from engines.exudyn.settings import ExudynSettings
 from engines.exudyn.slider import Gap, add_slider, gap
 from engines.start import Start
@@ -119,7 +119,7 @@ class FlexibleModel:
         self._mechanism = mechanism
         self._cable = cable = cable_of(mechanism.follower, elements, settings.axial_factor)
         self._slider_start = state.slider_position
-        crank_node, crank, self._speed_constraint = assembly.crank(start)
+        crank_node, crank, prescribed = assembly.crank(start)
         nodes = add_nodes(assembly, cable, state)
         axial = assembly.mbs.AddNode(
             items.NodeGenericODE2(
@@ -157,6 +157,7 @@ class FlexibleModel:
         slider = add_slider(assembly, cable, state, start, crank, cables, axial)
         self._joint = slider.joint
         assembly.mbs.Assemble()
+        self.drive_equation = equation_of(assembly, prescribed)
         slider.locate(assembly, nodes, axial)
         self._crank_index = index(assembly, crank_node) + 2
         self._node_indices = np.array([index(assembly, node) for node in nodes])
@@ -207,7 +208,7 @@ class FlexibleModel:
                 f"strain_{i}": cable.curvature(q, x, kink) * follower.thickness / 2.0 for i, x in enumerate(follower.strain_gauges, start=1)
             },
             "slider_force": slider_force,
-            **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint, (rates[:, -1, :2], accelerations[:, -1, :2])),
+            **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (rates[:, -1, :2], accelerations[:, -1, :2])),
             "kinetic_energy": self._kinetic_energy(crank_speed, frame_rate, q, rates),
             "strain_energy": cable.strain_energy(q) + self._spring_energy(joint),
             "dissipated_energy": self._dissipated(record, q, rates, accelerations, joint),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from engines.exudyn.assembly import Assembly
 from engines.exudyn.cable import Cable
 from reference_model.columns import PLACES, SHAPE
+from reference_model.mechanism import TorqueDrive
 from reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -22,6 +23,7 @@ class Record:
         time: s since the start, shape (rows,).
         coordinates: total second-order coordinates, shape (rows, coordinates); `rates` and `accelerations` alike.
         multipliers: Lagrange multipliers, shape (rows, equations).
+        impulse: integral over time of the one that prescribes the crank's speed, N m s, summed from step to step, shape (rows,).
     """
 
     time: Array
@@ -29,12 +31,19 @@ class Record:
     rates: Array
     accelerations: Array
     multipliers: Array
+    impulse: Array
 
 
 class Model(Protocol):
-    """An assembled system that knows how to read the observables off its coordinates."""
+    """An assembled system that knows how to read the observables off its coordinates.
+
+    Attributes:
+        assembly: what was built.
+        drive_equation: index of the multiplier that prescribes the crank's speed; None where the crank is free, or there is none.
+    """
 
     assembly: Assembly
+    drive_equation: int | None
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
         """Set what stands still over the next stretch of the simulation, `duration` (s) long and at most `damping.LONGEST`."""
@@ -51,6 +60,11 @@ def index(assembly: Assembly, node: Any) -> int:
     return int(assembly.mbs.GetNodeODE2Index(node))
 
 
+def equation_of(assembly: Assembly, constraint: Any | None) -> int | None:
+    """Place of a constraint's only multiplier among all; None for none."""
+    return None if constraint is None else int(assembly.mbs.systemData.GetObjectLTGAE(constraint)[0])
+
+
 def accumulated(time: Array, power: Array, power_rate: Array) -> Array:
     """∫ power dt from the first row on, by the trapezoidal rule with its end correction (fourth order, additive over pieces)."""
     h = np.diff(time)
@@ -59,7 +73,7 @@ def accumulated(time: Array, power: Array, power_rate: Array) -> Array:
 
 
 def drive_columns(
-    assembly: Assembly, record: Record, crank: int, constraint: Any | None, tip_motion: tuple[Array, Array]
+    assembly: Assembly, record: Record, crank: int, equation: int | None, tip_motion: tuple[Array, Array]
 ) -> dict[str, Array]:
     """Torque of the crank's drive, and the work of it and of the force on the tip.
 
@@ -67,17 +81,14 @@ def drive_columns(
         assembly: the system.
         record: its states.
         crank: index of the crank's angle.
-        constraint: object number of the constraint that prescribes the crank's speed; None if it is free.
+        equation: see `Model.drive_equation`.
         tip_motion: velocity (m/s) and acceleration (m/s^2) of the follower's end in the fixed frame, each of shape (rows, 2).
     """
-    angle = record.coordinates[:, crank]
-    if constraint is None:
-        torque = assembly.mechanism.crank.drive.torque  # type: ignore[union-attr]  # a free crank has a torque
-        taken, work = np.full_like(angle, torque), torque * (angle - angle[0])
+    angle, drive = record.coordinates[:, crank], assembly.mechanism.crank.drive
+    if isinstance(drive, TorqueDrive):
+        taken, work = np.full_like(angle, drive.torque), drive.torque * (angle - angle[0])
     else:
-        (equation,) = assembly.mbs.systemData.GetObjectLTGAE(constraint)
-        taken = -record.multipliers[:, equation]
-        work = np.concatenate([[0.0], np.cumsum((taken[1:] + taken[:-1]) / 2.0 * np.diff(angle))])
+        taken, work = -record.multipliers[:, equation], -drive.speed * (record.impulse - record.impulse[0])
     return {"crank_torque": taken, "drive_work": work + _work_on_tip(assembly, record, crank, *tip_motion)}
 
 

@@ -7,7 +7,7 @@ from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
-from engines.exudyn.record import Record, accumulated, drive_columns, index
+from engines.exudyn.record import Record, accumulated, drive_columns, equation_of, index
 from engines.start import Start
 from engines.start_state import StartState
 from reference_model.columns import SHAPE
@@ -39,7 +39,7 @@ class RigidModel:
             reach = follower.length + tip.center_of_mass
             self._moment += tip.mass * reach
 
-        crank_node, crank, self._speed_constraint = assembly.crank(start)
+        crank_node, crank, prescribed = assembly.crank(start)
         name = "follower: rigid, with the base" + ("" if tip is None else " and the tip")
         node, body = assembly.pinned_body(name, mechanism.pivot_distance, state.follower_angle, state.follower_rate, self._inertia)
         assembly.rotary_damper(node, mechanism.base.damping)
@@ -49,6 +49,7 @@ class RigidModel:
             assembly.push_tip(assembly.point_marker(body, follower.length), crank_node)
         self._joint = self._add_slider(start, state, crank, body)
         assembly.mbs.Assemble()
+        self.drive_equation = equation_of(assembly, prescribed)
         self._crank_index = index(assembly, crank_node) + 2
         self._follower_index = index(assembly, node) + 2
 
@@ -123,7 +124,7 @@ class RigidModel:
             "strain_2": straight,
             "strain_3": straight,
             "slider_force": self._slider_force(record),
-            **drive_columns(self.assembly, record, self._crank_index, self._speed_constraint, (tip_velocity, tip_acceleration)),
+            **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (tip_velocity, tip_acceleration)),
             "kinetic_energy": 0.5 * (mechanism.crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
             "strain_energy": 0.5 * mechanism.slider.joint_stiffness * slider[:, 1] ** 2 if self.assembly.joint_is_compliant else straight,
             "dissipated_energy": accumulated(

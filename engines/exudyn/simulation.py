@@ -16,7 +16,7 @@ from engines.exudyn.settings import ExudynSettings
 from engines.trajectory import Trajectory
 
 Array = NDArray[np.float64]
-_Row = tuple[Array, Array, Array, Array]
+_Row = tuple[Array, Array, Array, Array, float]
 
 #: Change of the coordinates (m, and rad or slopes) that ends Newton's iteration whatever the first one was: round-off moves slopes and
 #: angles by 1e-15 to 1e-14 in an iteration, whatever the scene's size.
@@ -42,6 +42,7 @@ class ExudynSimulation(Simulation):
         self._step = settings.step
         self._solver_settings = _solver_settings(settings)
         self._solver = exu.MainSolverImplicitSecondOrder()
+        self._impulse = 0.0
         self._totals = dict.fromkeys(_ACCUMULATED, 0.0)
         self._length = model.assembly.scene.follower.length
         try:
@@ -52,6 +53,7 @@ class ExudynSimulation(Simulation):
             raise EngineFailure(0.0, "Exudyn could not find the accelerations of the start", "check the scene's parameters")
         # GetODE2CoordinatesTotal corrupts memory beyond 100 coordinates (Exudyn 1.13.6), so the sum is taken here.
         self._reference = self._mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
+        self._multiplier = self._drive_multiplier()
         self._last = self._row()
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
@@ -89,31 +91,12 @@ class ExudynSimulation(Simulation):
         Several outputs are solved in one go, which saves Newton's method a Jacobian for each: those on the way are noted before the step
         that follows them.
         """
-        if outputs == 1:
-            parts = _stretches(output_step, steps)
-            self._set_step(output_step / parts, steps // parts)
-            for _ in range(parts):
-                if failure := self._stretch():
-                    return [], failure
-            rows = [self._row()]
-        else:
-            self._set_step(outputs * output_step, outputs * steps)
-            rows = []
-            taken = itertools.count()
-
-            def note(_mbs: object, _time: float) -> bool:
-                number = next(taken)
-                if number and number % steps == 0:
-                    rows.append(self._row())
-                return True
-
-            self._mbs.SetPreStepUserFunction(note)
-            try:
-                failure = self._stretch()
-            finally:
-                self._mbs.SetPreStepUserFunction(0)
-            if failure is None:
-                rows.append(self._row())
+        rows: list[_Row] = []
+        parts = _stretches(output_step, steps) if outputs == 1 else 1
+        self._set_step(outputs * output_step / parts, outputs * steps // parts)
+        failure = next(filter(None, (self._stretch(rows, steps) for _ in range(parts))), None)
+        if failure is None:
+            rows.append(self._row())
         for number, (coordinates, *_) in enumerate(rows):
             if left := self._left(coordinates):
                 return rows[:number], left
@@ -125,7 +108,37 @@ class ExudynSimulation(Simulation):
         integration.numberOfSteps = iteration.numberOfSteps = steps
         iteration.maxStepSize = iteration.initialStepSize = iteration.currentStepSize = stretch / steps
 
-    def _stretch(self) -> tuple[str, str] | None:
+    def _stretch(self, rows: list[_Row], steps: int) -> tuple[str, str] | None:
+        """Solve a stretch; every so many steps there is a row within it. Cause and advice where that fails."""
+        taken = itertools.count()
+
+        def note(_mbs: object, _time: float) -> bool:
+            if number := next(taken):
+                self._step_done()
+                if number % steps == 0:
+                    rows.append(self._row())
+            return True
+
+        self._mbs.SetPreStepUserFunction(note)
+        try:
+            failure = self._solved()
+        finally:
+            self._mbs.SetPreStepUserFunction(0)
+        if failure is None:
+            self._step_done()
+        return failure
+
+    def _step_done(self) -> None:
+        """Add the step that was just taken to what is summed from step to step."""
+        if self._model.drive_equation is not None:
+            before, self._multiplier = self._multiplier, self._drive_multiplier()
+            self._impulse += 0.5 * self._solver.it.currentStepSize * (before + self._multiplier)
+
+    def _drive_multiplier(self) -> float:
+        equation = self._model.drive_equation
+        return 0.0 if equation is None else float(self._mbs.systemData.GetAECoordinates()[equation])
+
+    def _solved(self) -> tuple[str, str] | None:
         smaller = "try a smaller engine.step"
         rates = self._mbs.systemData.GetODE2Coordinates_t()
         self._model.prepare_stretch(self._coordinates(), rates, self._solver.it.endTime)
@@ -150,7 +163,7 @@ class ExudynSimulation(Simulation):
 
     def _row(self) -> _Row:
         data = self._mbs.systemData
-        return self._coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt(), data.GetAECoordinates()
+        return self._coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt(), data.GetAECoordinates(), self._impulse
 
     def _coordinates(self) -> Array:
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
