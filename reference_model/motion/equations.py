@@ -15,6 +15,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from reference_model.beside import helped
 from reference_model.compilation import KERNEL, compiled, inlined, stage
 from reference_model.motion.address import call_equations, numbers_at
 from reference_model.motion.fields import place
@@ -33,17 +34,22 @@ from reference_model.motion.inertia import (
 from reference_model.motion.layout import (
     ACROSS,
     ALONG,
+    AT,
     COS_Q2,
     FORCE,
     GAP,
     GAP_RATE,
     GAP_REMAINDER,
     MISSED,
+    NORMAL,
     Q2_RATE,
     Q2_REMAINDER,
     S_RATE,
     S_REMAINDER,
     SIN_Q2,
+    SLIDER_MOMENT,
+    TANGENTIAL,
+    TORQUE,
     Parameters,
     Tables,
     Workspace,
@@ -51,7 +57,7 @@ from reference_model.motion.layout import (
     workspace_at,
 )
 from reference_model.motion.loop import accelerate_loop, joint_power, move_loop, remaining_places, share_force
-from reference_model.motion.observe import WIDTH, base_motion, observe
+from reference_model.motion.observe import base_motion, observe
 from reference_model.treatment import BASE, ELIMINATED, SPRING
 
 Array = NDArray[np.float64]
@@ -169,8 +175,8 @@ def _substitute(A: Array, b: Array, first: int, size: int) -> None:
         b[i] -= total * A[i, i]
 
 
-def _kernel(parameters: int, workspace: int, state: int, rate: int, row: int) -> int:
-    """dy/dt of a state, written to `rate`, and its observables, to `row` unless that is 0; all by address.
+def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
+    """dy/dt of a state, written to `rate`, all by address; `with_forces` 1 leaves the slider's force and the torque in the workspace too.
 
     Returns:
         1; or 0, and `rate` all nan, where the state cannot be (a rejected step).
@@ -190,26 +196,25 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, row: int) ->
     out[2 * m + 1] = dissipation(p, t, w, y)
     if m > n + 1:
         out[2 * m + 3] = joint_power(p, w, y)
-    observed = row != 0
-    if p.first == 0 and not observed:
+    if p.first == 0 and with_forces == 0:
         out[2 * m + 2] = p.torque * y[m + 1] + power_of_tool(p, t, w)
         return 1
     moment = moment_about_pivot(p, t, w)
-    normal = tangential = slider_moment = 0.0
-    torque, speed = moment, w.facts[Q2_RATE]
+    f = w.facts
+    f[AT], f[NORMAL], f[TANGENTIAL], f[SLIDER_MOMENT], f[TORQUE] = at, 0.0, 0.0, 0.0, moment
+    speed = f[Q2_RATE]
     if p.treatment != BASE:
-        normal, tangential, slider_moment = slider_force(p, t, w, moment)
-        torque, speed = drive_torque(p, w, normal, tangential), y[m + 1]
-    out[2 * m + 2] = torque * speed + power_of_tool(p, t, w)
-    if observed and not observe(p, t, w, y, at, normal, tangential, slider_moment, torque, numbers_at(row, WIDTH)):
-        return 0
+        slider_force(p, t, w, moment)
+        f[TORQUE], speed = drive_torque(p, w), y[m + 1]
+    out[2 * m + 2] = f[TORQUE] * speed + power_of_tool(p, t, w)
     return 1
 
 
 @cache
 def kernel() -> int:
     """Address of the equations of motion, compiled or loaded from the disk at the first call."""
-    compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
+    with helped():
+        compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
     return int(compiled_kernel.address)
 
 
@@ -222,9 +227,12 @@ def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Ar
 @compiled
 def observe_states(equations: int, parameters: int, workspace: int, states: Array, out: Array) -> int:
     """Fill `out` (k, WIDTH), see `observe`, from `states`; the number of rows filled before a state that cannot be."""
+    p, w = parameters_at(parameters), workspace_at(workspace)
     rate = np.empty(states.shape[1])
     for row in range(len(states)):
-        y, o = states[row], out[row]
-        if call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, o.ctypes.data) == 0:
+        y = states[row]
+        if call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 1) == 0:
+            return row
+        if not observe(p, p.tables, w, y, out[row]):
             return row
     return len(states)

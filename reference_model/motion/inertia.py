@@ -19,15 +19,18 @@ from reference_model.motion.layout import (
     FORCE,
     GAP,
     GAP_RATE,
+    NORMAL,
     Q2_RATE,
     Q2_REMAINDER,
     S_RATE,
     S_REMAINDER,
     SIN_Q2,
+    SLIDER_MOMENT,
     SLIDER_SLOPE,
     SLIDER_TURN,
     TANGENT_1,
     TANGENT_2,
+    TANGENTIAL,
     TIP_1,
     TIP_2,
     TIP_TURN,
@@ -234,25 +237,24 @@ def power_of_tool(p: Parameters, t: Tables, w: Workspace) -> float:
 
 
 @stage
-def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> tuple[float, float, float]:
+def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
     """Normal and tangential force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
     f = w.facts
-    slider_moment = -p.slider_inertia * w.A[2 * t.cells * t.S + SLIDER_TURN] / (1.0 - f[GAP] * f[CURVATURE])
-    tangential = -slider_moment * f[CURVATURE]
-    if p.treatment != ELIMINATED:
-        return f[FORCE], tangential, slider_moment
-    t1, t2, Z1, Z2 = f[TANGENT_1], f[TANGENT_2], f[FOOT_1], f[FOOT_2]
-    normal = (moment - slider_moment - tangential * (Z1 * t2 - Z2 * t1)) / (Z1 * t1 + Z2 * t2)
-    return normal, tangential, slider_moment
+    f[SLIDER_MOMENT] = -p.slider_inertia * w.A[2 * t.cells * t.S + SLIDER_TURN] / (1.0 - f[GAP] * f[CURVATURE])
+    f[TANGENTIAL] = -f[SLIDER_MOMENT] * f[CURVATURE]
+    f[NORMAL] = f[FORCE]
+    if p.treatment == ELIMINATED:
+        t1, t2, Z1, Z2 = f[TANGENT_1], f[TANGENT_2], f[FOOT_1], f[FOOT_2]
+        f[NORMAL] = (moment - f[SLIDER_MOMENT] - f[TANGENTIAL] * (Z1 * t2 - Z2 * t1)) / (Z1 * t1 + Z2 * t2)
 
 
 @stage
-def drive_torque(p: Parameters, w: Workspace, normal: float, tangential: float) -> float:
+def drive_torque(p: Parameters, w: Workspace) -> float:
     """Torque of the drive, N m: given, or what a prescribed speed takes (equation 5.7)."""
     if p.first == 0:
         return p.torque
     f = w.facts
     t1, t2 = f[TANGENT_1], f[TANGENT_2]
-    F1, F2 = -normal * t2 + tangential * t1, normal * t1 + tangential * t2
+    F1, F2 = -f[NORMAL] * t2 + f[TANGENTIAL] * t1, f[NORMAL] * t1 + f[TANGENTIAL] * t2
     # the crank tip moves along LA (-across, along); it carries the opposite force; the slider's moment turns with the follower
     return p.LA * (-f[ACROSS] * F1 + f[ALONG] * F2) - crank_weight(p, w)

@@ -23,7 +23,10 @@ BODIES: Final = 8
 COS_Q2, SIN_Q2, Q2_RATE, S_RATE, Q2_REMAINDER, S_REMAINDER, CURVATURE, SLIDER_SLOPE, ALONG, ACROSS, EXCESS = range(11)
 GAP, GAP_RATE, GAP_REMAINDER, TANGENT_1, TANGENT_2, FOOT_1, FOOT_2, MISSED, FORCE = range(11, 20)
 FOOT_BY_S_1, FOOT_BY_S_2, ALONG_BY_Q2, ACROSS_BY_Q2, TOOL_1, TOOL_2 = range(20, 26)
-FACTS: Final = 26
+#: The slider's place among the points; its force (N) and moment (N m) on the follower; the torque (N m) of the drive, or the base's where
+#: its motion is prescribed.
+AT, NORMAL, TANGENTIAL, SLIDER_MOMENT, TORQUE = range(26, 31)
+FACTS: Final = 31
 
 
 class Tables(NamedTuple):

@@ -14,21 +14,26 @@ from reference_model import columns as c
 from reference_model.compilation import inlined, stage
 from reference_model.motion.fields import cumulate, directions
 from reference_model.motion.layout import (
+    AT,
     COS_Q2,
     CURVATURE,
     EXCESS,
     GAP,
     GAP_RATE,
+    NORMAL,
     Q2_RATE,
     S_RATE,
     SIN_Q2,
+    SLIDER_MOMENT,
     TANGENT_1,
     TANGENT_2,
+    TANGENTIAL,
     TIP_1,
     TIP_2,
     TIP_TURN,
     TOOL_1,
     TOOL_2,
+    TORQUE,
     Parameters,
     Tables,
     Workspace,
@@ -46,33 +51,20 @@ WIDTH: Final = len(c.OBSERVED) + len(c.JOINT_COLUMNS)
 
 
 @inlined
-def observe(
-    p: Parameters,
-    t: Tables,
-    w: Workspace,
-    y: Array,
-    at: int,
-    normal: float,
-    tangential: float,
-    slider_moment: float,
-    torque: float,
-    o: Array,
-) -> bool:
-    """Fill the row `o` (WIDTH,) for a state whose accelerations, less gravity, are in `w.A`; spoils the workspace's fields.
+def observe(p: Parameters, t: Tables, w: Workspace, y: Array, o: Array) -> bool:
+    """Fill the row `o` (WIDTH,) for the state evaluated last, with its forces; spoils the workspace's fields.
 
     False where the recovered line is bent too far.
-
-    `normal`, `tangential` (N) and `slider_moment` (N m) are the slider's on the follower, `torque` (N m) the drive's, or the base's where
-    its motion is prescribed; the rest is as in `equations.motion`.
     """
-    m = p.speeds
+    m, f = p.speeds, w.facts
+    at = int(f[AT])
     o[c.CRANK_ANGLE], o[c.CRANK_SPEED], o[c.TIP_ACCELERATION] = y[0], y[m + 1], _tip_acceleration(p, t, w)
-    o[c.SLIDER_FORCE], o[c.CRANK_TORQUE], o[c.DISSIPATED_ENERGY], o[c.DRIVE_WORK] = normal, torque, y[2 * m + 1], y[2 * m + 2]
-    o[c.CONSTRAINT_GAP], o[c.GAP_RATE], o[c.JOINT_POWER] = w.facts[EXCESS], w.facts[GAP_RATE], 0.0
+    o[c.SLIDER_FORCE], o[c.CRANK_TORQUE], o[c.DISSIPATED_ENERGY], o[c.DRIVE_WORK] = f[NORMAL], f[TORQUE], y[2 * m + 1], y[2 * m + 2]
+    o[c.CONSTRAINT_GAP], o[c.GAP_RATE], o[c.JOINT_POWER] = f[EXCESS], f[GAP_RATE], 0.0
     if m > p.n + 1:
         o[c.JOINT_POWER] = joint_power(p, w, y)
     _energies(p, t, w, y, at, o)
-    _bending_moment(p, t, w, at, normal, tangential, slider_moment)
+    _bending_moment(p, t, w, at)
     return _recover(p, t, w, y, at, o)
 
 
@@ -117,14 +109,14 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Arra
 
 
 @stage
-def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int, normal: float, tangential: float, slider_moment: float) -> None:
+def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
     """Curvature at the points, in `w.psi`: moment of the outboard forces over EI (equations 6.5 and 6.6)."""
     N, f = t.cells * t.S, w.facts
     end, bodies = N - t.S + t.G, 2 * N
     force, moment = w.integrand, w.e  # e is read for the last time before the moments are laid there
     ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
     t1, t2 = f[TANGENT_1], f[TANGENT_2]
-    s1, s2 = -normal * t2 + tangential * t1, normal * t1 + tangential * t2
+    s1, s2 = -f[NORMAL] * t2 + f[TANGENTIAL] * t1, f[NORMAL] * t1 + f[TANGENTIAL] * t2
     for j in range(N):
         force[j] = -p.rhoA * w.A[j] - p.beam_damping * p.damps_along * w.relative[j]
         force[N + j] = -p.rhoA * w.A[N + j] - p.beam_damping * w.relative[N + j]
@@ -143,8 +135,8 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int, normal: flo
         w.psi[j] = total_m - w.weighted[j] - w.z[j] * (total_2 - w.relative[N + j]) + w.z[N + j] * (total_1 - w.relative[j])
     if p.treatment != BASE:
         # at the slider itself the moment jumps by the slider's; the outboard side is shown
-        for j in range(at if slider_moment != 0.0 else at + 1):
-            w.psi[j] += (w.z[at] - w.z[j]) * s2 - (w.z[N + at] - w.z[N + j]) * s1 + slider_moment
+        for j in range(at if f[SLIDER_MOMENT] != 0.0 else at + 1):
+            w.psi[j] += (w.z[at] - w.z[j]) * s2 - (w.z[N + at] - w.z[N + j]) * s1 + f[SLIDER_MOMENT]
     for j in range(N):
         w.psi[j] /= p.EI
 

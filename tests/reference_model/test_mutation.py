@@ -51,18 +51,6 @@ FOLLOWED: Final = 1e-6
 OFF: Final = 1e-3
 
 
-class _Place:
-    """An array where compiled code has an address: never null."""
-
-    def __init__(self, array: Array) -> None:
-        self.array = array
-
-    def __ne__(self, other: object) -> bool:
-        return True
-
-    __hash__ = None  # type: ignore[assignment]
-
-
 def _store(array: Array, index: int, four: Array) -> None:
     array[index : index + 4] = four
 
@@ -79,7 +67,7 @@ SOURCE = Source(
     modules=(fields, loop, inertia, observe, equations),
     no_equations=frozenset({"_factor", "_substitute", "kernel", "evaluate", "observe_states"}),
     stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "cache", "parameters_at", "workspace_at"), plain)
-    | {"numbers_at": lambda place, size: place.array}
+    | {"numbers_at": lambda array, size: array}
     | LANES,
     entry=dict,
 )
@@ -114,7 +102,7 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     """Rates, the observables, and what the slider's feedback adds."""
     rate, row, w = np.empty_like(y), np.zeros(WIDTH), workspace(state.model.parameters)
     p = state.model.parameters
-    if functions["_kernel"](p, w, _Place(y), _Place(rate), _Place(row)) != 1:
+    if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, y, row):
         raise ValueError("the state cannot be")
     found: dict[str, Any] = dict(zip((*OBSERVED, *JOINT_COLUMNS), row, strict=True))
     m = p.speeds
@@ -208,7 +196,7 @@ def _of_unobserved(state: State) -> Check:
 
     def ask(functions: Functions) -> Mapping[str, Any]:
         p = state.model.parameters
-        functions["_kernel"](p, workspace(p), _Place(y), _Place(rate), 0)
+        functions["_kernel"](p, workspace(p), y, rate, 0)
         return {"power": rate[2 * m + 2]}
 
     return Check(ask, {"power": (state.expected.drive_power, TOLERANCE * abs(state.expected.drive_power))})
