@@ -1,8 +1,10 @@
 """Cases by name: of the library, or of a file that a person wrote."""
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from numbers import Real
 
 from cases.case import Case
 from cases.errors import CaseError, as_written, nearest, path_shown
@@ -44,8 +46,10 @@ def with_times(case: Case, duration: float | None = None, output_step: float | N
         CaseError: not positive, or the duration no whole multiple of the output step.
     """
     for option, value in (("--duration", duration), ("--output-step", output_step)):
-        if value is not None and not 0.0 < value < float("inf"):
-            raise CaseError("command line", option, f"{value:.6g}", "is no positive time in seconds", "such as 2 or 0.001")
+        number = isinstance(value, Real)
+        if value is not None and not (number and 0.0 < value < math.inf):
+            shown = f"{value:.6g}" if number else as_written(value)
+            raise CaseError("command line", option, shown, "is no positive time in seconds", "such as 2 or 0.001")
     new = replace(case, duration=duration or case.duration, output_step=output_step or case.output_step)
     if problem := misfit(new.duration, new.output_step):
         option, value = ("--duration", duration) if duration else ("--output-step", new.output_step)

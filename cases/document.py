@@ -56,7 +56,7 @@ class Document:
         return next((path for path in paths if path in self.overridden), paths[0])
 
     def overridden_by(self, texts: Mapping[str, str]) -> "Document":
-        """The document with values replaced as on the command line: dotted key -> text as in the file.
+        """The document with values replaced as on the command line: dotted key -> text as in the file, or as TOML reads it.
 
         Of keys that replace each other, such as the two ways of driving the crank, those that are set drop those that are not. Setting
         both is a conflict and stays one.
@@ -76,7 +76,7 @@ class Document:
                 raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")
             if path not in PATHS:
                 raise unknown_key(OVERRIDE, path, text)
-            values[path] = _value_of(text)
+            values[path] = _value_of(text) if isinstance(text, str) else text
             _check_kind(OVERRIDE, path, values[path])
         sections = self.sections | {path.partition(".")[0] for path in texts}
         return replace(self, values=values, sections=sections, overridden=frozenset(texts))

@@ -37,6 +37,10 @@ class Trajectory:
         if missing:
             raise ValueError(f"trajectory lacks the columns {', '.join(missing)}")
 
+    def __repr__(self) -> str:
+        time = self.columns["time"]
+        return f"{type(self).__name__}: {len(time)} rows from {time[0]:g} to {time[-1]:g} s; columns {', '.join(self.columns)}"
+
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.columns[name]
 

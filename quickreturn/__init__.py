@@ -7,6 +7,7 @@
 The names below are what notebooks and engine authors use, and what the command line is made of. Each is imported when it is used.
 """
 
+from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
@@ -84,7 +85,8 @@ def __getattr__(name: str) -> Any:
 
         return version("quickreturn")
     if name not in _HOME_OF:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        near = get_close_matches(name, __all__, 1)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}" + "".join(f"; the nearest one is {each}" for each in near))
     value = getattr(import_module(_HOME_OF[name]), name)
     globals()[name] = value
     return value

@@ -313,9 +313,16 @@ def doubts(scene: Scene) -> Iterator[str]:
     section = follower.width * follower.thickness
     density = follower.mass_per_length / section
     if not 20.0 <= density <= 25e3:
-        yield f"follower.mass_per_length and the section make a density of {density:.3g} kg/m^3: is that meant?"
+        yield f"follower.mass_per_length (or density) and the section make a density of {density:.3g} kg/m^3: is that meant?"
     modulus = 12.0 * follower.bending_stiffness / (section * follower.thickness**2)
     if not follower.is_rigid and not 1e6 <= modulus <= 1.5e12:
-        yield f"follower.bending_stiffness and the section make an elastic modulus of {modulus:.3g} Pa: is that meant?"
-    if isinstance(scene, Mechanism) and abs(speed := scene.crank.drive.initial_speed) > 2e3:
+        yield f"follower.bending_stiffness (or elastic_modulus) and the section make a modulus of {modulus:.3g} Pa: is that meant?"
+    tip = scene.tip
+    if tip is not None and abs(tip.center_of_mass) > follower.length:
+        yield f"tip.center_of_mass is {tip.center_of_mass:.6g} m, more than the follower's length ({follower.length:.6g} m): is that meant?"
+    if not isinstance(scene, Mechanism):
+        return
+    if abs(centre := scene.crank.center_of_mass) > scene.pivot_distance:
+        yield f"crank.center_of_mass is {centre:.6g} m, more than the pivot distance ({scene.pivot_distance:.6g} m): is that meant?"
+    if abs(speed := scene.crank.drive.initial_speed) > 2e3:
         yield f"the crank turns at {speed * 30.0 / math.pi:.6g} rpm: is that meant?"

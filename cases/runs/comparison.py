@@ -108,6 +108,10 @@ class CaseResult:
     recorded: Mapping[str, Run] = field(default_factory=dict)
     table_checks: tuple[Check, ...] = field(default=())  # tables against engines
 
+    def __repr__(self) -> str:
+        runs = ", ".join(f"{name} {run.status}" for name, run in self.whole.runs.items())
+        return f"{self.case.name}: {runs}; {len(self.missed)} of {len(self.checks)} checks missed"
+
     @property
     def turn(self) -> int | None:
         """The turn from the standard start that is compared; None: the steady state."""

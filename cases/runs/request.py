@@ -138,6 +138,14 @@ class Run:
     #: The last one with every column of the trajectory, from farthest to farthest; of a failed run what there is; else empty.
     cycle: Columns = field(default_factory=dict, repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        lines = [f"{self.engine}: {self.status} after {self.cycles} cycles" + (f"; {self.remark}" if self.remark else "")]
+        lines += [f"  error of {name}: {'unknown' if error is None else f'{error:.1e}'}" for name, error in self.error_estimates.items()]
+        for each in self.consensus:
+            if each.first_mode_frequency is not None:
+                lines.append(f"  first mode, {each.half}-return: {each.first_mode_frequency:.2f} Hz")
+        return "\n".join(lines)
+
     @property
     def usable(self) -> bool:
         """Whether there is a cycle with measures."""

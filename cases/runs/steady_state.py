@@ -192,8 +192,8 @@ class _Way:
         try:
             last = settle(self._noted(march), multiplier)
         finally:
-            self._know_of(last)
             self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        self._know_of(last)
         if last.outlook is not None:
             self.say(f"not settled after {last.cycles} cycles: {last.outlook.sentence()}")
         return last.columns

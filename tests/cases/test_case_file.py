@@ -118,9 +118,11 @@ def test_material_and_what_follows_from_it_exclude_each_other(first: str, other:
     [
         ({"follower.length": "602.7 m"}, ("follower.length", "602.7 m")),
         ({"follower.thickness": "17 cm"}, ("follower.thickness", "0.17 m", "quarter")),
-        ({"follower.mass_per_length": "300 kg/m"}, ("follower.mass_per_length", "density")),
-        ({"follower.bending_stiffness": "2e6 N*m^2"}, ("follower.bending_stiffness", "elastic modulus")),
+        ({"follower.mass_per_length": "300 kg/m"}, ("follower.mass_per_length", "(or density)")),
+        ({"follower.bending_stiffness": "2e6 N*m^2"}, ("follower.bending_stiffness", "(or elastic_modulus)")),
         ({"crank.initial_speed": "40000 rpm"}, ("crank", "40000 rpm")),
+        ({"crank.center_of_mass": "76 m"}, ("crank.center_of_mass", "76 m", "pivot distance")),
+        ({"tip.center_of_mass": "12 m"}, ("tip.center_of_mass", "12 m", "length")),
     ],
 )
 def test_values_that_can_hardly_be_meant_are_said_and_not_refused(overrides: dict[str, str], words: tuple[str, ...]) -> None:

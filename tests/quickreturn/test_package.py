@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -30,8 +31,9 @@ def test_every_name_is_there_and_listed() -> None:
         assert getattr(qr, name) is not None
     assert set(qr.__all__) < set(dir(qr))
     assert qr.__version__[0].isdigit()
-    with pytest.raises(AttributeError, match="simulat"):
+    with pytest.raises(AttributeError, match="the nearest one is simulate"):
         _ = qr.simulat
+    assert not hasattr(qr, "_ipython_display_")
 
 
 def test_importing_it_loads_nothing_else() -> None:
@@ -51,6 +53,18 @@ def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
     assert len(shown.splitlines()) < 50
 
 
+@pytest.mark.parametrize(
+    ("ask", "told"),
+    [
+        (lambda: qr.case("thesis-24", {"crank.length": 5}), "crank.length: 5 is a bare number"),  # type: ignore[dict-item]
+        (lambda: qr.case("thesis-24", duration="0.5 s"), '"0.5 s" is no positive time in seconds'),  # type: ignore[arg-type]
+    ],
+)
+def test_values_of_a_wrong_kind_are_answered_with_a_sentence(ask: Callable[[], object], told: str) -> None:
+    with pytest.raises(qr.CaseError, match=told):
+        ask()
+
+
 def test_simulate_gives_a_table_with_units_and_estimates(place: Path) -> None:
     solution = qr.simulate("small.toml", "fake", accuracy=1e-2)
     assert isinstance(solution.frame, pd.DataFrame)
@@ -63,6 +77,7 @@ def test_simulate_gives_a_table_with_units_and_estimates(place: Path) -> None:
     assert np.isnan(solution.estimates["slider_force"])
     assert solution.settings == {"step": 0.025, "behaviour": "good"}
     assert len(repr(solution).splitlines()) < 20
+    assert "101 rows from 0 to" in repr(solution.trajectory)
 
 
 def test_settings_are_given_as_they_are_and_an_engine_may_be_ones_own(place: Path) -> None:
@@ -134,6 +149,9 @@ def test_run_takes_names_and_gives_frames(place: Path) -> None:
     cycle = found.cycle("small", "also-sound")
     assert cycle.attrs["units"]["strain_1"] == "1"
     assert "within what is claimed" in repr(found)
+    for shown, word in ((found["small", "sound"], "settled"), (found.results[0], "also-sound"), (found.results[0].case, "crank.length")):
+        assert word in repr(shown)
+        assert len(repr(shown)) < 2000
     with pytest.raises(LookupError, match="also-sound"):
         _ = found["small", "also-sond"]
     assert len(found.plot().axes) == 1

@@ -163,6 +163,7 @@ def test_a_report_on_ones_own_case_has_its_title_and_no_word_on_the_thesis() -> 
     assert own.results[0].case.title in page.text
     assert "statements" not in page.text
     assert "belongs to" not in page.text  # no placeholder
+    assert 'crank.length="90 mm"' in page.text  # a command for this case, with a value that it can have
     both = Content(results=[reported_result("thesis-24"), reported_result("example")])
     assert [result.case.name for result in both.thesis_results] == ["thesis-24"]
 

@@ -1,5 +1,6 @@
 """What to do next, where the page came from, and its files."""
 
+import shlex
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -19,8 +20,10 @@ def next_steps(content: Content) -> dict[str, Any] | None:
     """For a report on one's own cases; None for one on the thesis' runs."""
     if content.thesis_results:
         return None
+    case = content.results[0].case
     return {
-        "cases": [result.case for result in content.results],
+        "file": shlex.quote(case.source if case.source not in ("", "library") else case.name),
+        "crank_length": case.mechanism.crank.length,
         "failures": [run for result in content.results for run in result.failures],
         "departing": [result.case.name for result in content.results if result.missed],
         "measured": bool(content.benchmarks),

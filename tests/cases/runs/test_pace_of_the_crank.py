@@ -6,7 +6,10 @@ from itertools import islice
 import numpy as np
 import pytest
 
+from cases.case_file import load_case
 from cases.runs.marching import March, settle
+from cases.runs.request import FAILED, RunRequest
+from cases.runs.steady_state import steady_state
 from engines.base import EngineFailure
 from engines.start import Start
 from engines.trajectory import Trajectory
@@ -49,6 +52,16 @@ def test_a_crank_that_does_not_turn_ends_the_search_with_a_sentence(first: float
         settle(March(Turning(first, final), first, STEP))
     assert told in str(failure.value)
     assert failure.value.time < 300.0
+
+
+def test_a_run_whose_crank_stalls_says_so() -> None:
+    """A motor that cannot lift its own flywheel."""
+    scene = load_case("example", {"follower.bending_stiffness": "inf", "crank.initial_speed": "0 rpm", "crank.center_of_mass": "50 mm"})
+    run = steady_state(RunRequest(mechanism=scene.mechanism, duration=0.5, engine="reference"))
+    assert run.status == FAILED
+    assert "the crank stands still or turns back" in run.remark
+    assert run.solve_seconds is not None
+    assert run.solve_seconds > 0.0
 
 
 @pytest.mark.parametrize(("first", "final"), [(0.0, 10.0), (0.5, 10.0), (10.0, 2.0), (-10.0, -9.0)])
