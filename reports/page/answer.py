@@ -43,7 +43,7 @@ class Answer:
     """What the first screen says.
 
     Attributes:
-        cases: how many.
+        cases: how many, and `compared` of them in which anything could be judged.
         engines: names of all.
         simulations: how many, and `settled` of them in their steady state at the accuracy asked.
         alike: engines whose numbers agree within what is claimed, the reference first; empty where nothing could be judged.
@@ -56,6 +56,7 @@ class Answer:
     """
 
     cases: int
+    compared: int
     engines: Sequence[str]
     simulations: int
     settled: int
@@ -84,6 +85,7 @@ def answer_of(content: Content) -> Answer:
     }
     return Answer(
         cases=len(results),
+        compared=sum(bool(result.checks) for result in results),
         engines=engines_of(results),
         simulations=len(runs),
         settled=sum(run.status == SETTLED for run in runs),

@@ -156,6 +156,17 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
     assert drawn(page, "stage") == before[0]
 
 
+@pytest.mark.parametrize("turning", [1, -1])
+def test_time_runs_to_the_right_whichever_way_the_crank_turns(opened: Open, tmp_path: Path, turning: int) -> None:
+    write(Content(results=[made_up_result("example", turning=turning)], facts=machine_facts()), tmp_path)
+    page = opened("#chapter=each", (tmp_path / "index.html").as_uri())
+    page.wait_for_selector("#signals .bk-Figure, #signals [class*=bk-]")
+    script = "() => Bokeh.documents.at(-1).roots().flatMap(root => [...root.select({ type: 'Figure' })]).map(each => each.x_range.flipped)"
+    flipped = page.evaluate(script)
+    assert flipped
+    assert set(flipped) == {turning < 0}
+
+
 def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
     page = opened("#at=100&chapter=agreement")
     page.locator("#table-map tbody tr").nth(1).locator("a").last.click()

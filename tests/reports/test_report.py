@@ -32,7 +32,7 @@ from tests.cases.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call
 from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.plotted_results import with_run, with_table
+from tests.reports.plotted_results import ENGINES, with_run, with_table
 from tests.reports.reported_results import PageReader, reported_result
 
 ERRORS = dict.fromkeys(("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force"), 0.001)
@@ -192,6 +192,18 @@ def test_an_engine_is_alike_as_long_as_few_of_its_numbers_depart(missed: int) ->
     assert ("mujoco" in found.alike) == (missed < 2)
     assert ("mujoco" in found.departing) == (missed == 12)
     assert found.alike[:1] in (["reference"], [])
+
+
+def test_set_ups_in_which_nothing_could_be_judged_are_not_counted_among_those_that_agree() -> None:
+    good, broken = reported_result("thesis-24"), reported_result("example", dict.fromkeys(ENGINES, "failed"))
+    told = pages.text_of(Content(results=[good, broken]))
+    assert "the same motion in one of two set-ups" in told
+    assert "the same motion in both set-ups" in pages.text_of(Content(results=[good, reported_result("thesis-06")]))
+
+
+def test_what_did_not_deliver_is_named_with_its_case() -> None:
+    told = pages.text_of(Content(results=[reported_result("example", {"exudyn": "failed"})]))
+    assert "example, exudyn: failed at t = 0.25 s" in told
 
 
 def test_the_answer_follows_from_the_numbers() -> None:

@@ -24,7 +24,7 @@ def next_steps(content: Content) -> dict[str, Any] | None:
     return {
         "file": shlex.quote(case.source if case.source not in ("", "library") else case.name),
         "crank_length": case.mechanism.crank.length,
-        "failures": [run for result in content.results for run in result.failures],
+        "failures": [(result.case, run) for result in content.results for run in result.failures],
         "departing": [result.case.name for result in content.results if result.missed],
         "measured": bool(content.benchmarks),
     }

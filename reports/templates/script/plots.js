@@ -92,11 +92,11 @@ async function drawSignals(holder) {
   holder.dataset.shown = key;
   const Bokeh = await plotting();
   holder.replaceChildren();
-  const figures = [];
+  const figures = [], against = motion.cyclic && motion.turning < 0; // time runs to the right, whichever way the crank turns
   for (const signal of Object.keys(DATA.signals)) {
     const names = drawnOrder().filter((name) => signal in motion.tables[name]), { label, unit, factor: scale } = DATA.signals[signal];
     if (!names.length) continue;
-    const made = figure(Bokeh, { height: 250, x_axis_label: motion.cyclic ? "crank angle [°]" : "time [s]", y_axis_label: `${label} [${unit}]`, ...(figures.length ? { x_range: figures[0].x_range } : {}) });
+    const made = figure(Bokeh, { height: 250, x_axis_label: motion.cyclic ? "crank angle [°]" : "time [s]", y_axis_label: `${label} [${unit}]`, ...(figures.length ? { x_range: figures[0].x_range } : against ? { x_range: new Bokeh.DataRange1d({ flipped: true }) } : {}) });
     if (motion.cyclic) for (const axis of [...made.xaxis, ...made.xgrid]) axis.ticker = new Bokeh.AdaptiveTicker({ mantissas: [1.5, 3, 4.5, 9], desired_num_ticks: 8 });
     for (const name of names) {
       const x = Array.from(motion.cursors[name], (turned) => motion.begin + motion.turning * turned);
