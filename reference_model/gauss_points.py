@@ -22,6 +22,7 @@ def integrals_to_points(points: Array, weights: Array) -> Array:
     return np.ascontiguousarray(legendre.legval(np.append(points, 1.0), integrals))
 
 
-def barycentric_weights(points: Array, weights: Array) -> Array:
-    """Weights of the polynomial through the Gauss points in its barycentric form (Berrut and Trefethen 2004), shape (G,)."""
-    return np.asarray((-1.0) ** np.arange(len(points)) * np.sqrt((1.0 - points**2) * weights), dtype=np.float64)
+def lagrange_weights(points: Array) -> Array:
+    """One over the product of each point's distances from the others, shape (G,): what makes Lagrange's polynomials 1 at their points."""
+    distances = points[:, None] - points + np.eye(len(points))
+    return np.asarray(1.0 / np.prod(distances, axis=1), dtype=np.float64)

@@ -116,6 +116,19 @@ class Bench:
             self._runs[key] = run_once(self.engine, mechanism, begin, duration, output_step, settings)[0]
         return self._runs[key]
 
+    def finer(self, mechanism: Mechanism, settings: Settings) -> Settings | None:
+        """The next rung of an engine that is found to be twice as far off as it may be."""
+        found: Settings | None = self.engine.finer(settings, (2.0,) * max(1, len(self.engine.comparisons(settings, mechanism, 1e-3))), 1e-3)
+        return found
+
+    def sharpened(self, mechanism: Mechanism, *, duration: float = DURATION, start: Start | None = None) -> Trajectory | None:
+        """The run one rung above the default; None where there is none. What falls with it is an error of the resolution."""
+        finer = self.finer(mechanism, self.settings(mechanism))
+        try:
+            return None if finer is None else self.run(mechanism, finer, duration=duration, start=start)
+        except EngineFailure:
+            return None
+
     @property
     def claims(self) -> bool:
         """Whether the engine says how far it is from the solution of the scene."""

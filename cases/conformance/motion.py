@@ -3,8 +3,9 @@
 A column that is found wrong is left out of the checks that follow: one mistake is told once.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -21,6 +22,9 @@ from engines.start_state import reconstruct
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism
 
+#: A scene's run one rung above the default, see `Bench.sharpened`.
+Sharpened = Callable[[Mechanism], Trajectory | None]
+
 #: Between output steps that are this many times as large nothing may change, in this part of a column where the engine says nothing.
 _COARSER: Final = 4
 _SAME: Final = 0.02
@@ -31,6 +35,8 @@ _IGNORED: Final[Mapping[str, Mapping[str, Any]]] = {
     "the start's deflection rate is ignored: the follower begins bent and is not bending": {"deflection_rate": None},
     "the start's deflection is ignored: the follower begins straight": {"deflection": None},
 }
+#: A finer rung that leaves no more than this part of a difference shows that it comes from the resolution.
+FALLS: Final = 0.7
 #: Coarse columns are called so from this part on.
 _COARSE: Final = 0.02
 
@@ -49,7 +55,7 @@ def motion(bench: Bench) -> Iterator[Check]:
     wrong.update(late)
     yield looked_at("pieces continue", _pieces, bench, run, tolerances, wrong | set(depending))
     yield from late.values()
-    yield from _columns(bench, "column", bench.scene, run, known, tolerances, wrong)
+    yield from _columns(bench, "column", bench.scene, run, known, tolerances, wrong, bench.sharpened)
     yield from (check for column, check in depending.items() if column not in wrong)  # a column explained needs no second word
     wrong.update(depending)
     yield from _identities(run, bench.scene, wrong)
@@ -137,26 +143,24 @@ def _jumps(bench: Bench, piece: Trajectory, run: Trajectory, begin: int, toleran
 
 
 def _columns(
-    bench: Bench, kind: str, scene: Mechanism, run: Trajectory, known: Truth, tolerances: Mapping[str, float] | None, wrong: set[str]
+    bench: Bench,
+    kind: str,
+    scene: Mechanism,
+    run: Trajectory,
+    known: Truth,
+    tolerances: Mapping[str, float] | None,
+    wrong: set[str],
+    sharpened: Sharpened,
 ) -> Iterator[Check]:
     """Each column against `reference`; where several differ from the standard start, and no mistake of theirs explains it, a model."""
     names = [name for name in bench.columns(run.columns) if name not in wrong]
-    found: dict[str, Finding] = {}
-    for name in names:
-        tolerance = None if tolerances is None else tolerances[name]
-        finding = diagnose(name, run[name], known.columns[name], tolerance, known.columns, scene)
-        if finding is not None:
-            found[name] = finding
-    puzzling = [name for name, finding in found.items() if not finding.explained]
-    moves = tuple(name for name in names if name not in found or name in puzzling or len(found) > 2)
-    if len(found) > 1 and scene is bench.scene:
-        model = acts_as_if(scene, {name: run[name] for name in moves}, known, tolerances)
-        if model is not None:
-            worst = max((rms(run[name] - known.columns[name]) / rms(known.columns[name]), name) for name in found)
-            cause = f"{model.cause} ({worst[1]} is {percent(worst[0])} off)"
-            yield Check(f"{kind}s together", "failed", cause, model.advice)
-            wrong.update(found)
-            return
+    found, model = _findings(bench, names, scene, run, known, tolerances, sharpened)
+    if model is not None:
+        worst = max((rms(run[name] - known.columns[name]) / rms(known.columns[name]), name) for name in found)
+        cause = f"{model.cause} ({worst[1]} is {percent(worst[0])} off)"
+        yield Check(f"{kind}s together", "failed", cause, model.advice)
+        wrong.update(found)
+        return
     for name in names:
         if name in found:
             wrong.add(name)
@@ -166,8 +170,61 @@ def _columns(
         by_itself = "" if tolerances is not None else ", and makes no claim that it is not"
         coarse = f"coarse: {percent(off)} from reference{by_itself}"
         yield Check(f"{kind} {name}", "passed", coarse if off > _COARSE else "")
-    for name in sorted(wrong & set(run.columns) - set(names)):
-        yield Check(f"{kind} {name}", "not judged", "its rows are wrong already", "mend those first")
+    if before := sorted(wrong & set(run.columns) - set(names)):
+        yield Check(f"{kind} {', '.join(before)}", "not judged", "their rows are wrong already", "mend those first")
+
+
+def _findings(
+    bench: Bench,
+    names: Sequence[str],
+    scene: Mechanism,
+    run: Trajectory,
+    known: Truth,
+    tolerances: Mapping[str, float] | None,
+    sharpened: Sharpened,
+) -> tuple[dict[str, Finding], Finding | None]:
+    """What is wrong with which column; and with the model, where that explains several at once."""
+    found: dict[str, Finding] = {}
+    for name in names:
+        tolerance = None if tolerances is None else tolerances[name]
+        finding = diagnose(name, run[name], known.columns[name], tolerance, known.columns, scene)
+        if finding is not None:
+            found[name] = finding
+    puzzling = [name for name, finding in found.items() if not finding.explained]
+    if puzzling and tolerances is not None and (finer := sharpened(scene)) is not None:
+        for name in puzzling:  # what falls with the resolution is no mistake of the column: its estimate is too small, which is told there
+            if rms(finer[name] - known.columns[name]) <= FALLS * rms(run[name] - known.columns[name]):
+                del found[name]
+        puzzling = [name for name in puzzling if name in found]
+    moves = tuple(name for name in names if name not in found or name in puzzling or len(found) > 2)
+    if len(found) > 1 and scene is bench.scene:
+        return found, acts_as_if(scene, {name: run[name] for name in moves}, known, tolerances)
+    return found, None
+
+
+@dataclass(frozen=True)
+class Amiss:
+    """What `motion` finds wrong in the mild scene, so that other checks do not tell it again.
+
+    Attributes:
+        columns: whose own rows are wrong.
+        motion: whether the motion is, in the mild scene already.
+    """
+
+    columns: frozenset[str]
+    motion: bool
+
+
+def amiss(bench: Bench) -> Amiss:
+    """What is wrong with the mild scene's trajectory. Raises EngineFailure if there is none."""
+    run = bench.run(bench.scene)
+    known = truth(bench.scene)
+    tolerances = bench.tolerances(known, bench.scene)
+    late, depending = _rows(bench, run, tolerances)
+    names = [name for name in bench.columns(run.columns) if name not in late]
+    found, model = _findings(bench, names, bench.scene, run, known, tolerances, bench.sharpened)
+    explained = {name for name, finding in found.items() if finding.explained and model is None}
+    return Amiss(frozenset({*late, *depending, *explained}), len(explained) < len(found))
 
 
 def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[Check]:
@@ -249,7 +306,8 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
     if first.status == "failed":
         yield Check(check, "not judged", "it does not begin where it should", TELL_THE_AUTHOR)
         return
-    yield from _columns(bench, "from a bent, moving start:", scene, run, known, tolerances, set(wrong))
+    finer = partial(bench.sharpened, duration=_BENT_DURATION, start=start)
+    yield from _columns(bench, "from a bent, moving start:", scene, run, known, tolerances, set(wrong), finer)
 
 
 def _departure(run: Trajectory, columns: Mapping[str, Array]) -> float:

@@ -1,12 +1,14 @@
 """Every quantity of the scene changed in turn: the engine follows as `reference` does, or refuses."""
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 
 from cases.conformance.bench import Bench, Truth, truth
 from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, percent
+from cases.conformance.motion import FALLS, Amiss, amiss
 from cases.conformance.scenes import CHANGES, Change
 from engines.base import EngineFailure, Refusal
 from engines.relative import rms
@@ -28,11 +30,16 @@ _SUSPICIOUS: Final = 0.3
 
 def quantities(bench: Bench) -> Iterator[Check]:
     """A check for each of `CHANGES`."""
+    try:
+        wrong = amiss(bench)
+    except EngineFailure:
+        yield Check("quantities", "not judged", "there is no trajectory in the mild scene", "mend that first")
+        return
     for change in CHANGES:
-        yield looked_at(f"quantity {change.name}", _followed, bench, change)
+        yield looked_at(f"quantity {change.name}", _followed, bench, change, wrong)
 
 
-def _followed(bench: Bench, change: Change) -> str:
+def _followed(bench: Bench, change: Change, wrong: Amiss) -> str:
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
     if isinstance(bench.scene.crank.drive, PrescribedSpeed) and any(path.startswith("crank.drive.") for path in change.values):
         return "refused: a driven crank is not modelled"
@@ -56,6 +63,11 @@ def _followed(bench: Bench, change: Change) -> str:
     shown, due = effect(found[0].columns, found[1].columns), effect(known[0].columns, known[1].columns)
     if rms(shown) <= _NONE * rms(due):
         raise Fault(f"{change.name} is ignored in silence: another value changes nothing", advice)
+    if left_out := wrong.columns & set(names):
+        everything, names = rms(due) * math.sqrt(len(names)), [name for name in names if name not in left_out]
+        if not names or rms(due := effect(known[0].columns, known[1].columns)) * math.sqrt(len(names)) <= _NONE * everything:
+            raise Unjudged(f"it shows in {', '.join(sorted(left_out))} alone, whose rows are wrong already", "mend those first")
+        shown = effect(found[0].columns, found[1].columns)
     worst = _worst(bench, before, after, found, known, names)
     share = float(shown @ due / (due @ due))
     left = rms(shown - due) / rms(due)
@@ -63,13 +75,17 @@ def _followed(bench: Bench, change: Change) -> str:
         return ""
     if worst is None and left <= _APART and _HALF_TO_DOUBLE[0] <= share <= _HALF_TO_DOUBLE[1]:
         return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
-    if cause := _mistake(change, before, shown, due, known[0], effect, None if worst is None else share):
+    if cause := _mistake(change, before, shown, due, known[0], effect, None if worst is None or wrong.motion else share):
         raise Fault(cause, advice)
     off = f"the effect is {percent(left)} off"
     if worst == "":
         return f"coarse: {off}"
     if worst is None:
         raise Unjudged(f"coarse: {off}, and the engine does not say how much it may be")
+    if wrong.motion:
+        raise Unjudged(f"{off}, and so is the motion in the mild scene", "mend that first")
+    if _falls(bench, (before, after), found, known, worst):
+        return f"coarse: {off}, less on a finer rung"
     raise Fault(f"{change.name} is not followed as reference does: {off}, most in {worst}, beyond what it says of its own error", advice)
 
 
@@ -92,6 +108,15 @@ def _worst(bench: Bench, before: Mechanism, after: Mechanism, found: list[Trajec
     }
     worst = max(off, key=lambda name: off[name])
     return worst if off[worst] > 1.0 else ""
+
+
+def _falls(bench: Bench, scenes: Sequence[Mechanism], found: list[Trajectory], known: list[Truth], column: str) -> bool:
+    """Whether a finer rung is nearer in this column: then it is the estimate that is wrong, which is told there."""
+    finer = [bench.sharpened(scene, duration=_DURATION) for scene in scenes]
+    due = known[1].columns[column] - known[0].columns[column]
+    if finer[0] is None or finer[1] is None:
+        return False
+    return rms(finer[1][column] - finer[0][column] - due) <= FALLS * rms(found[1][column] - found[0][column] - due)
 
 
 def _mistake(change: Change, before: Mechanism, shown: Array, due: Array, known: Truth, effect: Any, share: float | None) -> str:

@@ -7,6 +7,7 @@ from typing import Final
 
 from cases.conformance.bench import Bench, Truth, truth
 from cases.conformance.checks import Check, Fault, Unjudged, looked_at
+from cases.conformance.motion import Amiss, amiss
 from engines.accurate import ESTIMATED
 from engines.base import Comparison, EngineFailure
 from engines.relative import rms
@@ -33,23 +34,20 @@ def resolution(bench: Bench) -> Iterator[Check]:
     coarse, default = bench.engine.settings_for(0.05, bench.scene), bench.settings(bench.scene)
     yield looked_at("ladder: ends", _ends, bench, coarse)
     try:
-        yield from _gets_finer(bench, coarse, default)
+        wrong = amiss(bench)
+        yield from _gets_finer(bench, coarse, default, wrong)
     except EngineFailure as failure:
         yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
+        return
     for words, chosen in {"coarse settings": coarse, "default settings": default}.items():
         if words == "default settings" or chosen != default:
-            yield looked_at(f"estimates hold, {words}", _estimates, bench, chosen)
-
-
-def _finer(bench: Bench, settings: Settings) -> Settings | None:
-    """The next rung of an engine that is found to be twice as far off as it may be."""
-    return bench.engine.finer(settings, (2.0,) * max(1, len(bench.engine.comparisons(settings, bench.scene, 1e-3))), 1e-3)
+            yield looked_at(f"estimates hold, {words}", _estimates, bench, chosen, wrong)
 
 
 def _ends(bench: Bench, settings: Settings) -> str:
     seen = [settings]
     while len(seen) < _MOST_RUNGS:
-        finer = _finer(bench, seen[-1])
+        finer = bench.finer(bench.scene, seen[-1])
         if finer is None:
             return f"after {len(seen)} rungs" if len(seen) > 1 else "no rung above the coarsest"
         if finer in seen:
@@ -77,16 +75,16 @@ def _error(run: Trajectory, known: Truth | Trajectory, name: str = "tip_deflecti
     return rms(run[name] - right) / (rms(right) or 1.0)
 
 
-def _gets_finer(bench: Bench, coarse: Settings, default: Settings) -> Iterator[Check]:
+def _gets_finer(bench: Bench, coarse: Settings, default: Settings, wrong: Amiss) -> Iterator[Check]:
     known, scene = _truth(bench), bench.scene
     rungs = [coarse]
     for _ in range(_RUN - 1):
-        finer = _finer(bench, rungs[-1])
+        finer = bench.finer(scene, rungs[-1])
         if finer is None or bench.run(scene, rungs[-1]).solve_seconds > _SLOW:
             break
         rungs.append(finer)
     errors = [_error(bench.run(scene, rung), known) for rung in rungs]
-    picked, up = _error(bench.run(scene, default), known), _finer(bench, default)
+    picked, up = _error(bench.run(scene, default), known), bench.finer(scene, default)
 
     def gets_finer() -> str:
         listed = ", ".join(f"{error:.2g}" for error in errors)
@@ -97,6 +95,8 @@ def _gets_finer(bench: Bench, coarse: Settings, default: Settings) -> Iterator[C
             raise Unjudged("there is no rung above that for an accuracy of 5 %, or it takes long")
         if errors[-1] > 0.9 * errors[0] and errors[0] > _NOISE:
             cause = f"finer rungs are no better: errors of the tip deflection are {listed}"
+            if wrong.motion or "tip_deflection" in wrong.columns:
+                raise Unjudged(f"{cause}, and it is wrong already", "mend that first")
             raise Fault(cause, "the error is not that of the resolution; compare a fine run with reference")
         return f"errors {listed}"
 
@@ -120,7 +120,7 @@ def _is_worse(after: float, before: float, coarsest: float) -> bool:
     return after > max(_WORSE * before, 0.3 * coarsest, _NOISE)
 
 
-def _estimates(bench: Bench, settings: Settings) -> str:
+def _estimates(bench: Bench, settings: Settings, wrong: Amiss) -> str:
     of = bench.engine.estimates
     if of == "unverified":
         raise Unjudged("the engine states that its estimates are not verified")
@@ -134,7 +134,7 @@ def _estimates(bench: Bench, settings: Settings) -> str:
     if of == "integration" and _error(run, known) < _NOISE:
         return "the integration's error is too small to be measured"
     missed, allowed = {}, _MISSED[of]
-    for column in ESTIMATED:
+    for column in (name for name in ESTIMATED if name not in wrong.columns):
         size = rms(known.columns[column])
         error, estimate = rms(run[column] - known.columns[column]), found[column]
         if size > 0.0 and error > allowed * estimate + 3.0 * uncertain.get(column, 0.0) and error > _NOISE * size:
@@ -144,6 +144,8 @@ def _estimates(bench: Bench, settings: Settings) -> str:
     if single is not None and (single > 1.0) != (stated > 1.0) and not 1.0 / _ABOUT < single < _ABOUT:
         cause = f"the factor of `comparisons` is upside down, overclaimed if above 1: {stated:g}, the errors' ratio is {single:.3g}"
         raise Fault(cause, "factor is the error of `other` over that of `run`: below 1 where `other` is the finer one")
+    if missed and wrong.motion:
+        raise Unjudged("the motion is wrong already", "mend that first")
     if missed:
         worst = max(missed, key=lambda column: missed[column][0])
         times, error, estimate = missed[worst]

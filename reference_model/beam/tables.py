@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from reference_model.beam.modes import ModeFamily, mode_family
-from reference_model.gauss_points import barycentric_weights, integrals_to_points
+from reference_model.gauss_points import integrals_to_points, lagrange_weights
 from reference_model.mechanism import FollowerAlone, Mechanism
 from reference_model.motion.layout import Tables
 from reference_model.shapes import ShapeSet
@@ -205,7 +205,7 @@ def _tables(low: float, high: float, coefficients: Array, kinds: int, points: in
         S=places,
         cells=cells,
         u=0.5 * (gauss + 1.0),
-        barycentric=barycentric_weights(gauss, weights),
+        lagrange=lagrange_weights(0.5 * (gauss + 1.0)),
         weights=np.pad(0.5 * weights, (0, places - points)),
         to_points=to_points.ravel(),
     )

@@ -48,7 +48,7 @@ class Tables(NamedTuple):
     S: int
     cells: int
     u: Vector  # (G,) Gauss points in fractions of a cell
-    barycentric: Vector  # (G,) weights of the polynomial through the Gauss points (Berrut and Trefethen, 2004)
+    lagrange: Vector  # (G,) weights of Lagrange's polynomials through the Gauss points, see `gauss_points.lagrange_weights`
     weights: Vector  # (S,) of the integral over a cell of unit length
     to_points: Vector  # (G S,) row by row, weight of each Gauss point in the integrals from the cell's beginning to each of the S places
 

@@ -179,17 +179,14 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
 
 @stage
 def _value_at(t: Tables, w: Workspace, field: Array, begin_of_field: int, x: float) -> float:
-    """Value at x of what is given at all points, by the polynomial through the points of its cell (Lagrange's form, barycentric)."""
+    """Value at x of what is given at all points, by the polynomial through the points of its cell (Lagrange's form)."""
     cell, begin = 0, 0.0
     while cell < t.cells - 1 and x > begin + w.length[cell] * (1.0 + 1e-12) and w.length[cell + 1] > 0.0:
         begin += w.length[cell]
         cell += 1
     first, u = begin_of_field + cell * t.S, (x - begin) / w.length[cell]
-    total = weight = 0.0
+    value, before = 0.0, 1.0  # before: product of the distances from the points passed
     for j in range(t.G):
-        if u == t.u[j]:
-            return field[first + j]
-        share = t.barycentric[j] / (u - t.u[j])
-        total += share * field[first + j]
-        weight += share
-    return total / weight
+        value = value * (u - t.u[j]) + t.lagrange[j] * field[first + j] * before
+        before *= u - t.u[j]
+    return value

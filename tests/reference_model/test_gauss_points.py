@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from reference_model.gauss_points import barycentric_weights, integrals_to_points
+from reference_model.gauss_points import integrals_to_points, lagrange_weights
 
 
 @pytest.mark.parametrize("count", [1, 7, 15, 31])
@@ -23,7 +23,9 @@ def test_the_last_integral_is_gauss_quadrature() -> None:
 
 
 def test_a_smooth_function_is_interpolated_to_round_off() -> None:
-    points, weights = legendre.leggauss(19)
+    points, _ = legendre.leggauss(15)
     at = np.linspace(-0.99, 0.99, 50)
-    share = barycentric_weights(points, weights) / (at[:, None] - points)
-    np.testing.assert_allclose(share @ np.exp(points) / share.sum(axis=1), np.exp(at), rtol=1e-13)
+    value = np.zeros(50)
+    for point, weight in zip(points, lagrange_weights(points), strict=True):
+        value += np.exp(point) * weight * np.prod(at[:, None] - points[points != point], axis=1)
+    np.testing.assert_allclose(value, np.exp(at), rtol=1e-13)

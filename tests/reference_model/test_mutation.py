@@ -76,7 +76,6 @@ SOURCE = Source(
 EQUIVALENT: Mapping[tuple[str, str], str] = {
     ("", "-(0.25 * math.pi)"): "the series of an eighth of the angle, doubled three times, is as good for small ones",
     ("directions", "-1 / 87178291200 - q / 20922789888000"): "the last term of the cosine is rounding, 1e-15 at the largest angle",
-    ("_value_at", "-(t.barycentric[j] / (u - t.u[j]))"): "numerator and denominator of the barycentric form change alike",
 }
 
 

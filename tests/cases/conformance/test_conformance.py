@@ -1,5 +1,6 @@
 """Engines that are `reference` with one mistake each are found out; sound ones, and coarse ones that say so, are not accused."""
 
+import dataclasses
 import math
 import re
 
@@ -9,15 +10,16 @@ from cases.conformance import GROUPS, conform
 from cases.conformance.bench import Bench
 from cases.conformance.repetition import fingerprint, repetition
 from cases.conformance.scenes import BASE, CHANGES
-from engines.base import AnyEngine
+from engines.base import AnyEngine, Comparison, Simulation
 from engines.exudyn.engine import ExudynEngine
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.engine import MujocoEngine
 from engines.mujoco.settings import ChainSettings
-from engines.own.reference import ReferenceEngine
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import engine
 from engines.relative import rms
-from reference_model.mechanism import Mechanism, changed
+from engines.start import Start
+from reference_model.mechanism import Mechanism, Scene, changed
 from tests.cases.conformance.mutants import MUTANTS as FIRST
 from tests.cases.conformance.second_mutants import SECOND
 
@@ -38,6 +40,25 @@ class SixElements(ExudynEngine):
         return super().settings_for(accuracy, mechanism).replaced(elements=6)
 
 
+class Boastful(ReferenceEngine):
+    """Its errors are ten times what it says."""
+
+    def comparisons(self, settings: ReferenceSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+        (pair,) = super().comparisons(settings, mechanism, output_step)
+        return (dataclasses.replace(pair, factor=1.0 + 10.0 * (1.0 - pair.factor)),)
+
+
+class Stiffer(ReferenceEngine):
+    """Its follower is by a factor too stiff."""
+
+    def __init__(self, times: float) -> None:
+        self.times = times
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: ReferenceSettings) -> Simulation:
+        stiffness = {"follower.bending_stiffness": self.times * mechanism.follower.bending_stiffness}
+        return super().prepare(changed(mechanism, stiffness), start, settings)
+
+
 #: One of a column, one of a quantity that is 2 % off, one of frequencies: what takes seconds.
 _QUICK = ("percent", "stiffness 2 %", "frequencies in rad/s")
 
@@ -54,6 +75,24 @@ def _is_found_out(name: str) -> None:
 @pytest.mark.parametrize("name", _QUICK)
 def test_a_mistake_is_named(name: str) -> None:
     _is_found_out(name)
+
+
+def test_a_mistake_of_a_column_is_told_once() -> None:
+    found = conform(MUTANTS["percent"][0](), groups=("motion", "resolution"))
+    assert {check.check for check in found.failed} == {"column strain_1", "column strain_2", "column strain_3"}
+
+
+def test_estimates_that_are_too_small_are_no_mistake_of_columns() -> None:
+    found = conform(Boastful(), groups=("motion", "resolution"))
+    assert {check.check.split(",")[0] for check in found.failed} == {"estimates hold"}
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("times", [1.02, 1.05, 1.3])
+def test_a_quantity_that_is_off_is_found_with_its_factor_and_accuses_no_other(times: float) -> None:
+    found = conform(Stiffer(times), groups=("motion", "quantities", "resolution"))
+    (check,) = found.failed
+    assert re.search(rf"follower.bending_stiffness {times:g}\d* times as large", check.cause), check.cause
 
 
 @pytest.mark.verify
