@@ -39,6 +39,9 @@ ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2"
 #: Two runs that err by as much in unrelated ways differ by more than either errs; in 17 scenes the errors of unresolved motions were at
 #: most 1.07 times the difference.
 LEAST_FACTOR: Final = 1.7
+#: The largest part of an error that a finer run is taken to leave, however slowly the differences fall: the error is at most four times
+#: the larger of them.
+LARGEST_REST: Final = 0.75
 
 #: Libraries in which an author's mistake surfaces.
 _BELOW: Final = frozenset({"numpy", "scipy"})
@@ -217,7 +220,7 @@ class Compared(Generic[R]):
         run: the run in question, or one with the same error in this part.
         other: the one that `run` is compared with.
         factor: error of `other` over that of `run`, not 1.
-        before: the run that `other` is compared with, and the error of that over the one of `other`; None where there is none.
+        before: the run that `other` is compared with in turn, and the error of that over the one of `other`; None where there is none.
     """
 
     run: R
@@ -230,7 +233,9 @@ class Compared(Generic[R]):
         shown = difference(self.run, self.other)
         if self.before is None:
             return shown / abs(self.factor - 1.0)
-        return shown / (shown_factor(self.factor, self.before[1], shown, difference(self.other, self.before[0])) - 1.0)
+        further = difference(self.other, self.before[0])
+        factor = shown_factor(self.factor, self.before[1], shown, further)
+        return (shown if factor > 1.0 else max(shown, further)) / abs(factor - 1.0)
 
     def made_of(self, make: Callable[[R], Q]) -> "Compared[Q]":
         """The same of what is made of each run."""
@@ -281,7 +286,7 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
 
 
 def shown_factor(factor: float, factor_before: float, difference: float, difference_before: float) -> float:
-    """The factor that two differences in a row support, from `LEAST_FACTOR` to `factor`.
+    """The factor that two differences in a row support: from `LEAST_FACTOR` to `factor`, or from `factor` to `LARGEST_REST` if below 1.
 
     Runs that converge as the factors f and f' say, the errors being e, f e and f' f e, differ by (f - 1) e and (f' - 1) f e. The less
     the second difference exceeds the first, the less the error falls from run to run; where a fast motion is not resolved at all, as
@@ -289,6 +294,8 @@ def shown_factor(factor: float, factor_before: float, difference: float, differe
     """
     expected = factor * (factor_before - 1.0) / (factor - 1.0)
     shown = math.inf if difference == 0.0 else factor * difference_before / (difference * expected)
+    if factor < 1.0:
+        return min(max(factor, shown), max(factor, LARGEST_REST))
     return max(min(factor, shown), min(factor, LEAST_FACTOR))
 
 

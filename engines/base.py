@@ -102,9 +102,9 @@ class Comparison:
         run: settings whose error is judged; those of the delivered run, or of one with the same error in this part.
         other: settings of the run that it is compared with.
         factor: error of `other` over that of `run`, as far as they differ; below 1 where `other` is the finer one.
-        before: the same of `other` and a run coarser still. Where its difference is not as much larger as both factors say, the runs
-            are not fine enough for those, and the factor that the differences do show counts (`engines.accurate.shown_factor`).
-            None: the factor is taken on trust.
+        before: the same of `other` and a run coarser still; or, of a finer one, finer still. Where the differences do not fall from run
+            to run as both factors say, the factor that they do show counts (`engines.accurate.shown_factor`). None: the factor is taken
+            on trust.
         instead: the pair that counts where a run of this one breaks down, a finer one for example; None: then the error is unknown.
     """
 

@@ -36,6 +36,9 @@ UNSEEN: Final = 5e-3
 #: Two modes more, and two modes fewer where no more are accepted.
 RATIO: Final = 0.25
 MOST_MODES: Final = 16
+#: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
+SMOOTH: Final = 4
+SLOWEST: Final = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,14 +118,19 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     def comparisons(self, settings: ReferenceSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
 
-        Of clamped modes the error of more is a smaller part, which makes the estimate a little too large.
+        Of clamped modes the error of more is a smaller part, which makes the estimate a little too large. Another with still more tells
+        whether the error falls as it should: after a blow it does not, for that sets all modes ringing.
         """
         more, ratio = settings.modes + 2, RATIO
         if isinstance(mechanism, Mechanism):
             more, ratio = COMPARED.get(settings.modes, (more, ratio))
         if more > MOST_MODES:
-            more, ratio = settings.modes - 2, 1.0 / RATIO
-        return (Comparison(settings, LADDER.sized(settings, more), ratio),)
+            return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
+        finer, further = LADDER.sized(settings, more), None
+        if isinstance(mechanism, Mechanism) and more + 2 <= MOST_MODES:
+            rest = RATIO if settings.modes < SMOOTH else SLOWEST
+            further = Comparison(finer, LADDER.sized(finer, more + 2), rest)
+        return (Comparison(settings, finer, ratio, further),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
         """The next rung of the ladder."""

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from engines.accurate import LEAST_FACTOR, Result, run_once, shown_factor, simulate
+from engines.accurate import LARGEST_REST, LEAST_FACTOR, Compared, Result, run_once, shown_factor, simulate
 from engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal
 from engines.settings import SettingError, Settings
 from engines.start import standard_start
@@ -155,6 +155,16 @@ def test_factor_that_differences_show() -> None:
     assert shown_factor(3.0, 2.0, 2.0, 2.5) == pytest.approx(2.5)
     assert shown_factor(3.0, 2.0, 2.0, 0.1) == LEAST_FACTOR
     assert shown_factor(3.0, 2.0, 0.0, 0.0) == 3.0, "runs that agree"
+
+
+def test_rest_that_differences_to_finer_runs_show() -> None:
+    # errors of 8, 4 and 2: differences 4 and 2
+    assert shown_factor(0.5, 0.5, 4.0, 2.0) == pytest.approx(0.5)
+    assert shown_factor(0.5, 0.5, 4.0, 0.1) == 0.5, "no less than is known"
+    assert shown_factor(0.25, 0.5, 4.0, 1.2) == pytest.approx(0.45), "it falls more slowly than it should"
+    assert shown_factor(0.25, 0.5, 4.0, 9.0) == LARGEST_REST, "it does not fall"
+    ringing = Compared(0.0, 4.0, 0.25, (13.0, 0.5))
+    assert ringing.part(lambda a, b: abs(a - b)) == pytest.approx(9.0 / (1.0 - LARGEST_REST)), "the larger difference counts"
 
 
 def test_ladder_gets_past_an_unstable_step() -> None:

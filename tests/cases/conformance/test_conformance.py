@@ -45,7 +45,7 @@ class Boastful(ReferenceEngine):
 
     def comparisons(self, settings: ReferenceSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
         (pair,) = super().comparisons(settings, mechanism, output_step)
-        return (dataclasses.replace(pair, factor=1.0 + 10.0 * (1.0 - pair.factor)),)
+        return (dataclasses.replace(pair, factor=1.0 + 10.0 * (1.0 - pair.factor), before=None),)
 
 
 class Stiffer(ReferenceEngine):
