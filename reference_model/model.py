@@ -58,14 +58,17 @@ class BeamModel:
         constants: of the equations.
         shapes: tangent angle and its derivative by the slider's place, of every shape at arc lengths, for a place of the slider.
         size: what errors of an amplitude are relative to, kg^(1/2) m.
+        made_before: see below.
 
     Attributes:
+        made_before: wall time (s) that parts took which were kept from an earlier model.
         parameters: the constants.
         workspace: what the state evaluated last left behind.
     """
 
-    def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, size: float) -> None:
+    def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, size: float, made_before: float = 0.0) -> None:
         self.scene = scene
+        self.made_before = made_before
         self.parameters = constants
         self.workspace = workspace(constants)
         self._shapes = shapes
@@ -77,9 +80,9 @@ class BeamModel:
         """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower."""
         if mechanism.follower.is_rigid:
             return cls.staying(mechanism, no_shapes(mechanism.follower.length), treatment)
-        (tables, reach), family = beam.following(mechanism, modes)
+        (tables, reach), family, seconds = beam.following(mechanism, modes)
         constants = parameters(mechanism, modes, tables, reach, treatment)
-        return cls(mechanism, constants, partial(_of_family, family), _amplitude(mechanism, deflection_scale(mechanism)))
+        return cls(mechanism, constants, partial(_of_family, family), _amplitude(mechanism, deflection_scale(mechanism)), seconds)
 
     @classmethod
     def staying(

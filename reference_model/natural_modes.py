@@ -99,9 +99,8 @@ def clamped_modes(scene: FollowerAlone, count: int) -> BeamModes:
     mass, bending = _element(spans[0], count + SPARE_SHAPES)
     M, K = follower.mass_per_length * mass, follower.bending_stiffness * bending
     _add_tip(M, scene.tip, numbering)
-    frequencies, full = _lowest(M, K, [0, 1], count)
-    modes = BeamModes(frequencies, follower.length, spans, (full[numbers],))
-    return BeamModes(frequencies, follower.length, spans, (full[numbers] * np.where(modes.tip_displacement < 0.0, -1.0, 1.0),))
+    frequencies, full = _lowest(M, K, [0, 1], numbers[2], count)
+    return BeamModes(frequencies, follower.length, spans, (full[numbers],))
 
 
 def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> FrozenModes:
@@ -160,21 +159,23 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
     _add_bodies(M, K, mechanism, numbering)
 
     held = [0] if math.isfinite(stiffness) else [0, 2]  # deflection at the base, and at a rigid slider
-    frequencies, full = _lowest(M, K, held, count)
-    modes = FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
-    signs = np.where(modes.tip_displacement < 0.0, -1.0, 1.0)
-    return FrozenModes(frequencies, length, spans, tuple(full[numbers] * signs for numbers in numbering), slider_position)
+    frequencies, full = _lowest(M, K, held, numbering[-1][2], count)
+    return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
 
 
-def _lowest(M: Array, K: Array, held: list[int], count: int) -> tuple[Array, Array]:
-    """Frequencies (Hz, (count,)) and mass-normalised vectors (size, count) of the `count` lowest modes, some coordinates `held` at zero."""
-    free = np.setdiff1d(np.arange(len(M)), held)
+def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[Array, Array]:
+    """Frequencies (Hz, (count,)) and mass-normalised vectors (size, count) of the `count` lowest modes, some coordinates `held` at zero.
+
+    The sign is that of a positive deflection at the flexible end, which is coordinate `tip`.
+    """
+    free = np.delete(np.arange(len(M)), held)
     # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue, so the lowest modes stay
     # exact however short and stiff a span is
     inverse_squares, vectors = scipy.linalg.eigh(M[np.ix_(free, free)], K[np.ix_(free, free)])
     inverse_squares, vectors = inverse_squares[::-1][:count], vectors[:, ::-1][:, :count] / np.sqrt(inverse_squares[::-1][:count])
     full = np.zeros((len(M), count))
     full[free] = vectors
+    full *= np.where(full[tip] < 0.0, -1.0, 1.0)
     return 1.0 / np.sqrt(inverse_squares) / (2.0 * np.pi), full
 
 
@@ -213,27 +214,17 @@ def _add_tip(M: Array, tip: Tip | None, numbering: tuple[NDArray[np.intp], ...])
 
 def _element(span: tuple[float, float], interior: int) -> tuple[Array, Array]:
     """Mass matrix for unit mass per length and stiffness matrix for unit bending stiffness of one span."""
-    _, weights = _gauss(interior + 4)  # exact for products of shapes of degree interior + 3
     h = span[1] - span[0]
-    scale = _slope_scaling(interior, h)
-    shapes, curvatures = (_reference_shapes(interior, derivative) for derivative in (0, 2))
-    mass = scale[:, None] * ((shapes * weights) @ shapes.T) * scale * (h / 2.0)
-    bending = scale[:, None] * ((curvatures * weights) @ curvatures.T) * scale * (2.0 / h) ** 3
-    return mass, bending
+    scale = np.multiply.outer(*[_slope_scaling(interior, h)] * 2)
+    return _reference_matrix(interior, 0) * scale * (h / 2.0), _reference_matrix(interior, 2) * scale * (2.0 / h) ** 3
 
 
 @cache
-def _gauss(points: int) -> tuple[Array, Array]:
-    """Points and weights on [-1, 1]; the eigenvalue problem behind them costs as much as a mode."""
-    found, weights = legendre.leggauss(points)
-    return np.asarray(found, dtype=np.float64), np.asarray(weights, dtype=np.float64)
-
-
-@cache
-def _reference_shapes(interior: int, derivative: int) -> Array:
-    """The shapes at the Gauss points of the element on [-1, 1], shape (4 + interior, interior + 4)."""
-    points, _ = _gauss(interior + 4)
-    return np.asarray(legendre.legval(points, _legendre_series(interior, derivative).T), dtype=np.float64)
+def _reference_matrix(interior: int, derivative: int) -> Array:
+    """Integrals over [-1, 1] of the products of shapes, derived so many times, shape (4 + interior, 4 + interior)."""
+    points, weights = legendre.leggauss(interior + 4)  # exact for products of shapes of degree interior + 3
+    shapes = legendre.legval(points, _legendre_series(interior, derivative).T)
+    return np.asarray((shapes * weights) @ shapes.T, dtype=np.float64)
 
 
 @cache

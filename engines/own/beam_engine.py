@@ -83,7 +83,7 @@ class BeamEngine(Engine[S]):
         state = state_of(model, mechanism, start)
         if model.closes_loop and not model.can_move(state):
             raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
-        return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began)
+        return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began + model.made_before)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> NDArray[np.float64]:
         """Of the discretized model."""

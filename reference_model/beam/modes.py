@@ -58,7 +58,7 @@ class ModeFamily:
         ]
 
         def field(by_s: int, by_u: int) -> Array:
-            return np.einsum("pd,kdn->kpn", vander[by_u], legendre_of[by_s])
+            return np.asarray(vander[by_u] @ legendre_of[by_s])
 
         psi_x = field(0, 1) / h
         psi_s = field(1, 0) - a * psi_x

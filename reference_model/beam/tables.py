@@ -1,7 +1,10 @@
 """Tables of shapes at points that move with the slider (DERIVATION.md, section 2)."""
 
 import math
+import time
 from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -10,7 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from reference_model.beam.modes import ModeFamily, mode_family
 from reference_model.gauss_points import integrals_to_points, lagrange_weights
-from reference_model.mechanism import FollowerAlone, Mechanism
+from reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
 from reference_model.motion.layout import Tables
 from reference_model.shapes import ShapeSet
 
@@ -64,12 +67,38 @@ class Placed(NamedTuple):
     reach: float
 
 
-def following(mechanism: Mechanism, modes: int) -> tuple[Placed, ModeFamily]:
-    """Natural modes of the follower supported at the slider, following it; also as functions of place and arc length."""
-    reach, (low, high) = _reach(mechanism), slider_range(mechanism)
-    family = mode_family(mechanism, modes, low, high, reach.terms * (21 + 7 * modes))
+class Following(NamedTuple):
+    """Natural modes of the follower supported at the slider, following it.
+
+    Attributes:
+        placed: their tables.
+        family: the modes as functions of the slider's place and of arc length.
+        seconds: wall time that making them took earlier, where they were kept.
+    """
+
+    placed: Placed
+    family: ModeFamily
+    seconds: float
+
+
+def following(mechanism: Mechanism, modes: int) -> Following:
+    """The first `modes` modes. The last few are kept: a run, its rungs and its settled cycles ask for the same again."""
+    tip, crank = mechanism.tip, mechanism.crank
+    tip = None if tip is None else Tip(mass=tip.mass, inertia=tip.inertia, center_of_mass=tip.center_of_mass)
+    at_rest = Crank(length=crank.length, drive=PrescribedSpeed(speed=0.0))
+    began = time.perf_counter()
+    found = _following(replace(mechanism, crank=at_rest, tip=tip, slider=Slider(), gravity=(0.0, 0.0)), modes)
+    return found._replace(seconds=max(0.0, found.seconds - (time.perf_counter() - began)))
+
+
+@lru_cache(maxsize=16)
+def _following(bare: Mechanism, modes: int) -> Following:
+    """Of a mechanism without what its modes do not depend on."""
+    began = time.perf_counter()
+    reach, (low, high) = _reach(bare), slider_range(bare)
+    family = mode_family(bare, modes, low, high, reach.terms * (21 + 7 * modes))
     tables = span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1))
-    return Placed(tables, high - reach.leaving * mechanism.follower.length), family
+    return Following(Placed(tables, high - reach.leaving * bare.follower.length), family, time.perf_counter() - began)
 
 
 def gauss_points(modes: int) -> int:
