@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, shortened
+from cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, shortened
 from cases.text_file import Kind, read_text
 from cases.units import DIMENSIONS, QuantityError, plain_number, unit_size
 from reference_model.columns import COLUMNS
@@ -39,7 +39,7 @@ DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
 }
 #: Units that pint does not know, or knows as something else.
 _OTHER_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
-    "1": {"1": 1.0, "strain": 1.0, "percent": 0.01, "%": 0.01, "microstrain": 1e-6},
+    "1": {"1": 1.0, "-": 1.0, "": 1.0, "strain": 1.0, "percent": 0.01, "%": 0.01} | dict.fromkeys(("microstrain", "µε", "με"), 1e-6),
     "m/s^2": {"g": 9.80665},
 }
 _HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
@@ -50,7 +50,7 @@ class RecordedTable:
     """A table as it was recorded, in SI units.
 
     Attributes:
-        name: of the file; what the table is called among the engines.
+        name: of the file, safe to print; what the table is called among the engines.
         path: of the file.
         columns: names as in `reference_model.columns` -> values, each of shape (n,); "time" and at least one other.
         bare: those whose headings have no unit.
@@ -92,7 +92,7 @@ def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
     names, factors, bare = _heading(shown, f"line {at + 1}", lines[at])
     values = _values(shown, names, lines, at + 1)
     columns = {name: factor * column for name, factor, column in zip(names, factors, values.T, strict=True)}
-    table = RecordedTable(os.path.basename(path), path, columns, bare, declared, of_experiment)
+    table = RecordedTable(printable(os.path.basename(path)), path, columns, bare, declared, of_experiment)
     late = np.flatnonzero(np.diff(columns["time"]) <= 0.0)
     if late.size:
         row = int(late[0]) + 1
@@ -182,7 +182,7 @@ def _heading(source: str, place: str, line: str) -> tuple[list[str], list[float]
         if plain_number(name.strip()) is not None:
             raise CaseError(source, place, as_written(heading), "is a number where a heading is due", 'begin with one such as "time [s]"')
         if name not in COLUMNS:
-            near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all"
+            near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all; leave others out"
             raise CaseError(source, place, as_written(heading), "is no column of a trajectory", near)
         if name in names:
             raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
@@ -200,8 +200,6 @@ def _size(source: str, place: str, unit: str, si_unit: str) -> float:
     others = _OTHER_UNITS.get(si_unit, {})
     if unit in others:
         return others[unit]
-    if si_unit not in DIMENSIONS:
-        raise CaseError(source, place, as_written(unit), "is no unit of a pure number", f"accepted are {', '.join(others)}")
     try:
         return unit_size(unit, DIMENSIONS[si_unit])
     except QuantityError as wrong:
@@ -227,10 +225,18 @@ def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int
     """What is wrong with the first row that is not one finite number for each column."""
     for number in _numbers(lines, first):
         cells = next(csv.reader([lines[number - 1]], skipinitialspace=True))
+        if not any(re.match(r"\s*[+-]?\.?[0-9]", cell) for cell in cells):
+            accepted = "after the one line of headings, with units in their brackets, come rows of numbers alone"
+            return CaseError(source, f"line {number}", f'"{shortened(lines[number - 1])}"', "is no row of numbers", accepted)
         for name, cell in zip(names, cells, strict=False):
             value = plain_number(cell.strip())
             if value is None or not np.isfinite(value):
-                hint = " (semicolons separate it: use commas, and decimal points)" if ";" in cell else ""
+                hints = {
+                    ";": "semicolons separate it: use commas, and decimal points",
+                    ",": "the decimal sign is a point",
+                    "D": "write e for D",
+                }
+                hint = next((f" ({told})" for sign, told in hints.items() if sign in cell.upper() and any(map(str.isdigit, cell))), "")
                 problem = "is empty" if not cell.strip() else f"is no plain number{hint}"
                 accepted = "leave out rows that lack a number, or columns that were not recorded"
                 return CaseError(source, f"line {number}, {name}", as_written(cell), problem, accepted)

@@ -85,6 +85,7 @@ DAMPING_PER_LENGTH: Final = Dimension("a damping per length", (-1, 1, -1, 0), "N
 STIFFNESS: Final = Dimension("a stiffness", (0, 1, -2, 0), "N/m", ("N/m", "lbf/in"))
 DAMPING: Final = Dimension("a damping", (0, 1, -1, 0), "N*s/m", ("N*s/m", "lbf*s/in"))
 
+PURE: Final = Dimension("a pure number", (0, 0, 0, 0), "1", ("percent", "microstrain", "um/m"))
 ENERGY: Final = Dimension("an energy", (2, 1, -2, 0), "J", ("J", "lbf*in"))
 FORCE: Final = Dimension("a force", (1, 1, -2, 0), "N", ("N", "lbf"))
 ELASTIC_MODULUS: Final = Dimension("an elastic modulus", (-1, 1, -2, 0), "Pa", ("GPa", "N/mm^2", "psi"))
@@ -92,14 +93,13 @@ DENSITY: Final = Dimension("a density", (-3, 1, 0, 0), "kg/m^3", ("kg/m^3", "g/c
 
 _NEEDED: Final = (
     LENGTH, MASS, TIME, ANGLE, ANGULAR_SPEED, ACCELERATION, ENERGY, TORQUE, MOMENT_OF_INERTIA, ROTARY_DAMPING, MASS_PER_LENGTH,
-    BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING, FORCE, ELASTIC_MODULUS, DENSITY,
+    BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING, FORCE, ELASTIC_MODULUS, DENSITY, PURE,
 )  # fmt: skip
 #: By the SI unit with which a quantity is declared.
 DIMENSIONS: Final = MappingProxyType({dimension.si_unit: dimension for dimension in _NEEDED})
 _FREQUENCY: Final = (0, 0, -1, 0)
 #: Names for what is given by mistake, by exponents.
 _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
-    (0, 0, 0, 0): "a pure number",
     _FREQUENCY: "a frequency",
     (1, 0, -1, 0): "a velocity",
     (2, 0, 0, 0): "an area",
@@ -147,11 +147,11 @@ def unit_size(unit: str, dimension: Dimension) -> float:
     Raises:
         QuantityError: no unit expression of this dimension.
     """
-    return float(_factor("1", unit, dimension, f"write a unit such as {' or '.join(dimension.examples)}"))
+    return float(_factor("", unit, dimension, f"write a unit such as {' or '.join(dimension.examples)}"))
 
 
 def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Decimal:
-    """What a unit of a dimension is in SI units; `number` is what stands before it."""
+    """What a unit of a dimension is in SI units; `number` is what stands before it, "" in a heading."""
     try:
         factor, exponents = _read_unit(unit)
     except _UnitError as wrong:
@@ -235,11 +235,13 @@ def _turning(number: str, unit: str) -> str:
         factor, exponents = _read_unit(slips.frequency_meant(unit))
     except _UnitError:
         return ""
-    turns_per_minute = 60.0 * float(number) * float(factor)
+    turns_per_minute = 60.0 * float(number or 1) * float(factor)
     if exponents != _FREQUENCY or not math.isfinite(turns_per_minute):
         return ""
-    radians = f' or "{number} rad/s"' if unit.lstrip("1/ ").startswith("s") else ""
-    return f'"{turns_per_minute:.9g} rpm"{radians}'
+    meant = [f"{turns_per_minute:.9g} rpm" if number else "rps" if round(turns_per_minute, 9) == 60.0 else "rpm"]
+    if unit.lstrip("1/ ").startswith("s"):
+        meant.append(f"{number} rad/s".lstrip())
+    return " or ".join(f'"{one}"' for one in meant)
 
 
 def _pounds(unit: str, dimension: Dimension) -> str:

@@ -160,8 +160,9 @@ class CaseResult:
     def accuracy_class(self, name: str) -> str | None:
         """Least class that covers an engine's own estimates and its deviation from the reference ("0.3 %"), or "worse".
 
-        Over consensus frequencies and extremes, these relative to the channel's largest magnitude. None where that is not known: there
-        is no estimate, or the engine estimates its integration alone and there is no reference to tell the rest.
+        Over consensus frequencies and extremes, these relative to the channel's largest magnitude; of a table over every column.
+        None where that is not known: there is no estimate, or the engine estimates its integration alone and
+        there is no reference to tell the rest.
         """
         run, reference = self.runs[name], self.runs.get(REFERENCE)
         known = reference is not None and reference.usable and name != REFERENCE
@@ -170,7 +171,12 @@ class CaseResult:
         sizes = [_own_size(run, half) for half in HALVES]
         if known and reference is not None:
             pairs = (values(run, reference, CONSENSUS, half, None) for half in HALVES)
-            sizes += [largest_differences(run, reference)["extremes"], *(abs(pair[0] / pair[1] - 1.0) for pair in pairs if pair)]
+            sizes += [abs(pair[0] / pair[1] - 1.0) for pair in pairs if pair]
+            if run.recording:
+                held = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
+                sizes += [abs(check.difference) / check.scale for check in held]
+            else:
+                sizes.append(largest_differences(run, reference)["extremes"])
         found = max((size for size in sizes if size is not None), default=None)
         if found is None:
             return None

@@ -24,6 +24,7 @@ from cases.recorded import RecordedTable
 from cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import columns_of
 from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
+from engines.relative import rms
 from reference_model.columns import SHAPE
 from reference_model.mechanism import Mechanism
 from reference_model.rigid import crank_pace, rigid_motion
@@ -50,6 +51,8 @@ BACKLASH: Final = 0.02
 SAME: Final = 1e-3
 #: A table whose turns still approach a steady state that is farther than this part of the signals' RMS is none of it.
 FAR: Final = 0.1
+#: Columns named in which a first row departs from the standard start.
+MOST_ODD: Final = 3
 #: Standard deviations of a row's noise that an extreme may be off by: one row in 15,000 departs further.
 DEVIATIONS: Final = 4.0
 #: Times the usual step of the crank angle that a step between two rows may be.
@@ -78,10 +81,13 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
             f"no crank_angle was recorded: the crank is taken to turn evenly at {speed:.6g} rad/s, from {start:.6g} deg at time 0"
         )
     _check_pace(table, columns, mechanism, case.name)
-    begun = _begins_in_standard_start(table, columns, mechanism)
+    begun, odd = _first_row(table, columns, mechanism)
     cycles = _cycles(table, {name: values for name, values in columns.items() if name not in LEFT_OUT})
     settling = _settling(cycles[:GREATEST_NUMBER] if begun else cycles)
-    begins = _is_far(settling) if begun is None else begun
+    far = _is_far(settling, cycles[-1])
+    begins = far if begun is None else begun
+    if odd and begins:
+        remarks.append(f"its first row is not that of the standard start: {odd}")
     cycles = cycles[: settling.cycles]
     last = columns_of(cycles[-1])
     turn = _number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
@@ -89,21 +95,22 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     period = float(last["time"][-1] - last["time"][0])
     if gap > LARGEST_GAP * period:
         at = float(last["time"][np.argmax(np.diff(last["time"]))])
-        told = f"{gap / period:.2g} of a turn without a row after {at:.6g} s"
-        raise CaseError(table.shown, "time", None, told, f"at most {LARGEST_GAP} of a turn are accepted")
+        told = f"{gap:.3g} s without a row after {at:.6g} s"
+        raise CaseError(table.shown, "time", None, told, f"at most {LARGEST_GAP * period:.3g} s, {LARGEST_GAP} of a turn, are accepted")
     recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment)
-    errors = {name: _noise(last["time"], last[name]) for name in last if name not in GROWING}
+    uncertain = _scatter(columns["time"], columns["crank_angle"])
+    errors = {name: _noise(last["time"], last[name]) + _at_cuts(last, name, uncertain) for name in last if name not in GROWING}
     if turn is None:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if not settling.settled:
-            remarks.append(_unsettled(settling))
+            remarks.append(_unsettled(settling, far, odd))
     measures, consensus = _measured(mechanism, last, recording.filtered, gap)
     return Run(
         engine=table.name,
         method=table.declared.get("source", "recorded table"),
         version=table.declared.get("version"),
         estimate_of="recorded",
-        status=TRANSIENT if turn is not None else SETTLED if settling.settled else NOT_SETTLED if _is_far(settling) else ASSUMED,
+        status=TRANSIENT if turn is not None else SETTLED if settling.settled else NOT_SETTLED if far else ASSUMED,
         remark="; ".join(remarks),
         start=STANDARD if begins else None,
         settled=settling.settled,
@@ -142,6 +149,9 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
     pace = crank_pace(mechanism)
     if pace <= 0.0 or len(time) < 2:
         return
+    if (angle[-1] - angle[0]) * mechanism.crank.drive.initial_speed < 0.0:
+        told = f"runs from {angle[0]:.6g} to {angle[-1]:.6g} rad, but the drive of {case} turns the crank the other way"
+        raise CaseError(table.shown, "crank_angle", None, told, "angles count counter-clockwise")
     if "crank_angle" in table.columns:
         found = abs(float(angle[-1] - angle[0])) / float(time[-1] - time[0]) / pace  # 1 if all is well
     else:  # the angle says nothing, but so many rows make a turn
@@ -170,17 +180,25 @@ def _turn(pace: float) -> str:
     return f"{2.0 * math.pi / pace:.3g}" if pace > 0.0 else "for ever"
 
 
-def _begins_in_standard_start(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism) -> bool | None:
-    """Whether its first row is that of the standard start; None if it may be, but no column would tell it from another turn's."""
+def _first_row(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism) -> tuple[bool | None, str]:
+    """Whether its first row is that of the standard start, and what of it is not, as a list.
+
+    It is where time and crank angle are, and most of the columns that would tell it from another turn's: a gauge's offset or another
+    origin of one column are faults of that column, not another start. None if it may be, but there is no such column.
+    """
     if table.declared.get("origin", "simulated") != "simulated":
-        return False
+        return False, ""
     known = {name: value for name, value in standard_row(mechanism).items() if name in columns}
     time = columns["time"]
     near = {name: SAME * float(np.max(np.abs(columns[name]))) + _noise(time, columns[name]) for name in known}
-    if any(abs(float(columns[name][0]) - value) > near[name] for name, value in known.items()):
-        return False
-    telling = {"crank_speed"} if mechanism.follower.is_rigid else {"tip_deflection", *CHANNELS[1:]}
-    return True if telling & known.keys() else None
+    odd = [name for name, value in known.items() if abs(float(columns[name][0]) - value) > near[name]]
+    told = [f"{name} {float(columns[name][0]):.5g} instead of {round(known[name], 12):.5g}" for name in odd[:MOST_ODD]]
+    telling = known.keys() & ({"crank_speed"} if mechanism.follower.is_rigid else {"tip_deflection", *CHANNELS[1:]})
+    if telling:
+        begun: bool | None = not {"time", "crank_angle"} & set(odd) and 2 * len(telling.intersection(odd)) < len(telling)
+    else:
+        begun = False if odd else None
+    return begun, ", ".join(told) + (f" and {len(odd) - MOST_ODD} more" if len(odd) > MOST_ODD else "")
 
 
 def _cycles(table: RecordedTable, columns: dict[str, Array]) -> list[Cycle]:
@@ -230,26 +248,37 @@ def _rising(table: RecordedTable, columns: Mapping[str, Array]) -> Array:
 
 def _settling(cycles: list[Cycle]) -> Settling:
     settling = Settling()
-    names = [name for name in cycles[0].channels if name in TELLING] or [name for name in cycles[0].channels if name not in GROWING]
+    names = _telling(cycles[0])
     for cycle in cycles:
         settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in names}))
     return settling
 
 
-def _is_far(settling: Settling) -> bool:
-    left = settling.outlook.remaining_error
-    return left is not None and left > FAR
+def _telling(cycle: Cycle) -> list[str]:
+    """Columns by which a table is told to have settled."""
+    return [name for name in cycle.channels if name in TELLING] or [name for name in cycle.channels if name not in GROWING]
 
 
-def _unsettled(settling: Settling) -> str:
+def _is_far(settling: Settling, last: Cycle) -> bool:
+    """Whether much is left to the steady state; of turns too few to tell their trend, whether they change by more than noise explains."""
+    outlook = settling.outlook
+    if outlook.remaining_error is not None:
+        return outlook.remaining_error > FAR
+    if outlook.change is None or outlook.stalled_since is not None:
+        return False
+    sizes = {name: rms(last.channels[name]) for name in _telling(last)}
+    noise = [_noise(last.time, last.channels[name]) / size for name, size in sizes.items() if size > 0.0]
+    return outlook.change > max(FAR, *noise)
+
+
+def _unsettled(settling: Settling, far: bool, odd: str) -> str:
     """What a table that has not settled shows of it."""
     if settling.cycles == 1:
         return "it holds one turn, which is taken to repeat"
     outlook = settling.outlook
     change = f"its last turn differs from the one before by {outlook.change:.2g} of the signals' RMS"
-    if _is_far(settling):
-        far = f"about {outlook.remaining_error:.2g} is left to the steady state"
-        return f"{change}, {far}, and it does not begin in the standard start; record longer, or from there"
+    if far:
+        return f"{change}, and it does not begin in the standard start{odd and f' ({odd})'}; record longer, or from there"
     return f"{change}: noise, or not quite settled"
 
 
@@ -266,8 +295,22 @@ def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:
     return float(np.max(np.abs(pair[1] - pair[0]))) * (max(1.0, ratio / (1.0 - ratio)) if ratio < 1.0 else 1.0)
 
 
+def _at_cuts(cycle: Mapping[str, Array], name: str, uncertain: float) -> float:
+    """How far off a column may be where the turn is cut into halves, as the crank angle is uncertain: noise, an encoder's steps."""
+    time, turned = cycle["time"], np.abs(cycle["crank_angle"] - cycle["crank_angle"][0])
+    late = min(uncertain / turned[-1], LARGEST_GAP) * (time[-1] - time[0])
+    cuts = np.interp([0.0, math.pi, 2.0 * math.pi], turned, time)
+    values = np.interp(np.add.outer([-late, 0.0, late], cuts), time, cycle[name])
+    return float(np.max(np.abs(values - values[1])))
+
+
 def _noise(time: Array, values: Array) -> float:
-    """How far rows may be off a smooth course: by what each differs from the cubic through its four neighbours, and by rounding."""
+    """How far rows may be off a smooth course: by their scatter, and by rounding."""
+    return _scatter(time, values) + ROUNDED * float(np.max(np.abs(values)))
+
+
+def _scatter(time: Array, values: Array) -> float:
+    """How far rows may be off a smooth course by what each differs from the cubic through its four neighbours."""
     if len(time) < 5:
         return math.inf
     near = [slice(shift, len(time) - 4 + shift) for shift in (0, 1, 3, 4)]
@@ -275,7 +318,7 @@ def _noise(time: Array, values: Array) -> float:
     weights = [np.prod([(here - time[other]) / (time[one] - time[other]) for other in near if other is not one], axis=0) for one in near]
     differences = values[2:-2] - sum(weight * values[one] for weight, one in zip(weights, near, strict=True))
     spread = np.sqrt(1.0 + sum(weight**2 for weight in weights))
-    return DEVIATIONS * float(np.sqrt(np.mean((differences / spread) ** 2))) + ROUNDED * float(np.max(np.abs(values)))
+    return DEVIATIONS * float(np.sqrt(np.mean((differences / spread) ** 2)))
 
 
 def _measured(

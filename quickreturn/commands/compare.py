@@ -60,7 +60,7 @@ def command(
     if output:
         check_writable(Path(output), "" if loaded.source == "library" else case, *PICTURES)
     tables = [read_table(file) for file in dict.fromkeys(files)]
-    refuse_equal_tables([table.name for table in tables])
+    refuse_equal_names([*names, *(table.name for table in tables)])
     workshop = options.opened_workshop()
     options.announce([loaded], names, workshop)
     results = hold_against_engines(loaded, tables, workshop, names, accuracy, texts)
@@ -81,11 +81,11 @@ def command(
     return exit_code(results, workshop, engines)
 
 
-def refuse_equal_tables(names: Sequence[str]) -> None:
-    """UsageError if two tables have one name: they could not be told apart in what comes out."""
+def refuse_equal_names(names: Sequence[str]) -> None:
+    """UsageError if two tables, or a table and an engine, have one name: they could not be told apart in what comes out."""
     for name in names:
         if names.count(name) > 1:
-            raise click.UsageError(f'two tables are called "{name}"; give each file a name of its own')
+            raise click.UsageError(f'two tables or engines are called "{name}"; give each file a name of its own')
 
 
 def _pairs(result: "CaseResult") -> "list[tuple[Run, Run]]":

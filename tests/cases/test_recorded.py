@@ -50,6 +50,10 @@ def test_units_are_turned_into_si_and_nothing_else_is_touched(tmp_path: Path, te
         ("tip_acceleration [g]", 9.80665),
         ("tip_acceleration [in/s^2]", 0.0254),
         ("strain_3 [microstrain]", 1e-6),
+        ("strain_3 [µm/m]", 1e-6),
+        ("strain_3 [µε]", 1e-6),
+        ("strain_3 [mm/mm]", 1.0),
+        ("strain_3 [-]", 1.0),
         ("strain_3", 1.0),
         ("crank_torque [lbf*in]", 0.1129848290276167),
         ("kinetic_energy [mJ]", 1e-3),
@@ -76,8 +80,13 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("time,tip_deflection\n0,1,5\n", ["line 2", "0,1,5", "3 numbers", "2 columns", "comma"]),
         ("time,tip_deflection [kg]\n0,1", ["line 1, tip_deflection", "kg", "a mass", "a length", "mm"]),
         ("time,tip_deflection [m m]\n0,1", ["line 1, tip_deflection", "unreadable unit"]),
-        ("time,strain_1 [mm]\n0,1", ["strain_1", "mm", "microstrain", "percent"]),
-        ("time,crank_speed [Hz]\n0,1", ["crank_speed", "Hz", "rpm"]),
+        ("time,strain_1 [mm]\n0,1", ["strain_1", "mm", "a length", "a pure number", "microstrain", "percent"]),
+        ("time,crank_speed [Hz]\n0,1", ["crank_speed", "Hz", 'meant as "rps"', "rpm"]),
+        ("time,crank_speed [1/min]\n0,1", ['meant as "rpm"']),
+        ("time,crank_speed [1/s]\n0,1", ['meant as "rps" or "rad/s"']),
+        ('time,tip_x\n0,"1,5"\n', ["line 2, tip_x", "1,5", "the decimal sign is a point"]),
+        ("time,tip_x\n0,1.5D-3\n", ["line 2, tip_x", "1.5D-3", "e for D"]),
+        ("time,tip_x\n0,1\n# end\n", ["line 3", "# end", "no row of numbers"]),
         ("time,tip_x\n0,1\n2,1\n\n1,2", ["line 5, time", "1", "does not rise"]),
         ("time,tip_x\n0,1\n0,2", ["line 3, time", "does not rise"]),
         ("time,tip_x\n0,1\n1,nan", ["line 3, tip_x", "nan"]),
@@ -85,7 +94,7 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("time,tip_x\n0,1\n1,", ["line 3, tip_x", "is empty", "leave out"]),
         ("time,tip_x\n0,1\n1", ["line 3", "1 numbers", "2 columns"]),
         ("time,tip_x\n0,1_0", ["line 2, tip_x", "1_0"]),
-        ("time,tip_x\n[s],[m]\n0,1", ["line 2, time", "[s]"]),
+        ("time,tip_x\n[s],[m]\n0,1", ["line 2", "[s],[m]", "headings", "brackets"]),
         ("0,1\n1,2", ["line 1", "heading"]),
         ("time,time [ms]\n0,1", ["line 1", "second time"]),
         ("tip_x\n0", ["no column time"]),
@@ -102,6 +111,10 @@ def test_what_cannot_be_read_is_told(tmp_path: Path, text: str, words: list[str]
     assert "\n" not in told
     for word in words:
         assert word in told
+
+
+def test_a_name_is_safe_to_print(tmp_path: Path) -> None:
+    assert read_table(written(tmp_path, f"{HEADING}\n{ROWS}", "a\x1b[31m\n.csv")).name == "a\\x1b[31m\\n.csv"
 
 
 def test_files_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -63,7 +63,8 @@ def test_a_table_that_departs_is_told_with_the_slip(call: Call, trajectory: pd.D
         (["tool.csv"], ["tool.csv", "no such file"]),
         (["bad.csv"], ["bad.csv", "line 1", "tip_deflecton", "tip_deflection"]),
         (["good.csv", "--engine", "nobody"], ["nobody"]),
-        (["good.csv", "folder/good.csv"], ["two tables", "good.csv"]),
+        (["good.csv", "folder/good.csv"], ["two", "good.csv"]),
+        (["reference", "--engine", "reference"], ["two", "reference"]),  # a file of an engine's name
         (["good.csv", "--output", "picture.gif"], ["picture.gif", ".png", ".svg"]),
         (["good.csv", "--output", "none/picture.png"], ["none"]),
         ([], ["FILE"]),
@@ -71,7 +72,7 @@ def test_a_table_that_departs_is_told_with_the_slip(call: Call, trajectory: pd.D
 )
 def test_bad_input(call: Call, trajectory: pd.DataFrame, arguments: list[str], words: list[str]) -> None:
     Path("folder").mkdir()
-    for name in ("good.csv", "folder/good.csv"):
+    for name in ("good.csv", "folder/good.csv", "reference"):
         trajectory.to_csv(name, index=False)
     Path("bad.csv").write_text("time,tip_deflecton\n0,1\n")
     answer: Any = call("compare", "thesis-24", *arguments)

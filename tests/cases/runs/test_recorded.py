@@ -137,6 +137,60 @@ def test_a_single_turn_is_taken_to_repeat(settled: pd.DataFrame, steady: Run, re
     assert result.passed is True, result.missed
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"crank_speed": lambda t: 30.0 / np.pi * t["crank_speed"]}, ["9.55 times", "rpm"]),
+        ({"tip_x": lambda t: t["tip_x"] - 0.4572}, ["0.4572 m below"]),
+        ({"strain_2": lambda t: t["strain_2"] + 1e-5}, ["1e-05 above"]),
+        ({"strain_1": lambda t: t["strain_3"], "strain_3": lambda t: t["strain_1"]}, ["strain_3", "exchanged"]),
+        ({"follower_angle": lambda t: t["follower_angle"] - 2.0 * np.pi}, ["6.283 rad below", "180 deg at the start"]),
+        ({"strain_2": lambda t: 1.2 * t["strain_2"]}, ["1.2 times as large"]),
+        ({"strain_2": lambda t: np.interp(t["time"] - 2e-3, t["time"], t["strain_2"])}, ["2 deg of the crank late"]),
+    ],
+)
+def test_one_wrong_column_is_named_and_does_not_make_another_start_of_it(
+    transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, changes: dict[str, Any], words: list[str]
+) -> None:
+    others = {name: transient[name] for name in ("strain_1", "strain_3")}
+    run = recorded(transient, **others | {name: change(transient) for name, change in changes.items()})
+    assert run.turn == 5
+    told = slips(run, in_turn_5)
+    assert set(told) == set(changes)
+    for word in words:
+        assert word in told[next(iter(changes))]
+
+
+def test_the_class_of_a_table_covers_every_column(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
+    result = held(recorded(transient, tip_deflection=1.02 * transient["tip_deflection"]), in_turn_5)
+    assert {check.channel for check in result.missed} == {"tip_deflection"}
+    assert result.accuracy_class("tool.csv") == "3 %"
+
+
+def test_where_all_is_late_the_crank_angle_is_named(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
+    run = recorded(settled, crank_angle=settled["crank_angle"] - np.pi)
+    told = slips(run, steady)
+    assert run.status == SETTLED
+    assert "180 deg too" in told["crank_angle"]
+    assert not told.keys() & {"tip_deflection", "tip_acceleration", "strain_2"}
+
+
+@pytest.mark.parametrize(
+    ("first", "changes", "words"),
+    [
+        (0, {"time": lambda t: t["time"] + 3e-3}, ["time 0.003 instead of 0"]),
+        (100, {}, ["time 0.1 instead of 0", "and 3 more"]),  # four turns, too few to tell their trend
+    ],
+)
+def test_another_start_is_told_by_what_departs(
+    transient: pd.DataFrame, recorded: Recorded, first: int, changes: dict[str, Any], words: list[str]
+) -> None:
+    run = recorded(transient[first:], **{name: change(transient[first:]) for name, change in changes.items()})
+    assert run.status == NOT_SETTLED
+    for word in words:
+        assert word in run.remark
+
+
 def test_a_table_on_its_way_from_elsewhere_is_not_judged(transient: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     later = table_of(4.0)
     later = later[later["time"] > 0.5]
@@ -175,6 +229,13 @@ def test_rows_too_far_apart_for_the_first_mode(transient: pd.DataFrame, recorded
     assert "rows lie up to" in found.reason
 
 
+def test_a_right_table_with_an_encoder_is_not_accused(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
+    step = np.radians(0.45)
+    places = {name: transient[name] for name in ("follower_angle", "tip_y", "slider_force")}
+    result = held(recorded(transient, **places, crank_angle=step * np.round(transient["crank_angle"] / step)), in_turn_5)
+    assert result.passed is True, result.missed
+
+
 @pytest.mark.parametrize("degrees", [1.5, 3.0])  # the crank turns 0.95 in a millisecond
 def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, degrees: float) -> None:
     step = np.radians(degrees)
@@ -195,6 +256,7 @@ def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: 
         ),
         ({"time": lambda t: 7.0 * t["time"]}, ["2.65 s", "0.378 s", "thesis-24"]),
         ({"crank_angle": lambda t: t["crank_angle"] % (2.0 * np.pi)}, ["crank_angle", "jumps", "run on"]),
+        ({"crank_angle": lambda t: -t["crank_angle"]}, ["crank_angle", "the other way", "counter-clockwise"]),
         ({"crank_angle": lambda t: t["crank_angle"] - 0.2 * np.sin(50.0 * t["crank_angle"])}, ["turns back"]),
     ],
 )
@@ -208,7 +270,7 @@ def test_tables_that_cannot_be_of_the_case(transient: pd.DataFrame, recorded: Re
 def test_too_little_of_it(transient: pd.DataFrame, recorded: Recorded) -> None:
     with pytest.raises(CaseError, match=r"covers 0\.79\d* turns"):
         recorded(transient[:300])
-    with pytest.raises(CaseError, match=r"of a turn without a row after 1\.789"):
+    with pytest.raises(CaseError, match=r"without a row after 1\.789 s; at most 0\.00378 s"):
         recorded(transient[(transient["time"] < 1.79) | (transient["time"] > 1.8)])
     with pytest.raises(CaseError, match='case: "thesis-23" is not "thesis-24"'):
         recorded(transient, "# case = thesis-23\n")
