@@ -47,8 +47,10 @@ ROWS_PER_PERIOD: Final = 4.0
 OFF: Final = 2.0
 #: rad, by which the recorded crank angle may fall back: the noise of an encoder.
 BACKLASH: Final = 0.02
-#: A row is the standard start's if no column departs from it by more than this part of the column's largest magnitude and its noise.
+#: A row is the standard start's if no column departs from it by more than its noise and this part: of a turn in time and crank angle, of
+#: the largest magnitude in others, more of the bending: loads show in the strains of a straight beam, where equilibrium recovers them.
 SAME: Final = 1e-3
+UNBENT: Final = 1e-2
 #: A table whose turns still approach a steady state that is farther than this part of the signals' RMS is none of it.
 FAR: Final = 0.1
 #: Columns named in which a first row departs from the standard start.
@@ -189,11 +191,14 @@ def _first_row(table: RecordedTable, columns: Mapping[str, Array], mechanism: Me
     if table.declared.get("origin", "simulated") != "simulated":
         return False, ""
     known = {name: value for name, value in standard_row(mechanism).items() if name in columns}
-    time = columns["time"]
-    near = {name: SAME * float(np.max(np.abs(columns[name]))) + _noise(time, columns[name]) for name in known}
+    time, pace, bending = columns["time"], crank_pace(mechanism), ("tip_deflection", *CHANNELS[1:])
+    sizes = {name: float(np.max(np.abs(columns[name]))) for name in known} | {"crank_angle": 2.0 * math.pi}
+    if pace > 0.0:
+        sizes["time"] = 2.0 * math.pi / pace
+    near = {name: (UNBENT if name in bending else SAME) * sizes[name] + _noise(time, columns[name]) for name in known}
     odd = [name for name, value in known.items() if abs(float(columns[name][0]) - value) > near[name]]
     told = [f"{name} {float(columns[name][0]):.5g} instead of {round(known[name], 12):.5g}" for name in odd[:MOST_ODD]]
-    telling = known.keys() & ({"crank_speed"} if mechanism.follower.is_rigid else {"tip_deflection", *CHANNELS[1:]})
+    telling = known.keys() & ({"crank_speed"} if mechanism.follower.is_rigid else set(bending))
     if telling:
         begun: bool | None = not {"time", "crank_angle"} & set(odd) and 2 * len(telling.intersection(odd)) < len(telling)
     else:

@@ -175,6 +175,12 @@ def test_where_all_is_late_the_crank_angle_is_named(settled: pd.DataFrame, stead
     assert not told.keys() & {"tip_deflection", "tip_acceleration", "strain_2"}
 
 
+def test_strains_that_loads_leave_in_a_straight_beam_are_no_other_start(transient: pd.DataFrame, recorded: Recorded) -> None:
+    share = 3e-3 * transient["strain_2"].abs().max() * np.exp(-20.0 * transient["time"])  # as gravity does
+    run = recorded(transient, strain_2=transient["strain_2"] + share)
+    assert (run.turn, run.remark) == (5, "")
+
+
 @pytest.mark.parametrize(
     ("first", "changes", "words"),
     [
