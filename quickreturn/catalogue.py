@@ -160,18 +160,16 @@ def engine_given(engine: "str | AnyEngine") -> "str | AnyEngine":
 
 
 def apart(engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]") -> tuple[list[str], list[str]]:
-    """Names of engines, and paths of recorded tables that stand among them; the four main engines where there are tables alone.
+    """Names of engines, and paths of recorded tables that stand among them; the four main engines where no engine is among them.
 
     Raises:
-        UnknownEngine: none is given, or there is none of this name; also of an engine that no other process could find.
+        UnknownEngine: there is none of this name; also of an engine that no other process could find.
     """
     from cases.recorded import is_table
     from engines.base import Engine
-    from engines.registry import MAIN, UnknownEngine, engine
+    from engines.registry import MAIN, engine
 
     each = [os.fspath(one) if isinstance(one, os.PathLike) else engine_given(one) for one in _several(engines)]
-    if not each:
-        raise UnknownEngine(f"engines: none is given; the main ones are {', '.join(MAIN)}")
     paths = list(dict.fromkeys(one for one in each if isinstance(one, str) and is_table(one)))
     names = [one.name if isinstance(one, Engine) else one for one in each if one not in paths]
     for name in names:

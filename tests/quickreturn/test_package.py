@@ -68,7 +68,6 @@ def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
         (lambda: qr.run(qr.case("shaper-cutting", {"crank.prescribed_speed": "0 rpm"}), "thesis", quiet=True), "the crank stands still"),
         (lambda: qr.simulate("example", FakeEngine), r"^FakeEngine: this is a class; give an engine, FakeEngine\(\)"),  # type: ignore[arg-type]
         (lambda: qr.run("example", None), "^None: no engine"),  # type: ignore[arg-type]
-        (lambda: qr.run("example", []), "^engines: none is given"),
         (lambda: qr.simulate("example", settings="modes=5"), "^settings: 'modes=5' is no dictionary"),  # type: ignore[arg-type]
         (lambda: qr.run("example", settings={"modes": 5}), r'^settings\["modes"\]: 5 is no dictionary'),  # type: ignore[dict-item]
         (lambda: qr.run("example", settings="modes=5"), "^settings: 'modes=5' is no dictionary by engine"),  # type: ignore[arg-type]
