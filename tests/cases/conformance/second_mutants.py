@@ -77,6 +77,7 @@ SECOND: dict[str, tuple[type[Mutant], str, str]] = {
     "slider from the tip": (of_columns(_from_tip), "slider_position .*from the tip", "motion"),
     "acceleration along the wrong axis": (of_columns(_in_the_base_frame), "tip_acceleration", "motion"),
     "force in pounds": (column("slider_force", lambda y: y / 4.4482216152605), "slider_force .*pounds", "motion"),
+    "force without its sign": (column("slider_force", np.abs), "slider_force is a size without sign", "motion"),
     "speed in Hz": (column("crank_speed", lambda y: y / (2.0 * math.pi)), "crank_speed .*Hz", "motion"),
     "smoothed acceleration": (_Smooth, "tip_acceleration", "motion"),
     "dissipated energy restarts": (of_columns(_dissipation_restarts), "dissipated_energy", "motion"),
