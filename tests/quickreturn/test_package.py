@@ -72,7 +72,7 @@ def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
         (lambda: qr.run("example", settings={"modes": 5}), r'^settings\["modes"\]: 5 is no dictionary'),  # type: ignore[dict-item]
         (lambda: qr.run("example", settings="modes=5"), "^settings: 'modes=5' is no dictionary by engine"),  # type: ignore[arg-type]
         (lambda: qr.run("example", accuracy="1e-3"), "^accuracy='1e-3': numbers from 0.0001 to 0.05"),  # type: ignore[arg-type]
-        (lambda: qr.run("example", jobs=0), "^jobs=0: at least one"),
+        (lambda: qr.run("example", jobs=0), "^jobs=0: at least 1"),
         (lambda: qr.modes("example", "thesis", "90 deg"), "^crank_angle='90 deg': degrees"),  # type: ignore[arg-type]
         (lambda: qr.modes("example", "thesis", count=0), "^count=0: a whole number"),
     ],
