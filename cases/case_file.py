@@ -40,18 +40,18 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
 
 
 def with_times(case: Case, duration: float | None = None, output_step: float | None = None) -> Case:
-    """The case with other simulation times in s, as `--duration` and `--output-step` give them.
+    """The case with other simulation times in s.
 
     Raises:
         CaseError: not positive, or the duration no whole multiple of the output step.
     """
-    for option, value in (("--duration", duration), ("--output-step", output_step)):
+    for key, value in (("duration", duration), ("output_step", output_step)):
         number = isinstance(value, Real)
         if value is not None and not (number and 0.0 < value < math.inf):
             shown = f"{value:.6g}" if number else as_written(value)
-            raise CaseError("command line", option, shown, "is no positive time in seconds", "such as 2 or 0.001")
+            raise CaseError(case.name, key, shown, "is no positive time in seconds", "such as 2 or 0.001")
     new = replace(case, duration=duration or case.duration, output_step=output_step or case.output_step)
     if problem := misfit(new.duration, new.output_step):
-        option, value = ("--duration", duration) if duration else ("--output-step", new.output_step)
-        raise CaseError("command line", option, f"{value:.9g}", *problem)
+        key, value = ("duration", duration) if duration else ("output_step", new.output_step)
+        raise CaseError(case.name, key, f"{value:.9g}", *problem)
     return new

@@ -76,7 +76,7 @@ class Document:
                 raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")
             if path not in PATHS:
                 raise unknown_key(OVERRIDE, path, text)
-            values[path] = _value_of(text) if isinstance(text, str) else text
+            values[path] = _value_of(text) if isinstance(text, str) else list(text) if isinstance(text, tuple) else text
             _check_kind(OVERRIDE, path, values[path])
         sections = self.sections | {path.partition(".")[0] for path in texts}
         return replace(self, values=values, sections=sections, overridden=frozenset(texts))

@@ -156,6 +156,9 @@ class Engine(ABC, Generic[S]):
     estimates: ClassVar[EstimateOf] = "total"  # what the error estimate is an estimate of
     settings_type: type[S]
 
+    def __repr__(self) -> str:
+        return f"{self.name}: {self.method}"
+
     @abstractmethod
     def version(self) -> str:
         """Name and version of the library behind the engine, e.g. 'exudyn 1.13.6'."""

@@ -61,9 +61,15 @@ class Settings:
         return dataclasses.asdict(self)
 
 
-def as_texts(values: Mapping[str, Any]) -> dict[str, str]:
-    """Plain values by name, as of `Settings.as_dict`, in the form that `Settings.with_texts` takes."""
-    return {name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in values.items()}
+def as_texts(values: Mapping[str, Any], called: str = "settings") -> dict[str, str]:
+    """Plain values by name, as of `Settings.as_dict`, in the form that `Settings.with_texts` takes.
+
+    Raises:
+        SettingError: they are no dictionary; `called` is how that is named.
+    """
+    if not isinstance(values, Mapping):
+        raise SettingError(f'{called}: {values!r} is no dictionary by name, such as {{"tolerance": 1e-6}}')
+    return {name.removeprefix("engine."): str(value).lower() if isinstance(value, bool) else str(value) for name, value in values.items()}
 
 
 def _parse(field: dataclasses.Field[Any], text: str, kind: type) -> Any:

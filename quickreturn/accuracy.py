@@ -1,5 +1,6 @@
 """Which accuracies can be asked for."""
 
+from numbers import Real
 from typing import Final
 
 LOWEST: Final = 1e-4
@@ -8,6 +9,6 @@ HIGHEST: Final = 0.05
 
 def checked(accuracy: float | None) -> float | None:
     """The accuracy. ValueError: it cannot be asked for."""
-    if accuracy is not None and not LOWEST <= accuracy <= HIGHEST:
-        raise ValueError(f"accuracy={accuracy!r}: from {LOWEST:g} to {HIGHEST:g} can be asked for")
+    if accuracy is not None and not (isinstance(accuracy, Real) and LOWEST <= accuracy <= HIGHEST):
+        raise ValueError(f"accuracy={accuracy!r}: numbers from {LOWEST:g} to {HIGHEST:g} can be asked for")
     return accuracy

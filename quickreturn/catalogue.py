@@ -4,10 +4,11 @@ import fnmatch
 import glob
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from cases.case import Case
 from cases.case_file import load_case, with_times
+from cases.document import OVERRIDE
 from cases.errors import CaseError, as_written
 from cases.library import CatalogueLine, case_names, catalogue
 
@@ -15,7 +16,10 @@ if TYPE_CHECKING:
     from engines.base import AnyEngine
     from quickreturn.questions import About
 
+    AnyEngineOrTable = str | os.PathLike[str] | AnyEngine
+
 T = TypeVar("T")
+AnyCase = str | os.PathLike[str] | Case | CatalogueLine
 
 
 class Listing(tuple[T, ...]):
@@ -36,7 +40,13 @@ class Listing(tuple[T, ...]):
         return table_text([[text(each) for text in self.columns.values()] for each in self], list(self.columns))
 
 
-def case(name: str, overrides: Mapping[str, str] | None = None, *, duration: float | None = None, output_step: float | None = None) -> Case:
+def case(
+    name: str | os.PathLike[str] | CatalogueLine,
+    overrides: Mapping[str, str] | None = None,
+    *,
+    duration: float | None = None,
+    output_step: float | None = None,
+) -> Case:
     """A case of the library or of a file.
 
     Args:
@@ -48,7 +58,29 @@ def case(name: str, overrides: Mapping[str, str] | None = None, *, duration: flo
     Raises:
         CaseError: no such case, or a mistake in the file or the overrides; the sentence names the nearest that is known.
     """
-    return with_times(load_case(os.fspath(name), overrides), duration, output_step)
+    if isinstance(name, Case):
+        raise CaseError(name.name, None, None, "this is a case already", "give its name or path, with all overrides")
+    if not isinstance(overrides or {}, Mapping):
+        raise CaseError("overrides", None, None, f"{as_written(overrides)} is no dictionary", 'such as {"crank.length": "5 in"}')
+    try:
+        loaded = load_case(_name(name), overrides)
+    except CaseError as wrong:
+        source = "overrides" if wrong.source == OVERRIDE else wrong.source
+        raise CaseError(source, wrong.key, wrong.value, wrong.problem, wrong.accepted) from None
+    return with_times(loaded, duration, output_step)
+
+
+def one_case(given: AnyCase) -> Case:
+    """A case by its name or path, or as it is. CaseError: there is none."""
+    return given if isinstance(given, Case) else load_case(_name(given))
+
+
+def _name(given: str | os.PathLike[str] | CatalogueLine) -> str:
+    if isinstance(given, CatalogueLine):
+        return given.name
+    if isinstance(given, (str, os.PathLike)):
+        return os.fspath(given)
+    raise CaseError(as_written(given), None, None, "this is no case", 'give a name, such as "thesis-24", a path or a `Case`')
 
 
 def cases(tag: str | None = None) -> Listing[CatalogueLine]:
@@ -59,7 +91,7 @@ def cases(tag: str | None = None) -> Listing[CatalogueLine]:
     """
     known = {each for line in catalogue() for each in line.tags}
     if tag is not None and tag not in known:
-        raise CaseError(f"--tag {as_written(tag)}", None, None, "no case has this tag", f"accepted: {', '.join(sorted(known))}")
+        raise CaseError(f"tag {as_written(tag)}", None, None, "no case has this tag", f"accepted: {', '.join(sorted(known))}")
     return Listing.of(catalogue(tag), NAME=lambda line: line.name, TAGS=lambda line: ", ".join(line.tags), TITLE=lambda line: line.title)
 
 
@@ -91,27 +123,44 @@ def matching(name: str) -> Sequence[str]:
     return found
 
 
-def loaded(
-    names: "str | Case | CatalogueLine | Iterable[str | Case | CatalogueLine]", overrides: Mapping[str, str] | None = None
-) -> list[Case]:
+def loaded(names: AnyCase | Iterable[AnyCase]) -> list[Case]:
     """Cases by names, patterns or as objects, one or several, each once.
 
     Raises:
-        CaseError: see `case` and `matching`; or two different cases have one name, so that nobody could tell them apart in what comes out.
+        CaseError: see `case` and `matching`; none is given; or two different cases have one name, so that nobody could tell them apart in
+            what comes out.
     """
-    each = [names] if isinstance(names, (str, Case, CatalogueLine)) else list(names)
-    wanted = [one.name if isinstance(one, CatalogueLine) else one for one in each]
-    texts = dict.fromkeys(found for one in wanted if not isinstance(one, Case) for found in matching(one))
-    chosen = [*(one for one in wanted if isinstance(one, Case)), *(load_case(text, overrides) for text in texts)]
+    each = _several(names)
+    texts = dict.fromkeys(found for one in each if not isinstance(one, Case) for found in matching(_name(one)))
+    chosen = [*(one for one in each if isinstance(one, Case)), *map(load_case, texts)]
+    if not chosen:
+        raise CaseError("cases", None, None, "none is given", 'give one, such as "thesis-24"')
     called = [one.name for one in chosen]
     for one in called:
         if called.count(one) > 1:
-            raise CaseError(one, None, None, "two cases have this name", "give each a name of its own")
+            raise CaseError(one, None, None, "two cases have this name", 'give each its own: dataclasses.replace(case, name="other")')
     return chosen
 
 
-def apart(engines: "str | AnyEngine | Iterable[str | AnyEngine]") -> tuple[list[str], list[str]]:
-    """Names of engines, and paths of recorded tables that stand among them; the four main engines where there are tables alone.
+def _several(given: Any) -> list[Any]:
+    """What is given as one or several."""
+    return [given] if isinstance(given, (str, os.PathLike, Case, CatalogueLine)) or not isinstance(given, Iterable) else list(given)
+
+
+def engine_given(engine: "str | AnyEngine") -> "str | AnyEngine":
+    """The same. UnknownEngine: it is neither a name nor an engine."""
+    from engines.base import Engine
+    from engines.registry import UnknownEngine
+
+    if isinstance(engine, (str, Engine)):
+        return engine
+    if isinstance(engine, type):
+        raise UnknownEngine(f"{engine.__name__}: this is a class; give an engine, {engine.__name__}()")
+    raise UnknownEngine(f'{as_written(engine)}: no engine; give a name, such as "reference", or an engine')
+
+
+def apart(engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]") -> tuple[list[str], list[str]]:
+    """Names of engines, and paths of recorded tables that stand among them; the four main engines where no engine is among them.
 
     Raises:
         UnknownEngine: there is none of this name; also of an engine that no other process could find.
@@ -120,7 +169,7 @@ def apart(engines: "str | AnyEngine | Iterable[str | AnyEngine]") -> tuple[list[
     from engines.base import Engine
     from engines.registry import MAIN, engine
 
-    each = [engines] if isinstance(engines, (str, Engine)) else list(engines)
+    each = [os.fspath(one) if isinstance(one, os.PathLike) else engine_given(one) for one in _several(engines)]
     paths = list(dict.fromkeys(one for one in each if isinstance(one, str) and is_table(one)))
     names = [one.name if isinstance(one, Engine) else one for one in each if one not in paths]
     for name in names:

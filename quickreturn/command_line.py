@@ -208,7 +208,9 @@ def _told_of(error: Exception) -> int:
         return _told(f"--engine {error}", BAD_INPUT)
     if isinstance(error, SettingError):
         return _told(f"--set {error}", BAD_INPUT)
-    if isinstance(error, (CaseError, Refusal, StoreError, ImpossibleMechanism, OutputError, UnknownColumn)):
+    if isinstance(error, OutputError):
+        return _told(f"--output {error}", BAD_INPUT)
+    if isinstance(error, (CaseError, Refusal, StoreError, ImpossibleMechanism, UnknownColumn)):
         return _told(str(error), BAD_INPUT)
     if isinstance(error, (EngineFailure, EngineDied)):
         return _told(str(error), ENGINE_TROUBLE)

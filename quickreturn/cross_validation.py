@@ -5,21 +5,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cases.case import Case
 from cases.errors import as_written, nearest_or_all
 from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
-from cases.library import CatalogueLine
 from cases.recorded import tables_of
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import Run
-from engines.base import AnyEngine
 from engines.registry import MAIN
-from engines.settings import as_texts
+from engines.settings import SettingError, as_texts
 from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
-from quickreturn.catalogue import apart, loaded
+from quickreturn.catalogue import AnyCase, apart, loaded
 from quickreturn.questions import check_settings
 from quickreturn.solution import framed, known_column
 from reference_model.columns import COLUMNS
@@ -27,9 +24,8 @@ from reference_model.columns import COLUMNS
 if TYPE_CHECKING:
     import pandas as pd
 
+    from quickreturn.catalogue import AnyEngineOrTable
     from quickreturn.curves import Drawing
-
-AnyCase = str | Case | CatalogueLine
 
 #: Of a measure, in the order of the table.
 _NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
@@ -54,6 +50,8 @@ class CrossValidation:
 
     def __getitem__(self, place: tuple[str, str]) -> Run:
         """All that is known of an engine on a case: `runs["thesis-24", "mujoco"]`. LookupError: there is none."""
+        if not (isinstance(place, tuple) and len(place) == 2):
+            raise LookupError(f'{as_written(place)}: give case and engine, such as ["thesis-24", "mujoco"]')
         case, name = place
         results = {result.case.name: result for result in self.results}
         for given, known in ((case, results), (name, results[case].runs if case in results else {})):
@@ -110,7 +108,7 @@ def _with_estimate(measure: Any, number: str) -> Iterable[tuple[str, float | Non
 
 def run(
     cases: AnyCase | Iterable[AnyCase],
-    engines: "str | AnyEngine | Iterable[str | AnyEngine]" = MAIN,
+    engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]" = MAIN,
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, Any]] | None = None,
@@ -136,7 +134,9 @@ def run(
         KeyboardInterrupt: Ctrl-C; what was computed is kept.
     """
     chosen, (names, paths) = loaded(cases), apart(engines)
-    texts = {name: as_texts(values) for name, values in (settings or {}).items()}
+    if not isinstance(settings or {}, Mapping):
+        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
+    texts = {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
     check_settings(chosen, names, texts)
     tables = tables_of(paths, [case.name for case in chosen])
     place = workshop or opened(jobs, quiet)
@@ -147,7 +147,7 @@ def run(
 def report(
     cases: AnyCase | Iterable[AnyCase],
     folder: "str | os.PathLike[str]" = "reports/output",
-    engines: "str | AnyEngine | Iterable[str | AnyEngine]" = MAIN,
+    engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]" = MAIN,
     *,
     jobs: int | None = None,
     quiet: bool = False,

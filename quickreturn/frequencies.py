@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from cases.case import Case
 from engines.settings import as_texts
-from quickreturn.solution import found_engine, one_case
+from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.solution import found_engine
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,7 +29,7 @@ class Modes:
 
 
 def modes(
-    case: "str | Case",
+    case: AnyCase,
     engine: "str | AnyEngine" = "reference",
     crank_angle: float | Sequence[float] = 0.0,
     *,
@@ -47,10 +48,17 @@ def modes(
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be.
         EngineFailure: the engine failed, or what it returned are no natural frequencies.
+        ValueError: no numbers of degrees, or no count.
     """
+    import numpy as np
     import pandas as pd
 
-    angles = [crank_angle] if isinstance(crank_angle, (int, float)) else list(crank_angle)
+    given = np.atleast_1d(np.asarray(crank_angle))
+    if given.dtype.kind not in "iuf" or not np.all(np.isfinite(given)):
+        raise ValueError(f"crank_angle={crank_angle!r}: degrees are needed, a number or several")
+    if not (isinstance(count, int) and count > 0):
+        raise ValueError(f"count={count!r}: a whole number from 1 on is needed")
+    angles = given.tolist()
     found = frozen_crank(one_case(case), engine, [math.radians(angle) for angle in angles], count, as_texts(settings or {}))
     table = pd.DataFrame([each.frequencies for each in found], index=pd.Index(angles, name="crank angle [deg]"))
     table.columns = pd.Index([f"mode {number} [Hz]" for number in range(1, table.shape[1] + 1)])

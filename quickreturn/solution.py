@@ -17,6 +17,7 @@ from engines.scene import simulate_scene
 from engines.settings import as_texts
 from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
+from quickreturn.catalogue import AnyCase, engine_given, one_case
 from reference_model import machine_code
 from reference_model.columns import COLUMNS
 
@@ -113,16 +114,18 @@ class Solution:
 
     def rows(self, kept: str = "") -> Iterator[tuple[str, str]]:
         """What there is to say, a name and a text each; `kept`: where the rows are."""
+        from reports.words import settings_words
+
         result = self.result
         times = {part: getattr(result, f"{part}_seconds") for part in ("compile", "setup", "solve", "estimate")}
         yield "case", self.case.name
         yield "engine", f"{self.engine} ({self.version})"
         if self.case.notes:
-            yield "notes", f"{len(self.case.notes)} on this case: see `quickreturn show {self.case.name}`"
+            yield "notes", f"{len(self.case.notes)} on this case, in `quickreturn show {self.case.name}` and its `notes`"
         yield "rows", f"{len(self.trajectory)}{kept and ' in '}{kept}"
         yield from _estimates(result)
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())
-        yield "settings", ", ".join(f"{name} = {value}" for name, value in self.settings.items())
+        yield "settings", settings_words(self.settings)
         if self.remark:
             yield "remark", self.remark
 
@@ -133,7 +136,7 @@ class Solution:
 
 
 def simulate(
-    case: "str | Case",
+    case: AnyCase,
     engine: "str | AnyEngine" = "reference",
     *,
     accuracy: float | None = None,
@@ -158,16 +161,10 @@ def simulate(
     return Solution(scene, chosen.name, chosen.version(), replace(result, runs={}))
 
 
-def one_case(case: "str | Case") -> Case:
-    """A case by its name or path, or as it is. CaseError: there is none."""
-    from cases.case_file import load_case
-
-    return case if isinstance(case, Case) else load_case(case)
-
-
 def found_engine(engine: "str | AnyEngine") -> AnyEngine:
     """An engine by its name, known to be usable, or as it is. UnknownEngine, Refusal: there is none, or it cannot be used here."""
-    return engine if isinstance(engine, Engine) else usable_engine(engine)
+    given = engine_given(engine)
+    return given if isinstance(given, Engine) else usable_engine(given)
 
 
 def framed(trajectory: Trajectory, **about: str) -> "pd.DataFrame":
@@ -179,6 +176,8 @@ def framed(trajectory: Trajectory, **about: str) -> "pd.DataFrame":
 
 def known_column(name: str, columns: Mapping[str, Any]) -> str:
     """The name. UnknownColumn: it is none of these columns."""
+    if not isinstance(name, str):
+        raise UnknownColumn(f'{as_written(name)}: no name of a column; give one after the other, such as "tip_deflection"')
     if name not in columns:
         raise UnknownColumn(f"{as_written(name)}: no such column; {nearest_or_all(name, tuple(columns))}")
     return name

@@ -6,6 +6,7 @@ from typing import Final
 from cases.runs.comparison import REFERENCE, CaseResult, Check, largest_differences, not_judged
 from cases.runs.request import Run
 from reports.output import table_text
+from reports.words import cost
 
 #: Departures shown of a pair of engines.
 SHOWN: Final = 5
@@ -68,7 +69,7 @@ def _row(run: Run, accuracy_class: str | None) -> tuple[str, ...]:
         run.status,
         run.start or "-",
         str(run.cycles),
-        number(run.solve_seconds, ".2f"),
+        "-" if run.solve_seconds is None else cost(run.solve_seconds),
         number(run.error_estimate, ".1e"),
         accuracy_class or "-",
         number(run.consensus_frequency("pre"), ".3f"),

@@ -315,7 +315,7 @@ def doubts(scene: Scene) -> Iterator[str]:
     if not 20.0 <= density <= 25e3:
         yield f"follower.mass_per_length (or density) and the section make a density of {density:.3g} kg/m^3: is that meant?"
     modulus = 12.0 * follower.bending_stiffness / (section * follower.thickness**2)
-    if not follower.is_rigid and not 1e6 <= modulus <= 1.5e12:
+    if not follower.is_rigid and not 5e8 <= modulus <= 1.5e12:  # polyethylene's to diamond's; below lie metals' with MPa for GPa
         yield f"follower.bending_stiffness (or elastic_modulus) and the section make a modulus of {modulus:.3g} Pa: is that meant?"
     tip = scene.tip
     if tip is not None and abs(tip.center_of_mass) > follower.length:

@@ -33,16 +33,16 @@ def check_writable(path: Path, keep: str, *endings: str) -> None:
     target = _resolved(path)
     try:
         if target.is_dir():
-            raise OutputError(f"{_option(path)}: this is a folder; give the name of a file")
+            raise OutputError(f"{_shown(path)}: this is a folder; give the name of a file")
         if not target.parent.is_dir():
-            raise OutputError(f"{_option(path)}: there is no folder {printable(str(target.parent))}")
+            raise OutputError(f"{_shown(path)}: there is no folder {printable(str(target.parent))}")
         if target.exists() and os.path.exists(keep) and target.samefile(keep):
-            raise OutputError(f"{_option(path)}: this is the case file itself, which would be lost; give another name")
+            raise OutputError(f"{_shown(path)}: this is the case file itself, which would be lost; give another name")
         if _is_special(target):
             target.open("ab").close()
         elif path.suffix.lower() not in endings:
             wrong = f'"{shortened(path.suffix)}" is no known format' if path.suffix else "no ending tells the format"
-            raise OutputError(f"{_option(path)}: {wrong}; accepted: {', '.join(endings)}, such as {shortened(path.stem)}{endings[0]}")
+            raise OutputError(f"{_shown(path)}: {wrong}; accepted: {', '.join(endings)}, such as {shortened(path.stem)}{endings[0]}")
         else:
             with tempfile.TemporaryFile(dir=target.parent):
                 pass
@@ -110,7 +110,7 @@ def _resolved(path: Path) -> Path:
         if isinstance(error, OSError):
             raise _output_error(path, error) from error
         reason = "its links lead in a circle" if isinstance(error, RuntimeError) else "it holds characters that no file name can hold"
-        raise OutputError(f"{_option(path)}: this is no usable path ({reason})") from error
+        raise OutputError(f"{_shown(path)}: this is no usable path ({reason})") from error
 
 
 def _is_special(path: Path) -> bool:
@@ -124,8 +124,8 @@ def _is_special(path: Path) -> bool:
 def _output_error(path: Path, error: OSError) -> OutputError:
     from cases.jobs.store import words_of
 
-    return OutputError(f"{_option(path)}: it cannot be written ({words_of(error)})")
+    return OutputError(f"{_shown(path)}: it cannot be written ({words_of(error)})")
 
 
-def _option(path: Path) -> str:
-    return f"--output {shortened(str(path))}"
+def _shown(path: Path) -> str:
+    return shortened(str(path))

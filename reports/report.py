@@ -71,15 +71,15 @@ def check_folder(folder: Path) -> None:
     """
     try:
         if folder.exists() and not folder.is_dir():
-            raise OutputError(f"--output {shortened(str(folder))}: this is a file; give a folder")
+            raise OutputError(f"{shortened(str(folder))}: this is a file; give a folder")
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
         if (folder / PAGE).is_dir():
-            raise OutputError(f"--output {shortened(str(folder))}: {PAGE} in it is a folder; give another folder")
+            raise OutputError(f"{shortened(str(folder))}: {PAGE} in it is a folder; give another folder")
     except (OSError, ValueError) as error:  # ValueError: a null byte
         reason = words_of(error) if isinstance(error, OSError) else "no file name can hold its characters"
-        raise OutputError(f"--output {shortened(str(folder))}: it cannot be written ({reason})") from error
+        raise OutputError(f"{shortened(str(folder))}: it cannot be written ({reason})") from error
 
 
 def write_report(

@@ -50,6 +50,11 @@ def duration(seconds: float) -> str:
     return f"{number(value, '.0f' if value >= 9.95 else '.1f' if value >= 0.995 else '.2f')}{TIED}{unit}"
 
 
+def cost(value: float) -> str:
+    """Seconds, or seconds for one simulated: two decimals, below one two figures."""
+    return number(value, ".2g" if value < 1.0 else ".2f")
+
+
 def times(factor: float) -> str:
     """A ratio to two figures: "3.4 times"."""
     return f"{number(factor, '.0f' if factor >= 9.95 else '.1f')} times"

@@ -3,10 +3,11 @@
 A column that is found wrong is left out of the checks that follow: one mistake is told once.
 """
 
+import functools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -43,24 +44,50 @@ _COARSE: Final = 0.02
 
 def motion(bench: Bench) -> Iterator[Check]:
     """All checks of a trajectory, in order."""
-    wrong: set[str] = set()
     try:
-        run = bench.run(bench.scene)
+        run, known, tolerances, late, depending, found, model = _mild(bench)
     except EngineFailure as failure:
         yield Check("a trajectory", "failed", f"none is delivered in a mild scene: {failure.cause}", failure.advice)
         return
-    known = truth(bench.scene)
-    tolerances = bench.tolerances(known, bench.scene)
-    late, depending = _rows(bench, run, tolerances)
-    wrong.update(late)
+    wrong = set(late)
     yield looked_at("pieces continue", _pieces, bench, run, tolerances, wrong | set(depending))
     yield from late.values()
-    yield from _columns(bench, "column", bench.scene, run, known, tolerances, wrong, bench.sharpened)
+    yield from _columns(bench, "column", run, known, tolerances, wrong, found, model)
     yield from (check for column, check in depending.items() if column not in wrong)  # a column explained needs no second word
     wrong.update(depending)
     yield from _identities(run, bench.scene, wrong)
     yield looked_at("first row of the standard start", _first_row, bench.scene, standard_start(bench.scene), run, wrong)
     yield from _bent(bench, wrong)
+
+
+class _Mild(NamedTuple):
+    """The trajectory of the mild scene, the right one, by how much columns may be off, and what is wrong with which column.
+
+    Attributes:
+        late: columns that come late with a coarser output step.
+        depending: columns that depend on it otherwise.
+        found: others that are wrong.
+        model: a mistake of the model that explains them.
+    """
+
+    run: Trajectory
+    known: Truth
+    tolerances: Mapping[str, float] | None
+    late: Mapping[str, Check]
+    depending: Mapping[str, Check]
+    found: Mapping[str, Finding]
+    model: Finding | None
+
+
+@functools.lru_cache(maxsize=1)
+def _mild(bench: Bench) -> _Mild:
+    """Raises EngineFailure if there is no trajectory."""
+    run = bench.run(bench.scene)
+    known = truth(bench.scene)
+    tolerances = bench.tolerances(known, bench.scene)
+    late, depending = _rows(bench, run, tolerances)
+    names = [name for name in bench.columns(run.columns) if name not in late]
+    return _Mild(run, known, tolerances, late, depending, *_findings(bench, names, bench.scene, run, known, tolerances, bench.sharpened))
 
 
 def _rows(bench: Bench, run: Trajectory, tolerances: Mapping[str, float] | None) -> tuple[dict[str, Check], dict[str, Check]]:
@@ -145,16 +172,15 @@ def _jumps(bench: Bench, piece: Trajectory, run: Trajectory, begin: int, toleran
 def _columns(
     bench: Bench,
     kind: str,
-    scene: Mechanism,
     run: Trajectory,
     known: Truth,
     tolerances: Mapping[str, float] | None,
     wrong: set[str],
-    sharpened: Sharpened,
+    found: Mapping[str, Finding],
+    model: Finding | None = None,
 ) -> Iterator[Check]:
-    """Each column against `reference`; where several differ from the standard start, and no mistake of theirs explains it, a model."""
+    """Each column against `reference`; or the model, where it explains several at once."""
     names = [name for name in bench.columns(run.columns) if name not in wrong]
-    found, model = _findings(bench, names, scene, run, known, tolerances, sharpened)
     if model is not None:
         worst = max((rms(run[name] - known.columns[name]) / rms(known.columns[name]), name) for name in found)
         cause = f"{model.cause} ({worst[1]} is {percent(worst[0])} off)"
@@ -217,14 +243,9 @@ class Amiss:
 
 def amiss(bench: Bench) -> Amiss:
     """What is wrong with the mild scene's trajectory. Raises EngineFailure if there is none."""
-    run = bench.run(bench.scene)
-    known = truth(bench.scene)
-    tolerances = bench.tolerances(known, bench.scene)
-    late, depending = _rows(bench, run, tolerances)
-    names = [name for name in bench.columns(run.columns) if name not in late]
-    found, model = _findings(bench, names, bench.scene, run, known, tolerances, bench.sharpened)
-    explained = {name for name, finding in found.items() if finding.explained and model is None}
-    return Amiss(frozenset({*late, *depending, *explained}), len(explained) < len(found))
+    mild = _mild(bench)
+    explained = {name for name, finding in mild.found.items() if finding.explained and mild.model is None}
+    return Amiss(frozenset({*mild.late, *mild.depending, *explained}), len(explained) < len(mild.found))
 
 
 def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[Check]:
@@ -307,7 +328,9 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
         yield Check(check, "not judged", "it does not begin where it should", TELL_THE_AUTHOR)
         return
     finer = partial(bench.sharpened, duration=_BENT_DURATION, start=start)
-    yield from _columns(bench, "from a bent, moving start:", scene, run, known, tolerances, set(wrong), finer)
+    names = [name for name in bench.columns(run.columns) if name not in wrong]
+    found, _ = _findings(bench, names, scene, run, known, tolerances, finer)
+    yield from _columns(bench, "from a bent, moving start:", run, known, tolerances, set(wrong), found)
 
 
 def _departure(run: Trajectory, columns: Mapping[str, Array]) -> float:

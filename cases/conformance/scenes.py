@@ -17,6 +17,7 @@ OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
 SPEED: Final = 12.0  # rad/s
 
+_TIP: Final = Tip(mass=0.05, inertia=2e-6)
 BASE: Final = Mechanism(
     pivot_distance=0.42,
     crank=Crank(
@@ -36,7 +37,7 @@ BASE: Final = Mechanism(
         width=0.04,
         strain_gauges=(0.14, 0.29, 0.46),
     ),
-    tip=Tip(mass=0.05, inertia=2e-6),
+    tip=_TIP,
 )
 #: For engines whose crank can only be turned at a given speed.
 PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
@@ -115,7 +116,11 @@ CHANGES: Final = (
     Change(
         "tip.center_of_mass",
         {"tip.center_of_mass": 0.08},
-        alike={"tip.center_of_mass is measured towards the pivot, not beyond the end": {"tip.center_of_mass": -0.08}},
+        {"tip.inertia": 8e-4},
+        alike={
+            "tip.center_of_mass is measured towards the pivot, not beyond the end": {"tip.center_of_mass": -0.08},
+            "tip.inertia is taken about the flexible end": {"tip.center_of_mass": 0.08, "tip.inertia": 8e-4 - _TIP.mass * 0.08**2},
+        },
     ),
     Change("tip.force along n1", {"tip.force": (6.0, 0.0)}, alike={_TURNED: {"tip.force": (-6.0, 0.0)}}),
     Change("tip.force along n2", {"tip.force": (0.0, 1.5)}, alike={_TURNED: {"tip.force": (0.0, -1.5)}}),

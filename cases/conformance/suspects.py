@@ -112,7 +112,8 @@ def _fitted(name: str, found: Array, expected: Array, off: float) -> Finding | N
     unit = COLUMNS[name].unit if name in COLUMNS else ""
     constant = float(np.mean(found - expected))
     if rms(found - expected - constant) <= EXPLAINED * off:
-        return Finding(f"{name} is {constant:.4g} {unit} too large throughout", "look from where it is counted", True)
+        size = f"{constant:.4g}" if unit in ("", "1") else f"{constant:.4g} {unit}"
+        return Finding(f"{name} is {size} too large throughout", "look from where it is counted", True)
     factor = float(found @ expected / (expected @ expected))
     if rms(found - factor * expected) <= EXPLAINED * off:
         return Finding(f"{name} is {factor:.4g} times what it should be", "look for a factor or a quantity that is off by as much", True)
@@ -122,6 +123,7 @@ def _fitted(name: str, found: Array, expected: Array, off: float) -> Finding | N
 def _suspects(name: str, expected: Array, beside: Mapping[str, Array], mechanism: Mechanism) -> Iterator[Suspect]:
     unit = COLUMNS[name].unit
     yield Suspect(f"{name} has the wrong sign", f"turn it round: {COLUMNS[name].meaning}", -expected)
+    yield Suspect(f"{name} is a size without sign", f"give it its sign: {COLUMNS[name].meaning}", np.abs(expected))
     for other, factor in UNITS.get(unit, {}).items():
         words, divide = f"{name} is in {other}, not in {unit if unit != '1' else 'parts of one'}", f"divide it by {factor:.6g}"
         yield Suspect(words, divide, factor * expected)
@@ -184,10 +186,10 @@ def _of_column(name: str, y: Array, beside: Mapping[str, Array], mechanism: Mech
         yield Suspect(f"{name} is the curvature, not the surface strain", curvature, 2.0 * y / thickness)
         yield Suspect(f"{name} is minus the curvature, not the surface strain", curvature, -2.0 * y / thickness)
     if name == "tip_acceleration":
-        yield from _accelerations(beside, d, y)
+        yield from _accelerations(beside, d)
 
 
-def _accelerations(beside: Mapping[str, Array], d: float, y: Array) -> Iterator[Suspect]:
+def _accelerations(beside: Mapping[str, Array], d: float) -> Iterator[Suspect]:
     """Other accelerations of the tip that an engine may have at hand; from second differences of its place."""
     step = float(beside["time"][1] - beside["time"][0])
     x, place_y, q2 = beside["tip_x"], beside["tip_y"], np.unwrap(beside["follower_angle"])
@@ -202,7 +204,6 @@ def _accelerations(beside: Mapping[str, Array], d: float, y: Array) -> Iterator[
         ("along n2", a[1]),
         ("along the tangent, not along the normal", along),
         ("the size of the vector, without sign", np.hypot(*a)),
-        ("a size without sign", np.abs(y)),
         ("without the centripetal part of a turning frame: twice differentiated in polar coordinates", _polar(x - d, place_y, step)),
     ):
         yield Suspect(f"tip_acceleration is {words}", absolute, values)

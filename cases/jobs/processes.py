@@ -91,7 +91,7 @@ class LocalProcesses:
             ValueError: `at_once` is below 1.
         """
         if at_once is not None and at_once < 1:
-            raise ValueError(f"at_once: {at_once} jobs at a time; at least 1 is needed")
+            raise ValueError(f"jobs={at_once}: at least 1 is needed")
         self.at_once, self.quiet, self._preload = at_once or available_cores(), quiet, preload
         self.limits = limits or default_limits()
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from cases.case import Case
+from cases.errors import CaseError
 from cases.jobs.workshop import Workshop
 from cases.measures import CHANNELS, Consensus, consensus_of, extremes_by_half
 from cases.recorded import RecordedTable
@@ -18,6 +19,7 @@ from cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
 from cases.runs.recorded import recorded_run
 from cases.runs.request import ASSUMED, LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
 from engines.registry import MAIN
+from reference_model.rigid import crank_pace
 
 REFERENCE: Final = "reference"
 HALVES: Final = ("pre", "post")
@@ -250,6 +252,8 @@ def hold_against_engines(
 
 def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[str, Mapping[str, str]] | None) -> RunRequest:
     texts = dict((settings or {}).get(engine, {}))
+    if not crank_pace(case.mechanism):
+        raise CaseError(case.name, "[crank]", None, "the crank stands still: there is no cycle", "give it a torque or a speed")
     return RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=texts)
 
 

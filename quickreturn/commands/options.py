@@ -257,18 +257,23 @@ def load(case: str, overrides: dict[str, str], duration: str | None = None, outp
     from cases.case_file import load_case, with_times
     from cases.errors import CaseError
 
-    times = {"--duration": ("simulation.duration", duration), "--output-step": ("simulation.output_step", output_step)}
-    for option, (path, text) in times.items():
+    times = {"--duration": duration, "--output-step": output_step}
+    for option, text in times.items():
+        path = f"simulation.{_key(option)}"
         if text is not None and path in overrides:
             given = f"{option} {as_written(text)} and --set {path}={as_written(overrides[path])}"
             raise click.UsageError(f"{given} are both given; give one of them")
-    seconds = [None if text is None else _seconds(option, text) for option, (_, text) in times.items()]
+    seconds = [None if text is None else _seconds(option, text) for option, text in times.items()]
     loaded = load_case(case, overrides)
     try:
         return with_times(loaded, *seconds)
     except CaseError as wrong:  # told with the option as it was given
-        text = times[wrong.key or ""][1]
-        raise CaseError(wrong.source, wrong.key, wrong.value if text is None else as_written(text), wrong.problem, wrong.accepted) from None
+        option, text = next((option, text) for option, text in times.items() if _key(option) == wrong.key)
+        raise CaseError("command line", option, wrong.value if text is None else as_written(text), wrong.problem, wrong.accepted) from None
+
+
+def _key(option: str) -> str:
+    return option.removeprefix("--").replace("-", "_")
 
 
 def quiet() -> bool:

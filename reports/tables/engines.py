@@ -1,6 +1,5 @@
 """Runs by engines: frequencies and amplitudes, every measure, settings and statuses."""
 
-import math
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -8,7 +7,7 @@ from cases.measures import CHANNELS
 from cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
 from cases.runs.request import INACCURATE, Run
 from reports.tables.table import CASE, Cell, Column, Mark, Table, TableBuilder
-from reports.words import channel_name, listed, settings_words
+from reports.words import channel_name, cost, listed, settings_words
 
 #: Channels whose amplitudes the page shows; the CSV file has all.
 SHOWN: Final = ("tip_acceleration", "strain_2")
@@ -197,6 +196,7 @@ def case_table(result: CaseResult) -> Table:
             speed, time = run.cycle["crank_speed"], run.cycle["time"]
             mean = abs(float(run.cycle["crank_angle"][-1] - run.cycle["crank_angle"][0])) / float(time[-1] - time[0])
             numbers |= {"crank_speed": mean, "crank_speed_variation": float(speed.max() - speed.min()) / mean}
-        cost = {"cycles": run.cycles, "solve_seconds": math.nan if run.solve_seconds is None else run.solve_seconds}
-        builder.add(engine=name, status=_status(run), **numbers, **cost)
+        took = run.solve_seconds
+        numbers |= {"cycles": run.cycles, "solve_seconds": Cell(took, "–" if took is None else cost(took))}
+        builder.add(engine=name, status=_status(run), **numbers)
     return builder.table()

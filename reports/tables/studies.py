@@ -10,7 +10,7 @@ from cases.studies import Moved, StudiedRun
 from engines.accurate import ESTIMATED
 from reports.findings.agreement import engines_of
 from reports.tables.table import CASE, Cell, Column, Table, TableBuilder
-from reports.words import HALF, QUANTITY, case_label, settings_words, short_name
+from reports.words import HALF, QUANTITY, case_label, cost, settings_words, short_name
 
 #: Columns of the errors, with their headings.
 _ERRORS: Final = tuple(Column(name, short_name(name), "1", ".2g", "%", 100.0, group="error") for name in ESTIMATED)
@@ -125,12 +125,11 @@ def solve_times(results: Sequence[CaseResult]) -> Table:
     for result in results:
         cells: dict[str, Any] = {}
         for name, run in result.runs.items():
-            seconds, simulated = run.solve_seconds, run.simulated_seconds
-            if seconds is None or not run.usable:
-                cells[f"{name}_solve_seconds"] = Cell(seconds, "" if seconds is not None else "–", run.status, "open")
-            else:
-                cells[f"{name}_solve_seconds"] = seconds
-            if seconds is not None and simulated:
-                cells[f"{name}_per_second"] = seconds / simulated
+            took, simulated = run.solve_seconds, run.simulated_seconds
+            shown = "–" if took is None else cost(took)
+            whole = took is not None and run.usable
+            cells[f"{name}_solve_seconds"] = Cell(took, shown) if whole else Cell(took, shown, run.status, "open")
+            if took is not None and simulated:
+                cells[f"{name}_per_second"] = Cell(took / simulated, cost(took / simulated))
         builder.add(case=result.case.name, **cells)
     return builder.table()

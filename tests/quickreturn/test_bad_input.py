@@ -226,7 +226,7 @@ TYPED = [
     ("show", "Missing argument 'CASE'; see quickreturn show --help"),
     ("show small.toml --jason", "No such option: --jason (perhaps --json is meant); see quickreturn show --help"),
     ("shaw small.toml", '"shaw": no such command (perhaps show is meant); accepted: engines, cases, show, simulate, modes, run, '),
-    ("cases --tag thesys", '--tag "thesys": no case has this tag; accepted: '),
+    ("cases --tag thesys", 'tag "thesys": no case has this tag; accepted: '),
     (f"{MODES} --count 0", '--count "0": give a whole number from 1 to 100'),
     (f"{MODES} --set crank.lenght='4 in'", '--set: crank.lenght: "4 in" belongs to an unknown key; the nearest known one is crank.length'),
     (f"{MODES} --set crank.length", '--set "crank.length": give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32'),

@@ -113,7 +113,7 @@ def test_cases_by_tag(call: Call) -> None:
     names = [row["name"] for row in document(call("cases", "--tag", "thesis", "--json"))]
     assert names == [f"thesis-{run:02d}" for run in range(1, 25)]
     assert "thesis-24" in call("cases").output
-    refused(call("cases", "--tag", "thesys"), '--tag "thesys"', "accepted: ", "thesis")
+    refused(call("cases", "--tag", "thesys"), 'tag "thesys"', "accepted: ", "thesis")
 
 
 def test_help_names_every_command(call: Call) -> None:

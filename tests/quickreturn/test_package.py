@@ -56,13 +56,54 @@ def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
 @pytest.mark.parametrize(
     ("ask", "told"),
     [
-        (lambda: qr.case("thesis-24", {"crank.length": 5}), "crank.length: 5 is a bare number"),  # type: ignore[dict-item]
-        (lambda: qr.case("thesis-24", duration="0.5 s"), '"0.5 s" is no positive time in seconds'),  # type: ignore[arg-type]
+        (lambda: qr.case("thesis-24", {"crank.length": 5}), "^overrides: crank.length: 5 is a bare number"),  # type: ignore[dict-item]
+        (lambda: qr.case("thesis-24", "crank.length=5 in"), "^overrides: .*is no dictionary"),  # type: ignore[arg-type]
+        (lambda: qr.case("thesis-24", duration="0.5 s"), '^thesis-24: duration: "0.5 s" is no positive time'),  # type: ignore[arg-type]
+        (lambda: qr.case(24), "^24: this is no case"),  # type: ignore[arg-type]
+        (lambda: qr.case(qr.case("thesis-24"), {}), "a case already"),  # type: ignore[arg-type]
+        (lambda: qr.simulate(None), "^None: this is no case"),  # type: ignore[arg-type]
+        (lambda: qr.simulate(Path("absent.toml")), "^absent.toml: there is no such file"),
+        (lambda: qr.run([]), "^cases: none is given"),
+        (lambda: qr.run([qr.case("example"), qr.case("example", {"crank.length": "99 mm"})]), "dataclasses.replace"),
+        (lambda: qr.run(qr.case("shaper-cutting", {"crank.prescribed_speed": "0 rpm"}), "thesis", quiet=True), "the crank stands still"),
+        (lambda: qr.simulate("example", FakeEngine), r"^FakeEngine: this is a class; give an engine, FakeEngine\(\)"),  # type: ignore[arg-type]
+        (lambda: qr.run("example", None), "^None: no engine"),  # type: ignore[arg-type]
+        (lambda: qr.simulate("example", settings="modes=5"), "^settings: 'modes=5' is no dictionary"),  # type: ignore[arg-type]
+        (lambda: qr.run("example", settings={"modes": 5}), r'^settings\["modes"\]: 5 is no dictionary'),  # type: ignore[dict-item]
+        (lambda: qr.run("example", settings="modes=5"), "^settings: 'modes=5' is no dictionary by engine"),  # type: ignore[arg-type]
+        (lambda: qr.run("example", accuracy="1e-3"), "^accuracy='1e-3': numbers from 0.0001 to 0.05"),  # type: ignore[arg-type]
+        (lambda: qr.run("example", jobs=0), "^jobs=0: at least 1"),
+        (lambda: qr.modes("example", "thesis", "90 deg"), "^crank_angle='90 deg': degrees"),  # type: ignore[arg-type]
+        (lambda: qr.modes("example", "thesis", count=0), "^count=0: a whole number"),
     ],
 )
-def test_values_of_a_wrong_kind_are_answered_with_a_sentence(ask: Callable[[], object], told: str) -> None:
-    with pytest.raises(qr.CaseError, match=told):
+def test_values_of_a_wrong_kind_are_answered_with_a_sentence(place: Path, ask: Callable[[], object], told: str) -> None:
+    with pytest.raises((qr.CaseError, qr.UnknownEngine, qr.SettingError, ValueError), match=told):
         ask()
+
+
+def test_paths_rows_of_the_library_and_tuples_are_taken_where_a_person_would_give_them(place: Path) -> None:
+    gravity = ("0 m/s^2", "-9.81 m/s^2")
+    assert qr.case(Path("small.toml"), {"mechanism.gravity": gravity}).mechanism.gravity == (0.0, -9.81)  # type: ignore[dict-item]
+    assert qr.case(qr.cases("thesis")[23]) == qr.case("thesis-24")
+    solution = qr.simulate(Path("small.toml"), FakeEngine(), settings={"engine.step": 0.05})  # as messages name it
+    assert solution.settings["step"] == 0.05
+    assert "step 0.05" in repr(solution)
+    assert "fake" in repr(qr.engine("fake"))
+
+
+def test_a_column_or_a_run_is_asked_for_by_name(place: Path) -> None:
+    solution = qr.simulate("small.toml", "fake")
+    for asked in (lambda: solution[["time", "strain_1"]], lambda: solution.plot(["strain_1"])):  # type: ignore[index, arg-type]
+        with pytest.raises(qr.UnknownColumn, match="one after the other"):
+            asked()
+    with pytest.raises(LookupError, match="give case and engine"):
+        _ = qr.CrossValidation([])["small"]  # type: ignore[index]
+
+
+def test_a_file_that_cannot_be_written_is_named_without_options_of_the_command_line(place: Path) -> None:
+    with pytest.raises(Exception, match=r"^a\.gif: .*accepted: \.webp, \.html"):
+        qr.simulate("small.toml", "fake").animate("a.gif")
 
 
 def test_simulate_gives_a_table_with_units_and_estimates(place: Path) -> None:

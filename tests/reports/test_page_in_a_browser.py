@@ -181,6 +181,28 @@ def test_a_link_counts_though_the_old_state_is_written_late(opened: Open) -> Non
     page.wait_for_function("document.querySelector('#run-buttons [aria-pressed=true]').value === 'thesis-06'")
 
 
+WATCHING = """() => {
+    const pen = CanvasRenderingContext2D.prototype, { fillText, lineTo } = pen, seen = window.seen = { points: [], name: null };
+    pen.fillText = function (text, x, y) {
+        if (text === "quick return" && this.canvas.id === "curve") seen.name = [x, y, this.measureText(text).width, this.textBaseline];
+        fillText.call(this, text, x, y);
+    };
+    pen.lineTo = function (x, y) { if (this.canvas.id === "curve") seen.points.push([x, y]); lineTo.call(this, x, y); };
+}"""
+
+
+def test_the_name_of_the_quick_return_lies_where_the_curves_leave_more_room(opened: Open) -> None:
+    page = opened("#at=0", reduced_motion="reduce")
+    page.evaluate(WATCHING)
+    page.select_option("#signal", "slider_force")
+    page.wait_for_timeout(100)
+    seen = page.evaluate("window.seen")
+    x, y, width, baseline = seen["name"]
+    low, high = (y - 12, y) if baseline == "bottom" else (y, y + 12)
+    assert len(seen["points"]) > 500
+    assert not [place for place in seen["points"] if x < place[0] < x + width and low < place[1] < high]
+
+
 def test_the_curve_tells_values_zooms_and_is_taken_away(opened: Open) -> None:
     page = opened("#at=90&run=thesis-24")
     box = page.locator("#curve").bounding_box()

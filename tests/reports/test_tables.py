@@ -7,7 +7,7 @@ import math
 import pytest
 
 from reports.tables.table import Cell, Column, TableBuilder
-from reports.words import counted, listed, number, percent, size
+from reports.words import cost, counted, listed, number, percent, size
 
 
 def builder() -> TableBuilder:
@@ -68,6 +68,7 @@ def test_a_column_that_does_not_exist_is_an_error() -> None:
 
 
 def test_numbers_are_written_as_people_write_them() -> None:
+    assert [cost(seconds) for seconds in (0.00123, 0.0478, 1.234, 1234.5)] == ["0.0012", "0.048", "1.23", "1234.50"]
     assert number(-1.5, ".1f") == "−1.5"
     assert number(-0.001, ".2f") == "0.00"  # no negative zero
     assert number(math.inf, ".1f") == "∞"

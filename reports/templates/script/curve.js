@@ -105,8 +105,15 @@ class Curve {
       }, "butt", dash);
     }
     if (quick !== null && motion.cyclic) {
-      const place = [Math.max(x(180 - quick * 180 / Math.PI), left) + 5, height - below - 4];
-      pen.font = "600 12px system-ui, sans-serif"; pen.textAlign = "left"; pen.textBaseline = "bottom";
+      pen.font = "600 12px system-ui, sans-serif"; pen.textAlign = "left";
+      const begin = Math.max(x(180 - quick * 180 / Math.PI), left) + 5, end = begin + pen.measureText("quick return").width;
+      let [highest, lowest] = [height - below, above];  // of the curves there
+      for (const engine of this.engines) this.series[engine].forEach((value, k) => {
+        const across = x(motion.cursors[engine][k]);
+        if (across > begin - 4 && across < end + 4) [highest, lowest] = [Math.min(highest, y(value)), Math.max(lowest, y(value))];
+      });
+      const under = height - below - lowest >= highest - above, place = [begin, under ? height - below - 4 : above + 4];
+      pen.textBaseline = under ? "bottom" : "top";
       pen.strokeStyle = colours["quick-wash"]; pen.lineWidth = 5; pen.strokeText("quick return", ...place);
       pen.fillStyle = colours["quick-ink"]; pen.fillText("quick return", ...place);
     }

@@ -95,7 +95,7 @@ function show() {
   element("bend").value = state.bend;
   element("signal").value = state.signal;
   const mm = (length) => `${written(1000 * length, 3)} mm`;
-  element("caption").textContent = `${run.title} · follower ${mm(run.scene.follower)}, crank ${mm(run.scene.crank)}${any && motion.cyclic ? `, one turn in ${written(1000 * motion.duration, 3)} ms` : ""}`;
+  element("caption").textContent = `${run.title} · follower ${mm(run.scene.follower)}, crank ${mm(run.scene.crank)}${any && motion.cyclic ? `, one turn in ${written(1000 * motion.duration, 4)} ms` : ""}`;
   for (const box of document.querySelectorAll("#engines input")) {
     box.checked = state.engines.includes(box.value);
     const fact = box.closest("label").querySelector(".fact");

@@ -29,6 +29,12 @@ def _dissipation_restarts(columns: Columns, mechanism: Mechanism) -> None:
     columns["dissipated_energy"] = columns["dissipated_energy"] - columns["dissipated_energy"][0]
 
 
+class AboutTheEnd(Mutant):
+    def scene(self, mechanism: Mechanism) -> Mechanism:
+        tip = mechanism.tip
+        return mechanism if tip is None else changed(mechanism, {"tip.inertia": max(0.0, tip.inertia - tip.mass * tip.center_of_mass**2)})
+
+
 class _ForwardSpeed(Mutant):
     """A crank that can only be turned forwards."""
 
@@ -71,11 +77,13 @@ SECOND: dict[str, tuple[type[Mutant], str, str]] = {
     "slider from the tip": (of_columns(_from_tip), "slider_position .*from the tip", "motion"),
     "acceleration along the wrong axis": (of_columns(_in_the_base_frame), "tip_acceleration", "motion"),
     "force in pounds": (column("slider_force", lambda y: y / 4.4482216152605), "slider_force .*pounds", "motion"),
+    "force without its sign": (column("slider_force", np.abs), "slider_force is a size without sign", "motion"),
     "speed in Hz": (column("crank_speed", lambda y: y / (2.0 * math.pi)), "crank_speed .*Hz", "motion"),
     "smoothed acceleration": (_Smooth, "tip_acceleration", "motion"),
     "dissipated energy restarts": (of_columns(_dissipation_restarts), "dissipated_energy", "motion"),
     "base inertia 3 times": (of_scene(base__inertia=lambda x: 3.0 * x), "base.inertia", "motion"),
     "tip inertia about the wrong point": (of_scene(tip__inertia=lambda x: x + 0.05 * 0.02**2), "tip.inertia", "motion"),
+    "tip inertia about the flexible end": (AboutTheEnd, "tip.inertia is taken about the flexible end", "quantities"),
     "half the base damping": (of_scene(base__damping=lambda x: 0.5 * x), "base.damping acts 0.5", "quantities"),
     "turns forwards alone": (_ForwardSpeed, "reversed", "quantities"),
     "slider mass on the crank twice": (of_scene(slider__mass=lambda x: 2.0 * x), "slider.mass acts", "quantities"),
