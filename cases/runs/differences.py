@@ -76,7 +76,7 @@ def _slip(name: str, grids: Mapping[str, tuple[Array, Array]]) -> _Slip | None:
     if before < NEAR:
         return None
     unit, offset = COLUMNS[name].unit, float(np.mean(mine - its))
-    beside = f"lies {abs(offset):.4g} {unit} {'above' if offset > 0.0 else 'below'}".replace(" 1 ", " ")
+    beside = f"lies {abs(offset):.4g}{'' if unit == '1' else f' {unit}'} {'above' if offset > 0.0 else 'below'}"
     if name == "follower_angle":
         beside += ": it lies within 90 deg of 180 deg at the start"
     late = int(np.argmax(np.fft.irfft(np.fft.rfft(mine) * np.conj(np.fft.rfft(its)), mine.size)))

@@ -120,16 +120,12 @@ class RestartingTime(Mutant):
         columns["time"] = columns["time"] - columns["time"][0]
 
 
-class _Frequencies(Mutant):
-    def wrong(self, found: NDArray[np.float64]) -> Any:
-        raise NotImplementedError
-
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> Any:
-        return self.wrong(super().natural_frequencies(mechanism, crank_angle, count, settings))
-
-
 def of_frequencies(wrong: Callable[[NDArray[np.float64]], Any]) -> type[Mutant]:
-    return type("OfFrequencies", (_Frequencies,), {"wrong": lambda self, found: wrong(found)})
+    class OfFrequencies(Mutant):
+        def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> Any:
+            return wrong(super().natural_frequencies(mechanism, crank_angle, count, settings))
+
+    return OfFrequencies
 
 
 class _HeldAtTheStart(Mutant):

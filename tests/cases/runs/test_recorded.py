@@ -143,6 +143,7 @@ def test_a_single_turn_is_taken_to_repeat(settled: pd.DataFrame, steady: Run, re
         ({"crank_speed": lambda t: 30.0 / np.pi * t["crank_speed"]}, ["9.55 times", "rpm"]),
         ({"tip_x": lambda t: t["tip_x"] - 0.4572}, ["0.4572 m below"]),
         ({"strain_2": lambda t: t["strain_2"] + 1.23e-5}, ["lies 1.2", "e-05 above"]),
+        ({"crank_speed": lambda t: t["crank_speed"] + 1.0}, ["lies 1 rad/s above"]),
         ({"strain_1": lambda t: t["strain_3"], "strain_3": lambda t: t["strain_1"]}, ["strain_3", "exchanged"]),
         ({"follower_angle": lambda t: t["follower_angle"] - 2.0 * np.pi}, ["6.283 rad below", "180 deg at the start"]),
         ({"strain_2": lambda t: 1.2 * t["strain_2"]}, ["1.2 times as large"]),
