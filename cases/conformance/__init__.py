@@ -7,13 +7,13 @@ none, it must show a mistake to be found wrong: a sign, a unit, a column exchang
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
-from cases.conformance import repetition
 from cases.conformance.bench import Bench, found_engine
-from cases.conformance.checks import TELL_THE_AUTHOR, Check, Conformance
+from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Conformance
 from cases.conformance.failures import failures
 from cases.conformance.frequencies import frequencies
 from cases.conformance.motion import motion
 from cases.conformance.quantities import quantities
+from cases.conformance.repetition import elsewhere, repetition
 from cases.conformance.resolution import resolution
 from cases.jobs.display import watched
 from cases.jobs.job import Executor, Job
@@ -24,13 +24,13 @@ from engines.registry import UnknownEngine
 __all__ = ["GROUPS", "Check", "Conformance", "conform", "job"]
 
 #: Groups of checks by name, in the order in which they are told.
-GROUPS: Final[Mapping[str, Callable[..., Iterator[Check]]]] = {
+GROUPS: Final[Mapping[str, Callable[[Bench], Iterator[Check]]]] = {
     "motion": motion,
     "quantities": quantities,
     "resolution": resolution,
     "frequencies": frequencies,
     "failures": failures,
-    "repetition": repetition.repetition,
+    "repetition": repetition,
 }
 
 
@@ -47,13 +47,11 @@ def conform(engine: AnyEngine | str, executor: Executor | None = None, groups: t
         Refusal: it cannot be used here.
     """
     name = engine if isinstance(engine, str) else engine.name
-    given: dict[str, tuple[Any, ...]] = {}
-    if "repetition" in groups:  # a job's process may have no process of its own
-        given["repetition"] = (repetition.elsewhere(engine),)
+    # a job's process may have no process of its own
+    other = elsewhere(engine) if "repetition" in groups else "not tried"
     if executor is None:
-        found = found_engine(engine)
-        return _told(name, [check for group in groups for check in checks_of(group, found, *given.get(group, ()))])
-    jobs: list[Job[Any]] = [Job(group, checks_of, (group, engine, *given.get(group, ()))) for group in groups]
+        return _told(name, [check for group in groups for check in checks_of(group, engine, other)])
+    jobs: list[Job[Any]] = [Job(group, checks_of, (group, engine, other)) for group in groups]
     outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
     checks: list[Check] = []
     for group in groups:
@@ -69,19 +67,18 @@ def job(engine: str) -> Job[Conformance]:
     return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,), (__name__,))
 
 
-def checks_of(group: str, engine: AnyEngine | str, *given: Any) -> list[Check]:
-    """The checks of one group, with what else that needs; what an engine raises that no engine may ends them."""
+def checks_of(group: str, engine: AnyEngine | str, other: dict[str, Array] | str = "not tried") -> list[Check]:
+    """The checks of one group; `other`: what came of it in another process. What an engine raises that no engine may ends them."""
     found = found_engine(engine)
     try:
-        bench = Bench(found)
+        bench = Bench(found, other)
     except Refusal as refusal:
         return [Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]
     checks: list[Check] = []
     try:
-        checks.extend(GROUPS[group](bench, *given))
+        checks.extend(GROUPS[group](bench))
     except Exception as error:  # an author's engine may raise anything
-        where = raised_at(error)
-        cause = f"the engine raises {type(error).__name__}{where}: {error}"
+        cause = f"the engine raises {type(error).__name__}{raised_at(error)}: {error}"
         checks.append(Check(group, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user"))
     return checks
 

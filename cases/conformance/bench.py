@@ -1,7 +1,7 @@
 """Runs of the engine in question and of `reference`, and by how much they may differ."""
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,6 +10,7 @@ from cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, SO
 from engines.accurate import compared, run_once
 from engines.base import AnyEngine, Engine, EngineFailure, Refusal
 from engines.own.reference import ReferenceEngine, ReferenceSettings
+from engines.own.simulation import OwnSimulation
 from engines.registry import usable_engine
 from engines.relative import rms
 from engines.settings import Settings
@@ -36,6 +37,21 @@ def found_engine(engine: AnyEngine | str) -> AnyEngine:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """What is simulated: a scene from a start, the standard one by default; duration and output step in s."""
+
+    scene: Mechanism
+    duration: float = DURATION
+    output_step: float = OUTPUT_STEP
+    start: Start | None = None
+
+    def by(self, engine: AnyEngine, settings: Settings) -> Trajectory:
+        """A complete and finite run of an engine. Raises as `run_once`."""
+        start = self.start or standard_start(self.scene)
+        return run_once(engine, self.scene, start, self.duration, self.output_step, settings)[0]
+
+
+@dataclass(frozen=True)
 class Truth:
     """A converged solution and, column by column, about how far it can be trusted (in the column's unit)."""
 
@@ -43,27 +59,16 @@ class Truth:
     uncertainty: Mapping[str, float]
 
 
-@functools.lru_cache(maxsize=256)
-def _truth_columns(mechanism: Mechanism, duration: float, output_step: float, settings: ReferenceSettings) -> dict[str, Array]:
-    return run_once(ReferenceEngine(), mechanism, standard_start(mechanism), duration, output_step, settings)[0].columns
-
-
-def truth(mechanism: Mechanism, duration: float = DURATION, output_step: float = OUTPUT_STEP, start: Start | None = None) -> Truth:
-    """The motion from a start, the standard one by default, by `reference` with five modes; four show its uncertainty."""
-    if start is None:
-        finest, fine = (_truth_columns(mechanism, duration, output_step, settings) for settings in (_FINEST, _FINE))
-    else:
-        finest, fine = (
-            run_once(ReferenceEngine(), mechanism, start, duration, output_step, settings)[0].columns for settings in (_FINEST, _FINE)
-        )
+@functools.lru_cache(maxsize=128)
+def truth(motion: Motion) -> Truth:
+    """The motion by `reference` with five modes; four show its uncertainty."""
+    finest, fine = (motion.by(ReferenceEngine(), settings).columns for settings in (_FINEST, _FINE))
     return Truth(finest, {name: rms(finest[name] - fine[name]) for name in COMPARED})
 
 
 @functools.lru_cache(maxsize=4)
 def bent_start(mechanism: Mechanism) -> Start:
     """A bent follower in motion: where the scene is after a while."""
-    from engines.own.simulation import OwnSimulation
-
     simulation = ReferenceEngine().prepare(mechanism, standard_start(mechanism), _FINEST)
     assert isinstance(simulation, OwnSimulation)
     simulation.advance(UNTIL_BENT, OUTPUT_STEP)
@@ -75,19 +80,22 @@ class Bench:
 
     Attributes:
         engine: the engine.
+        elsewhere: what came of it in another process (`cases.conformance.repetition`), where that was tried.
         scene: the mild scene, with the drive that the engine can model.
+        mild: the motion in it.
     """
 
-    def __init__(self, engine: AnyEngine) -> None:
+    def __init__(self, engine: AnyEngine, elsewhere: dict[str, Array] | str = "not tried") -> None:
         """Raises Refusal if the engine can model the scene with neither drive."""
-        self.engine = engine
+        self.engine, self.elsewhere = engine, elsewhere
         try:
             engine.check(BASE)
             self.scene = BASE
         except Refusal:
             engine.check(PRESCRIBED)
             self.scene = PRESCRIBED
-        self._runs: dict[tuple[object, ...], Trajectory] = {}
+        self.mild = Motion(self.scene)
+        self._runs: dict[tuple[Motion, Settings], Trajectory] = {}
 
     @property
     def soft(self) -> Mechanism:
@@ -99,21 +107,11 @@ class Bench:
         found: Settings = self.engine.settings_for(self.engine.default_accuracy, mechanism)
         return found
 
-    def run(
-        self,
-        mechanism: Mechanism,
-        settings: Settings | None = None,
-        *,
-        duration: float = DURATION,
-        output_step: float = OUTPUT_STEP,
-        start: Start | None = None,
-    ) -> Trajectory:
-        """A complete and finite run, from the standard start by default. Raises as `run_once`."""
-        settings = settings or self.settings(mechanism)
-        key = (mechanism, settings, duration, output_step, id(start))
+    def run(self, motion: Motion, settings: Settings | None = None) -> Trajectory:
+        """A complete and finite run. Raises as `run_once`."""
+        key = motion, settings or self.settings(motion.scene)
         if key not in self._runs:
-            begin = start or standard_start(mechanism)
-            self._runs[key] = run_once(self.engine, mechanism, begin, duration, output_step, settings)[0]
+            self._runs[key] = motion.by(self.engine, key[1])
         return self._runs[key]
 
     def finer(self, mechanism: Mechanism, settings: Settings) -> Settings | None:
@@ -121,11 +119,11 @@ class Bench:
         found: Settings | None = self.engine.finer(settings, (2.0,) * max(1, len(self.engine.comparisons(settings, mechanism, 1e-3))), 1e-3)
         return found
 
-    def sharpened(self, mechanism: Mechanism, *, duration: float = DURATION, start: Start | None = None) -> Trajectory | None:
+    def sharpened(self, motion: Motion) -> Trajectory | None:
         """The run one rung above the default; None where there is none. What falls with it is an error of the resolution."""
-        finer = self.finer(mechanism, self.settings(mechanism))
+        finer = self.finer(motion.scene, self.settings(motion.scene))
         try:
-            return None if finer is None else self.run(mechanism, finer, duration=duration, start=start)
+            return None if finer is None else self.run(motion, finer)
         except EngineFailure:
             return None
 
@@ -134,44 +132,32 @@ class Bench:
         """Whether the engine says how far it is from the solution of the scene."""
         return self.engine.estimates == "total"
 
-    def estimates(
-        self, mechanism: Mechanism, settings: Settings | None = None, *, duration: float = DURATION, start: Start | None = None
-    ) -> dict[str, float] | None:
+    def estimates(self, motion: Motion, settings: Settings | None = None) -> dict[str, float] | None:
         """The engine's error by its own comparisons, in the unit of each column; None where they show none."""
-        settings = settings or self.settings(mechanism)
         parts: dict[str, float] = {}
-
-        def run(other: Settings) -> Trajectory:
-            return self.run(mechanism, other, duration=duration, start=start)
-
         try:
-            for pair in self.engine.comparisons(settings, mechanism, OUTPUT_STEP):
+            for pair in self.engine.comparisons(settings or self.settings(motion.scene), motion.scene, OUTPUT_STEP):
                 if pair.run == pair.other:
                     return None
-                runs = compared(pair, run)
-                for name in self.columns(runs.run.columns):
-                    parts[name] = parts.get(name, 0.0) + runs.part(_difference_in(name))
+                runs = compared(pair, functools.partial(self.run, motion))
+                for name in columns_of(runs.run):
+                    parts[name] = parts.get(name, 0.0) + runs.part(lambda a, b, name=name: rms(a[name] - b[name]))  # type: ignore[misc]
         except EngineFailure:
             return None
         return parts
 
-    def tolerances(
-        self, known: Truth, mechanism: Mechanism, *, duration: float = DURATION, start: Start | None = None
-    ) -> dict[str, float] | None:
+    def tolerances(self, motion: Motion) -> dict[str, float] | None:
         """By how much each column may be off, in its unit; None where the engine does not say."""
-        estimates = self.estimates(mechanism, duration=duration, start=start) if self.claims else None
+        estimates = self.estimates(motion) if self.claims else None
         if estimates is None:
             return None
+        known = truth(motion)
         return {
             name: BENEFIT * (estimate + known.uncertainty[name]) + ROUNDING * rms(known.columns[name])
             for name, estimate in estimates.items()
         }
 
-    @staticmethod
-    def columns(delivered: Mapping[str, Array]) -> tuple[str, ...]:
-        """Those that are held against `reference`."""
-        return tuple(name for name in COMPARED if name in delivered)
 
-
-def _difference_in(name: str) -> Callable[[Trajectory, Trajectory], float]:
-    return lambda a, b: rms(a[name] - b[name])
+def columns_of(run: Trajectory) -> tuple[str, ...]:
+    """Its columns that are held against `reference`."""
+    return tuple(name for name in COMPARED if name in run.columns)

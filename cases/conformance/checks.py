@@ -7,6 +7,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from engines.base import Refusal
+
 Array = NDArray[np.float64]
 Status = Literal["passed", "failed", "not judged"]
 
@@ -74,9 +76,11 @@ class Unjudged(Fault):
 
 
 def looked_at(name: str, look: Callable[..., str | None], *arguments: Any) -> Check:
-    """The check that `look` makes: it raises `Fault`, or gives back a remark, if there is one."""
+    """The check that `look` makes: it raises `Fault`, or gives back a remark, if there is one. An engine may refuse."""
     try:
         return Check(name, "passed", look(*arguments) or "")
+    except Refusal as refusal:
+        return Check(name, "passed", f"refused: {refusal}")
     except Fault as fault:
         return Check(name, fault.status, fault.cause, fault.advice)
 

@@ -1,21 +1,19 @@
 """How an engine fails: what cannot go on must be said, and when."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from cases.conformance.bench import Bench
+from cases.conformance.bench import Bench, Motion
 from cases.conformance.checks import Check, Fault, Unjudged, looked_at
-from cases.conformance.scenes import OUTPUT_STEP
-from engines.accurate import run_once
-from engines.base import EngineFailure, Refusal
+from engines.base import EngineFailure
 from engines.own.reference import ReferenceEngine
 from engines.start import Start, standard_start
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, changed
+from reference_model.mechanism import changed
 
 #: A slack follower whose bent end the slider reaches when it comes to its farthest place.
 _PUSHED_OFF: Final = {"crank.length": 0.1795, "crank.initial_angle": 0.5, "follower.bending_stiffness": 10.0, "tip.mass": 0.1}
@@ -38,21 +36,13 @@ def failures(bench: Bench) -> Iterator[Check]:
         "a start that cannot be": _impossible_start,
         "a step that explodes": _explodes,
     }.items():
-        yield looked_at(f"failures: {name}", _unless_refused, look, bench)
+        yield looked_at(f"failures: {name}", look, bench)
 
 
-def _unless_refused(look: Callable[[Bench], str], bench: Bench) -> str:
+def _attempt(bench: Bench, motion: Motion) -> Trajectory | EngineFailure:
+    bench.engine.check(motion.scene)
     try:
-        return look(bench)
-    except Refusal as refusal:
-        return f"refused: {refusal}"
-
-
-def _attempt(bench: Bench, scene: Mechanism, start: Start, duration: float) -> Trajectory | EngineFailure:
-    settings = bench.settings(bench.scene)  # made for the mild scene, as a fixed step would be
-    bench.engine.check(scene)
-    try:
-        return run_once(bench.engine, scene, start, duration, OUTPUT_STEP, settings)[0]
+        return motion.by(bench.engine, bench.settings(bench.scene))  # made for the mild scene, as a fixed step would be
     except EngineFailure as failure:
         for words, (wrong, advice) in _UNSAID.items():
             if words in failure.cause:
@@ -62,15 +52,15 @@ def _attempt(bench: Bench, scene: Mechanism, start: Start, duration: float) -> T
 
 def _leaves(bench: Bench) -> str:
     """The slider leaves the follower's end."""
-    scene, reference = changed(bench.scene, _PUSHED_OFF), ReferenceEngine()
-    start, length = standard_start(scene), scene.follower.length
+    motion, reference = Motion(changed(bench.scene, _PUSHED_OFF), _UNTIL), ReferenceEngine()
+    length = motion.scene.follower.length
     try:
-        run_once(reference, scene, start, _UNTIL, OUTPUT_STEP, reference.settings_for(1e-3, scene))
+        motion.by(reference, reference.settings_for(1e-3, motion.scene))
     except EngineFailure as failure:
         known = failure.time
     else:
         raise Unjudged("the slider stays on the follower in this scene")
-    found = _attempt(bench, scene, start, _UNTIL)
+    found = _attempt(bench, motion)
     if isinstance(found, Trajectory):
         furthest = float(found["slider_position"].max())
         if furthest <= length * 1.001 and not bench.claims:
@@ -91,7 +81,8 @@ def _impossible_start(bench: Bench) -> str:
     x = np.linspace(0.0, length, 65)
     bent = CubicSpline(x, 0.45 * length * (x / length) ** 2)
     scene = changed(bench.scene, {"crank.length": length - bench.scene.pivot_distance - 1e-3})
-    found = _attempt(bench, scene, Start(math.pi, standard_start(scene).crank_speed, bent), 0.01)
+    start = Start(math.pi, standard_start(scene).crank_speed, bent)
+    found = _attempt(bench, Motion(scene, duration=0.01, start=start))
     if isinstance(found, Trajectory):
         cause = "a follower that is bent too much to reach the slider is simulated all the same"
         raise Fault(cause, "begin with engines.start_state.reconstruct, which raises EngineFailure")
@@ -103,7 +94,7 @@ def _impossible_start(bench: Bench) -> str:
 def _explodes(bench: Bench) -> str:
     """A follower a thousand times as stiff, with settings for a soft one: a fixed step is unstable there."""
     scene = changed(bench.scene, {"follower.bending_stiffness": 2e4})
-    found = _attempt(bench, scene, standard_start(scene), 0.1)
+    found = _attempt(bench, Motion(scene, duration=0.1))
     if isinstance(found, EngineFailure):
         return f"said: {found.cause}"
     largest = float(np.abs(found["tip_deflection"]).max())

@@ -1,14 +1,14 @@
 """Natural frequencies with the crank held: shape, order, unit, and what they are."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 
 from cases.conformance.bench import Bench
 from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, percent
-from cases.conformance.suspects import UNITS
+from cases.mistakes import UNITS
 from engines.base import Refusal
 from engines.settings import Settings
 from reference_model.mechanism import Mechanism, changed
@@ -24,67 +24,57 @@ _COARSE: Final = (0.3, 0.6, 0.9)
 #: Support of a uniform beam, pinned at one end, over its length, and beta L of its first mode (Blevins, or any text on vibration).
 _SUPPORT: Final = 0.5
 _OVERHUNG: Final = 3.01183092
+_RETURN: Final = "return an ascending array of at most `count` frequencies"
 
 
 def frequencies(bench: Bench) -> Iterator[Check]:
     """All checks of natural frequencies; none of their values where they are no list of frequencies."""
-    looks = {"form": _form, "values": _values, "closed form": _closed_form, "undamped, at rest, without gravity": _left_out}
-    for name, look in looks.items():
-        try:
-            found = looked_at(f"frequencies: {name}", look, bench, bench.settings(bench.scene))
-        except Refusal as refusal:
-            found = Check("frequencies", "not judged", f"refused: {refusal}")
-        except Exception as error:  # an author's engine may raise anything
-            cause = f"natural_frequencies raises {type(error).__name__}: {error}"
-            yield Check("frequencies", "failed", cause, "return an array of frequencies in Hz; of shape (0,) where nothing can vibrate")
-            return
-        yield found
-        if look is _form and found.status == "failed":
-            return
+    form = looked_at("frequencies: form", _form, bench)
+    yield form
+    if form.status != "failed":
+        yield looked_at("frequencies: values", _values, bench)
+        yield looked_at("frequencies: closed form", _closed_form, bench)
+        yield looked_at("frequencies: undamped, at rest, without gravity", _left_out, bench)
 
 
-def _asked(bench: Bench, scene: Mechanism, degrees: float, settings: Settings, count: int = _COUNT) -> Array:
-    return np.asarray(bench.engine.natural_frequencies(scene, math.radians(degrees), count, settings), dtype=np.float64)
-
-
-def _form(bench: Bench, settings: Settings) -> None:
-    advice = "return an ascending array of at most `count` frequencies"
-    found: Any = bench.engine.natural_frequencies(bench.scene, math.pi, _COUNT, settings)
+def _asked(bench: Bench, scene: Mechanism, degrees: float, count: int = _COUNT, settings: Settings | None = None) -> Array:
+    """With the settings for the mild scene unless others are given."""
+    found: Any = bench.engine.natural_frequencies(scene, math.radians(degrees), count, settings or bench.settings(bench.scene))
     try:
         values = np.asarray(found, dtype=np.float64)
     except (TypeError, ValueError):
-        raise Fault(f"they are no numbers: {str(found)[:60]}", advice) from None
+        raise Fault(f"they are no numbers: {str(found)[:60]}", _RETURN) from None
+    if not values.size:
+        raise Unjudged("the engine gives none")
+    return values
+
+
+def _form(bench: Bench) -> None:
+    values = _asked(bench, bench.scene, 180.0)
     if values.ndim != 1:
-        raise Fault(f"they have the shape {values.shape}, not (count,)", advice)
+        raise Fault(f"they have the shape {values.shape}, not (count,)", _RETURN)
     if not np.isfinite(values).all():
         raise Fault(f"they are not finite: {values}", "leave out what the model does not have; look for a division by zero")
     if (values <= 0.0).any():
         raise Fault(f"zero or negative ones are among them: {values}", "leave out rigid motions: the crank is held")
     if (np.diff(values) < 0.0).any():
         raise Fault(f"they do not ascend: {values}", "sort them")
-    if len(values) > _COUNT or len(_asked(bench, bench.scene, 180.0, settings, 1)) > 1:
+    if len(values) > _COUNT or len(_asked(bench, bench.scene, 180.0, 1)) > 1:
         raise Fault(f"more than the {_COUNT} asked for, or than 1", "cut them at `count`")
 
 
-def _finer(bench: Bench, settings: Settings) -> Settings:
-    """Three rungs up: the next ones may be finer in time alone."""
-    for _ in range(3):
-        settings = bench.engine.finer(settings, (), 1e-3) or settings
-    return settings
-
-
-def _values(bench: Bench, settings: Settings) -> str:
-    coarse = 0.0
+def _values(bench: Bench) -> str:
+    coarse, finer = 0.0, bench.settings(bench.scene)
+    for _ in range(3):  # the next rungs may be finer in time alone
+        finer = bench.engine.finer(finer, (), 1e-3) or finer
     for degrees in _ANGLES:
-        found = _asked(bench, bench.scene, degrees, settings)
+        found = _asked(bench, bench.scene, degrees)
         count = len(found)
-        if not count:
-            raise Unjudged("the engine gives none")
         known = _known(bench.scene, degrees, count)
         off = np.abs(found / known - 1.0)
         allowed: Array = np.array(_COARSE[:count])
         if bench.claims:
-            better = _asked(bench, bench.scene, degrees, _finer(bench, settings))[:count]
+            better = _asked(bench, bench.scene, degrees, settings=finer)[:count]
             if len(better) == count:
                 allowed = np.minimum(_FLOOR[:count] + _REFINED * np.abs(better / found - 1.0), 0.6)
         if (off > allowed).any():
@@ -100,7 +90,10 @@ def _known(scene: Mechanism, degrees: float, count: int) -> Array:
 def _cause(scene: Mechanism, degrees: float, found: Array, known: Array) -> tuple[str, str]:
     """What is wrong with frequencies, and what to do."""
     n = len(found)
-    at: Callable[[float], Array] = lambda angle: _known(scene, angle, n)  # noqa: E731
+
+    def at(angle: float, **quantities: object) -> Array:
+        return _known(changed(scene, quantities), angle, n)
+
     tried: list[tuple[str, str, Array]] = [
         *((f"they are in {unit}, not in Hz", f"divide them by {factor:.6g}", factor * known) for unit, factor in UNITS["Hz"].items()),
         ("they are divided by 2 pi once too often", "multiply them by 2 pi", known / (2.0 * math.pi)),
@@ -113,8 +106,8 @@ def _cause(scene: Mechanism, degrees: float, found: Array, known: Array) -> tupl
         ("the crank angle is taken for degrees", "it comes in rad", at(math.radians(degrees))),
         ("the crank is at its initial angle, whatever is asked for", "hold it at `crank_angle`", at(180.0)),
         ("the crank angle is counted from -n1", "count it from n1, counter-clockwise", at(degrees + 180.0)),
-        ("the tip body is left out", "count its mass and inertia", _known(changed(scene, {"tip": None}), degrees, n)),
-        ("the inertia of the base is left out", "count it", _known(changed(scene, {"base.inertia": 0.0}), degrees, n)),
+        ("the tip body is left out", "count its mass and inertia", at(degrees, tip=None)),
+        ("the inertia of the base is left out", "count it", at(degrees, **{"base.inertia": 0.0})),
     ]
     off = float(np.max(np.abs(found / known - 1.0)))
     ratio = found / known
@@ -130,22 +123,22 @@ def _cause(scene: Mechanism, degrees: float, found: Array, known: Array) -> tupl
     )
 
 
-def _closed_form(bench: Bench, settings: Settings) -> None:
+def _closed_form(bench: Bench) -> None:
     """A uniform pinned beam over a support, without tip and base."""
     follower, d = bench.scene.follower, bench.scene.pivot_distance
     overhang = _SUPPORT * follower.length - d  # of the support beyond O, along n1
     scene = changed(bench.scene, {"tip": None, "base.inertia": 0.0, "crank.length": abs(overhang)})
     bench.engine.check(scene)
     known = _OVERHUNG**2 / (2.0 * math.pi * follower.length**2) * math.sqrt(follower.bending_stiffness / follower.mass_per_length)
-    found = float(_asked(bench, scene, 0.0 if overhang < 0.0 else 180.0, bench.settings(scene), 1)[0])
+    found = float(_asked(bench, scene, 0.0 if overhang < 0.0 else 180.0, 1, bench.settings(scene))[0])
     if abs(found / known - 1.0) > (0.02 if bench.claims else _COARSE[0]):
         cause = f"a pinned beam over a support at {_SUPPORT:g} of its length has {known:.4f} Hz, the engine gives {found:.4f} Hz"
         raise Fault(cause, "look at stiffness and mass of the follower: there is nothing else in this scene")
 
 
-def _left_out(bench: Bench, settings: Settings) -> None:
+def _left_out(bench: Bench) -> None:
     """Gravity, damping and motion do not enter."""
-    plain = _asked(bench, bench.scene, 90.0, settings)
+    plain = _asked(bench, bench.scene, 90.0)
     tried: dict[str, dict[str, Any]] = {"gravity": {"gravity": (0.0, 30.0)}, "follower.damping": {"follower.damping": 30.0}}
     for words, values in tried.items():
         scene = changed(bench.scene, values)
@@ -153,6 +146,6 @@ def _left_out(bench: Bench, settings: Settings) -> None:
             bench.engine.check(scene)
         except Refusal:
             continue
-        found = _asked(bench, scene, 90.0, settings)
+        found = _asked(bench, scene, 90.0)
         if found.shape != plain.shape or not np.allclose(found, plain, rtol=1e-6):
             raise Fault(f"{words} changes them", "leave it out of the linearization")

@@ -2,18 +2,16 @@
 
 import pickle
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Final
 
-from cases.conformance.bench import COMPARED, Bench, found_engine
+from cases.conformance.bench import COMPARED, Bench, columns_of, found_engine
 from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at
-from cases.conformance.scenes import OUTPUT_STEP
 from cases.jobs.display import answers
 from cases.jobs.job import Job
 from cases.jobs.processes import LocalProcesses
-from engines.accurate import run_once
 from engines.base import AnyEngine, EngineFailure
 from engines.relative import rms
-from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import changed
 
@@ -27,7 +25,8 @@ _OF_ERROR: Final = 0.02
 
 def fingerprint(engine: AnyEngine | str) -> dict[str, Array]:
     """The columns of a short run, for another process to compare with."""
-    return {name: values for name, values in _run(Bench(found_engine(engine))).columns.items() if name in COMPARED}
+    run = _run(Bench(found_engine(engine)))
+    return {name: run[name] for name in columns_of(run)}
 
 
 def elsewhere(engine: AnyEngine | str) -> dict[str, Array] | str:
@@ -41,22 +40,21 @@ def elsewhere(engine: AnyEngine | str) -> dict[str, Array] | str:
 
 
 def _run(bench: Bench) -> Trajectory:
-    settings = bench.settings(bench.scene)
-    return run_once(bench.engine, bench.scene, standard_start(bench.scene), _DURATION, OUTPUT_STEP, settings)[0]
+    return replace(bench.mild, duration=_DURATION).by(bench.engine, bench.settings(bench.scene))
 
 
-def repetition(bench: Bench, other: dict[str, Array] | str) -> Iterator[Check]:
-    """The same scene again, behind another scene, and in another process (`other`, from `elsewhere`)."""
+def repetition(bench: Bench) -> Iterator[Check]:
+    """The same scene again, behind another scene, and in another process."""
     try:
         first, again = _run(bench), _run(bench)
-        bench.run(changed(bench.scene, {"follower.bending_stiffness": 9.0, "tip.mass": 0.1}), duration=_DURATION)
+        bench.run(replace(bench.mild, scene=changed(bench.scene, {"follower.bending_stiffness": 9.0, "tip.mass": 0.1}), duration=_DURATION))
         behind = _run(bench)
     except EngineFailure as failure:
         yield Check("twice the same", "not judged", failure.cause, failure.advice)
         return
     yield looked_at("twice the same", _same, first.columns, again.columns, "the second time")
     yield looked_at("the same behind another scene", _same, first.columns, behind.columns, "the second time")
-    yield looked_at("the same from another process", _same_there, bench, first, other)
+    yield looked_at("the same from another process", _same_there, bench, first)
 
 
 def _same(first: Mapping[str, Array], second: Mapping[str, Array], when: str, errors: Mapping[str, float] | None = None) -> None:
@@ -68,8 +66,9 @@ def _same(first: Mapping[str, Array], second: Mapping[str, Array], when: str, er
             raise Fault(f"{name} comes out another way {when}", keep)
 
 
-def _same_there(bench: Bench, first: Trajectory, other: dict[str, Array] | str) -> None:
+def _same_there(bench: Bench, first: Trajectory) -> None:
     """Fault if a column differs, or if there is no run but a clause why; Unjudged if only the class is not to be had there."""
+    other = bench.elsewhere
     if isinstance(other, str):
         words = other.lower()
         if "raised" in words and (("error" in words and "import" in words) or "attribute" in words or "pickle" in words):
@@ -80,4 +79,4 @@ def _same_there(bench: Bench, first: Trajectory, other: dict[str, Array] | str) 
     try:
         _same(here, other, when)
     except Fault:  # estimates take time: they are made where something depends on them
-        _same(here, other, when, bench.estimates(bench.scene, duration=_DURATION))
+        _same(here, other, when, bench.estimates(replace(bench.mild, duration=_DURATION)))

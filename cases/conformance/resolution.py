@@ -12,7 +12,6 @@ from engines.accurate import ESTIMATED
 from engines.base import Comparison, EngineFailure
 from engines.relative import rms
 from engines.settings import Settings
-from engines.trajectory import Trajectory
 
 #: Rungs that a ladder may have: half as many as there are settings in the longest of this project.
 _MOST_RUNGS: Final = 200
@@ -57,22 +56,20 @@ def _ends(bench: Bench, settings: Settings) -> str:
     raise Fault(f"`finer` has gone on for {_MOST_RUNGS} rungs, to {seen[-1]}", "return None where a finer rung is not affordable")
 
 
-def _truth(bench: Bench) -> Truth | Trajectory:
+def _truth(bench: Bench) -> Truth:
     """The solution of the scene; of an engine whose discretization is its model, that of its own equations."""
     if bench.engine.estimates != "integration":
-        return truth(bench.scene)
+        return truth(bench.mild)
     settings = bench.settings(bench.scene)
     for _ in range(_RUN):
-        finer = bench.engine.finer(settings, (2.0,), 1e-3)
-        if finer is None:
-            break
-        settings = finer
-    return bench.run(bench.scene, settings)
+        settings = bench.engine.finer(settings, (2.0,), 1e-3) or settings
+    return Truth(bench.run(bench.mild, settings).columns, {})
 
 
-def _error(run: Trajectory, known: Truth | Trajectory, name: str = "tip_deflection") -> float:
-    right = known.columns[name]
-    return rms(run[name] - right) / (rms(right) or 1.0)
+def _error(bench: Bench, settings: Settings, known: Truth) -> float:
+    """Of the tip deflection, relative."""
+    right = known.columns["tip_deflection"]
+    return rms(bench.run(bench.mild, settings)["tip_deflection"] - right) / (rms(right) or 1.0)
 
 
 def _gets_finer(bench: Bench, coarse: Settings, default: Settings, wrong: Amiss) -> Iterator[Check]:
@@ -80,11 +77,11 @@ def _gets_finer(bench: Bench, coarse: Settings, default: Settings, wrong: Amiss)
     rungs = [coarse]
     for _ in range(_RUN - 1):
         finer = bench.finer(scene, rungs[-1])
-        if finer is None or bench.run(scene, rungs[-1]).solve_seconds > _SLOW:
+        if finer is None or bench.run(bench.mild, rungs[-1]).solve_seconds > _SLOW:
             break
         rungs.append(finer)
-    errors = [_error(bench.run(scene, rung), known) for rung in rungs]
-    picked, up = _error(bench.run(scene, default), known), bench.finer(scene, default)
+    errors = [_error(bench, rung, known) for rung in rungs]
+    picked, up = _error(bench, default, known), bench.finer(scene, default)
 
     def gets_finer() -> str:
         listed = ", ".join(f"{error:.2g}" for error in errors)
@@ -108,8 +105,8 @@ def _gets_finer(bench: Bench, coarse: Settings, default: Settings, wrong: Amiss)
         return f"errors {errors[0]:.2g} and {picked:.2g}"
 
     yield looked_at("ladder: gets finer", gets_finer)
-    if up is not None and bench.run(scene, default).solve_seconds <= _SLOW:
-        above = _error(bench.run(scene, up), known)
+    if up is not None and bench.run(bench.mild, default).solve_seconds <= _SLOW:
+        above = _error(bench, up, known)
         if _is_worse(above, picked, errors[0]):
             cause = f"`finer` makes the default settings coarser: the error of the tip deflection goes from {picked:.2g} to {above:.2g}"
             yield Check("ladder: above the default", "failed", cause, "return settings with a smaller error")
@@ -125,19 +122,17 @@ def _estimates(bench: Bench, settings: Settings, wrong: Amiss) -> str:
     if of == "unverified":
         raise Unjudged("the engine states that its estimates are not verified")
     pairs = bench.engine.comparisons(settings, bench.scene, 1e-3)
-    found = bench.estimates(bench.scene, settings)
+    found = bench.estimates(bench.mild, settings)
     if found is None:
         raise Unjudged(f"no estimate can be made of {settings}", "let `comparisons` name a run that is not the same and completes")
-    known = _truth(bench)
-    uncertain = known.uncertainty if isinstance(known, Truth) else {}
-    run = bench.run(bench.scene, settings)
-    if of == "integration" and _error(run, known) < _NOISE:
+    known, run = _truth(bench), bench.run(bench.mild, settings)
+    if of == "integration" and _error(bench, settings, known) < _NOISE:
         return "the integration's error is too small to be measured"
     missed, allowed = {}, _MISSED[of]
     for column in (name for name in ESTIMATED if name not in wrong.columns):
         size = rms(known.columns[column])
         error, estimate = rms(run[column] - known.columns[column]), found[column]
-        if size > 0.0 and error > allowed * estimate + 3.0 * uncertain.get(column, 0.0) and error > _NOISE * size:
+        if size > 0.0 and error > allowed * estimate + 3.0 * known.uncertainty.get(column, 0.0) and error > _NOISE * size:
             missed[column] = (error / max(estimate, 1e-300), error / size, estimate / size)
     single = _factor_shown(bench, pairs, known) if len(pairs) == 1 else None
     stated = pairs[0].factor if len(pairs) == 1 else math.nan
@@ -154,13 +149,14 @@ def _estimates(bench: Bench, settings: Settings, wrong: Amiss) -> str:
             cause = f"the factor {stated:g} of `comparisons` is overclaimed: the errors' ratio is {single:.3g}; {cause}"
         advice = "state the factor that runs show: error of `other` over that of `run`, on the safe side; or compare with a finer run"
         raise Fault(cause, advice)
-    return f"error {_error(run, known):.2g}, estimate {found['tip_deflection'] / (rms(known.columns['tip_deflection']) or 1.0):.2g}"
+    relative = found["tip_deflection"] / (rms(known.columns["tip_deflection"]) or 1.0)
+    return f"error {_error(bench, settings, known):.2g}, estimate {relative:.2g}"
 
 
-def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth | Trajectory) -> float | None:
+def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth) -> float | None:
     """Error of the other run over that of the run, of the tip deflection; None where one of them is lost in noise."""
     try:
-        error, other = (_error(bench.run(bench.scene, settings), known) for settings in (pairs[0].run, pairs[0].other))
+        error, other = (_error(bench, settings, known) for settings in (pairs[0].run, pairs[0].other))
     except EngineFailure:
         return None
     return other / error if error > 0.2 * _NOISE else None

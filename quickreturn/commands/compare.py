@@ -67,7 +67,7 @@ def command(
     if as_json:
         document = as_document(results, workshop.store.notices)
         for entry, result in zip(document["cases"], results, strict=True):
-            entry["differences"], entry["slips"] = {name: {} for name in result.recorded}, _slips(result)
+            entry["differences"], entry["slips"] = {name: {} for name in result.recorded}, _mistakes(result)
             for (table, engine), found in _differences(result).items():
                 entry["differences"][table][engine] = found
         print_json(document)
@@ -100,11 +100,11 @@ def _differences(result: "CaseResult") -> dict[tuple[str, str], dict[str, float]
     return {(run.engine, other.engine): column_differences(run, other) for run, other in _pairs(result)}
 
 
-def _slips(result: "CaseResult") -> dict[str, dict[str, str]]:
-    """Table -> column -> the slip that would explain its difference from the engine that it is held against first."""
-    from cases.runs.differences import slips
+def _mistakes(result: "CaseResult") -> dict[str, dict[str, str]]:
+    """Table -> column -> the mistake that would explain its difference from the engine that it is held against first."""
+    from cases.runs.differences import mistakes
 
-    return {run.engine: slips(run, other) for run, other in reversed(_pairs(result))}
+    return {run.engine: mistakes(run, other, result.case.mechanism) for run, other in reversed(_pairs(result))}
 
 
 def _print(results: "Sequence[CaseResult]") -> None:
@@ -121,6 +121,6 @@ def _print(results: "Sequence[CaseResult]") -> None:
             rows = [[f"  {name}", *(f"{found[name]:.1e}" if name in found else "-" for found in differences.values())] for name in columns]
             click.echo("  RMS difference in this turn, over the engine's RMS:")
             print_table(rows, ("", *heads))
-        for table, slips in _slips(result).items():
-            for column, told in slips.items():
-                click.echo(f"  {table}, {column}: {told}")
+        for table, found in _mistakes(result).items():
+            for told in found.values():
+                click.echo(f"  {table}: {told}")
