@@ -5,8 +5,9 @@ the uncertainty of the measurement. So a coarse engine that says how coarse it i
 an engine is says its accuracy class. An engine whose estimate is not one of its whole error is not judged: its difference is a result.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Any, Final
 
 from cases.case import Case
@@ -135,9 +136,9 @@ class CaseResult:
         if not self.checks:
             if len(self.runs) == 1:
                 return "nothing to compare with: one engine alone"
-            left_out = [f"{name}: {why}" for name, run in self.runs.items() if (why := not_judged(run))]
-            judged = [name for name, run in self.runs.items() if not not_judged(run)]
-            return "; ".join(["nothing to compare with", *left_out, *(f"{name}: alone with its claims" for name in judged)])
+            return "; ".join(
+                ["nothing to compare with", *(f"{name}: {not_judged(run) or 'alone with its claims'}" for name, run in self.runs.items())]
+            )
         departing = [f"{pair[0]} and {pair[1]} disagree by more than they claim" for pair in self.departures]
         return "; ".join([*departing, *(f"{run.engine} did not deliver: {run.status}" for run in self.failures)])
 
@@ -170,7 +171,7 @@ class CaseResult:
         known = reference is not None and reference.usable and name != REFERENCE
         if not run.usable or (not known if run.estimate_of == "integration" else run.unestimated):
             return None
-        sizes = [_own_size(run, half) for half in HALVES]
+        sizes = [size for half in HALVES for size in _own_sizes(run, half)]
         if known and reference is not None:
             pairs = (values(run, reference, CONSENSUS, half, None) for half in HALVES)
             sizes += [abs(pair[0] / pair[1] - 1.0) for pair in pairs if pair]
@@ -178,11 +179,8 @@ class CaseResult:
                 held = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
                 sizes += [abs(check.difference) / check.scale for check in held]
             else:
-                sizes.append(largest_differences(run, reference)["extremes"])
-        found = max((size for size in sizes if size is not None), default=None)
-        if found is None:
-            return None
-        return next((f"{100.0 * width:g} %" for width in CLASSES if found <= width), WORSE)
+                sizes += _differences(run, reference, EXTREMES)
+        return next((f"{100.0 * width:g} %" for width in CLASSES if max(sizes) <= width), WORSE) if sizes else None
 
 
 def cross_validate(
@@ -207,10 +205,10 @@ def cross_validate(
 
     Raises:
         CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
-        ValueError: two of the cases, of the engines or of a case's tables have one name.
+        ValueError: two of the cases or of the engines have one name.
         UnknownEngine: see there.
     """
-    recorded = {case.name: _recorded(case, (tables or {}).get(case.name, ())) for case in cases}
+    recorded = {case.name: {table.name: recorded_run(table, case) for table in (tables or {}).get(case.name, ())} for case in cases}
     requests = {(case.name, engine): _request(case, engine, accuracy, settings) for case in cases for engine in engines}
     if len(requests) < len(cases) * len(engines):
         raise ValueError("two cases or two engines have one name")
@@ -234,10 +232,10 @@ def hold_against_engines(
     Returns:
         One result for the steady state and one for each turn on the way to it that a table shows.
     """
-    found = _recorded(case, tables)
-    groups = {
-        turn: {name: run for name, run in found.items() if run.turn == turn} for turn in dict.fromkeys(r.turn for r in found.values())
-    }
+    groups: dict[int | None, dict[str, Run]] = {}
+    for table in tables:
+        run = recorded_run(table, case)
+        groups.setdefault(run.turn, {})[table.name] = run
     requests = {}
     for turn, group in groups.items():
         end = LONGER * max(float(run.cycle["time"][-1]) for run in group.values())
@@ -255,13 +253,6 @@ def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[
     if not crank_pace(case.mechanism):
         raise CaseError(case.name, "[crank]", None, "the crank stands still: there is no cycle", "give it a torque or a speed")
     return RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=texts)
-
-
-def _recorded(case: Case, tables: Sequence[RecordedTable]) -> dict[str, Run]:
-    found = {table.name: recorded_run(table, case) for table in tables}
-    if len(found) < len(tables):
-        raise ValueError("two tables have one name")
-    return found
 
 
 def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | None = None) -> CaseResult:
@@ -340,31 +331,29 @@ def claim(run: Run, other: Run, quantity: str, half: str, channel: str | None) -
 
     The consensus is that of the channels that both runs resolve and have estimates of.
     """
+    value: float | None
     if channel is None:
         shared = [name for name in CHANNELS if all(one.has_frequency(half, name) for one in (run, other))]
-        found, estimate = _consensus(run, half, shared), mean_estimate(run.measures, half, shared)
-        if found.first_mode_frequency is None or found.uncertainty is None or estimate is None:
+        found = _consensus(run, half, shared)
+        value, estimate, uncertainty = found.first_mode_frequency, mean_estimate(run.measures, half, shared), found.uncertainty
+    else:
+        measure = run.measure(half, channel)
+        if measure is None:
             return None
-        return Claim(found.first_mode_frequency, estimate, found.uncertainty)
-    measure = run.measure(half, channel)
-    if measure is None:
-        return None
-    value, estimate = measure.number(quantity), measure.estimate(quantity)
-    uncertainty = (run.settling_errors or {}).get(channel) if quantity in EXTREMES else measure.number(f"{quantity}_uncertainty")
-    if value is None or estimate is None or uncertainty is None:
-        return None
-    return Claim(value, estimate, uncertainty)
+        value, estimate = measure.number(quantity), measure.estimate(quantity)
+        uncertainty = (run.settling_errors or {}).get(channel) if quantity in EXTREMES else measure.number(f"{quantity}_uncertainty")
+    return None if value is None or estimate is None or uncertainty is None else Claim(value, estimate, uncertainty)
 
 
-def _own_size(run: Run, half: str) -> float | None:
-    """Largest of a run's own estimates in a half: of the consensus relative to it, of extremes to the peak; None without any."""
-    sizes = []
-    for measure in (found for found in run.measures if found.half == half):
+def _own_sizes(run: Run, half: str) -> Iterator[float]:
+    """A run's own estimates in a half: of the consensus relative to it, of extremes to the peak."""
+    for measure in run.measures:
         peak, estimates = run.peak(measure.channel), [measure.estimate(name) for name in EXTREMES]
-        sizes += [estimate / peak for estimate in estimates if estimate is not None and peak > 0.0]
-    frequency = run.consensus_frequency(half)
-    estimate = mean_estimate(run.measures, half)
-    return max([*sizes, *([estimate / frequency] if frequency and estimate is not None else [])], default=None)
+        if measure.half == half and peak > 0.0:
+            yield from (estimate / peak for estimate in estimates if estimate is not None)
+    frequency, estimate = run.consensus_frequency(half), mean_estimate(run.measures, half)
+    if frequency and estimate is not None:
+        yield estimate / frequency
 
 
 def values(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> tuple[float, float] | None:
@@ -375,26 +364,19 @@ def values(run: Run, other: Run, quantity: str, half: str, channel: str | None) 
         other: the other.
         quantity: "consensus_frequency" or a number of `cases.measures.Measure`.
         half: "pre" or "post".
-        channel: a trajectory column; None for the consensus.
+        channel: a trajectory column; None for the consensus, which is over the channels that both resolve.
     """
     if quantity == CONSENSUS or channel is None:
-        shared = _shared(run, other, half)
-        pair = _consensus(run, half, shared).first_mode_frequency, _consensus(other, half, shared).first_mode_frequency
+        shared = [name for name in CHANNELS if values(run, other, "first_mode_frequency", half, name)]
+        pair = [_consensus(one, half, shared).first_mode_frequency for one in (run, other)]
     else:
-        mine, its = run.measure(half, channel), other.measure(half, channel)
-        if mine is None or its is None:
-            return None
-        pair = mine.number(quantity), its.number(quantity)
+        measures = run.measure(half, channel), other.measure(half, channel)
+        pair = [None if measure is None else measure.number(quantity) for measure in measures]
     return None if pair[0] is None or pair[1] is None else (float(pair[0]), float(pair[1]))
 
 
 def _consensus(run: Run, half: str, channels: Sequence[str]) -> Consensus:
-    """Consensus over the given channels: two runs can be compared over those only that both resolve."""
     return consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
-
-
-def _shared(run: Run, other: Run, half: str) -> list[str]:
-    return [name for name in CHANNELS if values(run, other, "first_mode_frequency", half, name)]
 
 
 def largest_differences(run: Run, other: Run) -> dict[str, float | None]:
@@ -402,18 +384,15 @@ def largest_differences(run: Run, other: Run) -> dict[str, float | None]:
 
     "frequency" and "amplitude" are relative to the other's value, "extremes" to the channel's largest magnitude in the other's cycle.
     """
-    groups = {"frequency": ("first_mode_frequency",), "amplitude": ("first_mode_amplitude",), "extremes": EXTREMES}
-    found: dict[str, float | None] = {}
-    for group, quantities in groups.items():
-        differences = []
-        for half in HALVES:
-            for channel in CHANNELS:
-                for quantity in quantities:
-                    pair = values(run, other, quantity, half, channel)
-                    if pair is None:
-                        continue
-                    scale = other.peak(channel) if group == "extremes" else abs(pair[1])
-                    if scale > 0.0:
-                        differences.append(abs(pair[0] - pair[1]) / scale)
-        found[group] = max(differences) if differences else None
+    groups = {"frequency": VIBRATION[:1], "amplitude": VIBRATION[1:], "extremes": EXTREMES}
+    return {group: max(_differences(run, other, quantities), default=None) for group, quantities in groups.items()}
+
+
+def _differences(run: Run, other: Run, quantities: Sequence[str]) -> list[float]:
+    found = []
+    for half, channel, quantity in product(HALVES, CHANNELS, quantities):
+        pair = values(run, other, quantity, half, channel)
+        scale = 0.0 if pair is None else other.peak(channel) if quantity in EXTREMES else abs(pair[1])
+        if pair is not None and scale > 0.0:
+            found.append(abs(pair[0] - pair[1]) / scale)
     return found

@@ -13,7 +13,7 @@ extremes of a chain of 12 links, their own differences twelve.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,16 +86,9 @@ def with_estimates(
     measures = []
     for place, measure in enumerate(found.measures):
         of_extremes = _of_extremes(compared, measure.half, measure.channel) if compared else None
-        frequency, amplitude = (_of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION)
-        measures.append(
-            EstimatedMeasure(
-                **vars(measure),
-                first_mode_frequency_estimate=frequency,
-                first_mode_amplitude_estimate=amplitude,
-                minimum_estimate=of_extremes,
-                maximum_estimate=of_extremes,
-            )
-        )
+        estimates: dict[str, Any] = {name: _of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION}
+        estimates |= dict.fromkeys(EXTREMES, of_extremes)
+        measures.append(EstimatedMeasure(**vars(measure), **{f"{name}_estimate": estimate for name, estimate in estimates.items()}))
     means = [mean_estimate(measures, each.half) for each in found.consensus]
     consensus = [
         EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean) for each, mean in zip(found.consensus, means, strict=True)

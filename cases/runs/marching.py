@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.measures import CHANNELS, Cycle, Settling, cut_cycles
-from cases.measures.steady_state import GREATEST_NUMBER, Outlook
+from cases.measures.steady_state import GREATEST_NUMBER
 from engines import progress
 from engines.accurate import check_trajectory
 from engines.base import EngineFailure, Simulation
@@ -54,24 +53,15 @@ def _frequencies(mechanism: Mechanism) -> Iterator[NDArray[np.float64]]:
         yield from (frozen_crank_modes(mechanism, angle, 3).frequencies for angle in np.linspace(0.0, math.pi, 5))
 
 
-@dataclass(frozen=True)
-class LastCycle:
-    """The last of some cycles."""
-
-    columns: Columns  # of the trajectory over the cycle, from farthest to farthest; empty if there is no cycle
-    settled: bool
-    cycles: int  # how many there were
-    error: float | None  # estimated distance from the steady state, relative to the signals' RMS; None where unknown
-    errors: dict[str, float] | None  # the same of each channel, in its own unit
-    outlook: Outlook | None  # what the cycles promise; None where settled
-
-
-def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> LastCycle:
+def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[Columns, Settling]:
     """Take cycle after cycle until settled or given up, or until there are no more.
 
     Args:
         cycles: one after the other, with all columns of the trajectory.
         multiplier: largest Floquet multiplier of the steady state, where it is known.
+
+    Returns:
+        The columns of the last one, empty if there is none, and what the cycles tell of settling.
     """
     settling, last = Settling(multiplier=multiplier), Columns()
     for cycle in cycles:
@@ -79,16 +69,7 @@ def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> LastCycl
         progress.tell(cycle=settling.cycles + 1, most=GREATEST_NUMBER)
         if settling.feed(channels_of(last)) or settling.given_up:
             break
-    error = settling.error_estimate
-    known = math.isfinite(error)
-    return LastCycle(
-        columns=last,
-        settled=settling.settled,
-        cycles=settling.cycles,
-        error=error if known else None,
-        errors=settling.errors if known else None,
-        outlook=None if settling.settled else settling.outlook,
-    )
+    return last, settling
 
 
 class March:

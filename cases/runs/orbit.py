@@ -48,11 +48,9 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class PeriodicStart:
-    """A `Start` that can be stored and told apart from another by its content; fields as there."""
+class PeriodicStart(Start):
+    """A start that can be stored and told apart from another by its content."""
 
-    crank_angle: float
-    crank_speed: float
     deflection: Curve
     deflection_rate: Curve
 
@@ -64,10 +62,6 @@ class PeriodicStart:
             assert isinstance(field, (PPoly, Curve))
             curves.append(Curve(field.x, field.c))
         return cls(start.crank_angle, start.crank_speed, *curves)
-
-    def start(self) -> Start:
-        """What engines begin in."""
-        return Start(self.crank_angle, self.crank_speed, self.deflection, self.deflection_rate)
 
 
 @dataclass(frozen=True)

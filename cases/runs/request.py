@@ -58,7 +58,7 @@ class RunRequest:
     def start(self) -> Start:
         """Where the run begins."""
         found = self._begun_from
-        return standard_start(self.mechanism) if found is None or found.begin is None else found.begin.start()
+        return (found and found.begin) or standard_start(self.mechanism)
 
     def estimated_on(self, step: float) -> float:
         """The stretch on which the error is estimated, s: from the periodic state a little more than so many cycles."""

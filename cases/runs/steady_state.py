@@ -25,7 +25,7 @@ import numpy as np
 
 from cases.measures import CHANNELS, Cycle, measure_cycle, time_scale
 from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from cases.runs.marching import Columns, LastCycle, March, columns_of, output_step, settle, whole_cycles
+from cases.runs.marching import Columns, March, columns_of, output_step, settle, whole_cycles
 from cases.runs.orbit import UNKNOWN_ERROR, Orbit
 from cases.runs.request import (
     DIRECT,
@@ -190,13 +190,16 @@ class _Way:
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
-            last = settle(self._noted(march), multiplier)
+            last, settling = settle(self._noted(march), multiplier)
         finally:
             self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
-        self._know_of(last)
-        if last.outlook is not None:
-            self.say(f"not settled after {last.cycles} cycles: {last.outlook.sentence()}")
-        return last.columns
+        self.know(settled=settling.settled, cycles=settling.cycles)
+        if math.isfinite(settling.error_estimate):
+            self.know(settling_error=settling.error_estimate, settling_errors=settling.errors)
+        if not settling.settled:
+            self.know(settling=settling.outlook)
+            self.say(f"not settled after {settling.cycles} cycles: {settling.outlook.sentence()}")
+        return last
 
     def _noted(self, cycles: Iterable[Cycle]) -> Iterator[Cycle]:
         """The cycles; the one that is compared is kept."""
@@ -212,10 +215,6 @@ class _Way:
         cycle = columns_of(next(islice(march, number - 1, None)))
         self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         return cycle
-
-    def _know_of(self, last: LastCycle) -> None:
-        told = {"settled": last.settled, "cycles": last.cycles, "settling": last.outlook}
-        self.know(settling_error=last.error, settling_errors=last.errors, **told)
 
     def _compare(self) -> tuple[tuple[Compared[Columns], ...], str]:
         """The same cycle in the runs by which the engine estimates its error, and why there are none."""
@@ -256,9 +255,9 @@ class _Way:
                     found = self._searched(settings)
                     if found is not None and found.stable:
                         return self._one_cycle(found)[0]
-                last = settle(self._march(settings))
+                last, settling = settle(self._march(settings))
                 unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
-                return last.columns if last.settled else unsettled
+                return last if settling.settled else unsettled
             return columns_of(next(islice(self._march(settings), number - 1, None)))
         except EngineFailure as failure:
             return failure
