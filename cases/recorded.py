@@ -101,16 +101,15 @@ def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
     return table
 
 
-def experiment_tables(folder: str | Path | None = None) -> list[RecordedTable]:
+def experiment_tables() -> list[RecordedTable]:
     """All tables in the folder of the experiment's recordings, by file name; each declares its case and its origin.
 
-    Args:
-        folder: default: what the environment variable QUICKRETURN_CURVES names, else the project's own folder.
+    The folder is what the environment variable QUICKRETURN_CURVES names, else the project's own.
 
     Raises:
         CaseError: no such folder, or a file that is no such table.
     """
-    place = Path(folder or os.environ.get(FOLDER_VARIABLE) or str(files("cases.experiment") / "curves"))
+    place = Path(os.environ.get(FOLDER_VARIABLE) or str(files("cases.experiment") / "curves"))
     if not place.is_dir():
         raise CaseError(path_shown(str(place)), None, None, "is no folder", f"{FOLDER_VARIABLE} names a folder of CSV files")
     tables = [read_table(str(path), of_experiment=True) for path in sorted(place.glob("*.csv"))]

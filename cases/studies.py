@@ -1,8 +1,7 @@
 """Studies that the report shows beside the 24 runs: accuracy against a confirmed solution, convergence, and what the thesis leaves open."""
 
-import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from cases.case_file import load_case
@@ -20,6 +19,7 @@ from engines.registry import MAIN, engine
 from engines.relative import relative_error
 from engines.settings import Settings, as_texts
 from engines.start import standard_start
+from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism, changed
 
 #: The case on which accuracy is shown, and the settings whose three solutions confirm each other.
@@ -61,7 +61,7 @@ class StudiedTrajectory:
     def against(self, truth: Columns) -> StudiedRun:
         """The run with its errors."""
         errors = {column: relative_error(self.columns[column], truth[column]) for column in ESTIMATED}
-        return dataclasses.replace(self.run, errors=errors, is_reference=self.columns is truth)
+        return replace(self.run, errors=errors, is_reference=self.columns is truth)
 
 
 @dataclass(frozen=True)
@@ -192,25 +192,23 @@ def _trajectory(
     mechanism: Mechanism, duration: float, output_step: float, name: str, settings: Mapping[str, str] | None
 ) -> StudiedTrajectory:
     """To the engine's default accuracy, or once with given settings."""
-    chosen, start = engine(name), standard_start(mechanism)
+    chosen = engine(name)
     if settings is not None:
         used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
         return _once(chosen, mechanism, duration, output_step, used)
-    result = simulate(chosen, mechanism, start, duration, output_step)
-    run = StudiedRun(
-        engine=name,
-        settings=result.settings.as_dict(),
-        degrees_of_freedom=result.description.degrees_of_freedom,
-        solve_seconds=result.solve_seconds,
-        setup_seconds=result.setup_seconds,
-        error_estimate=result.error_estimate,
-        remark=result.remark,
-    )
-    return StudiedTrajectory(run, dict(result.trajectory.columns))
+    result = simulate(chosen, mechanism, standard_start(mechanism), duration, output_step)
+    found = _studied(chosen, mechanism, result.settings, result.trajectory, result.setup_seconds)
+    return replace(found, run=replace(found.run, error_estimate=result.error_estimate, remark=result.remark))
 
 
 def _once(chosen: AnyEngine, mechanism: Mechanism, duration: float, output_step: float, settings: Settings) -> StudiedTrajectory:
-    trajectory, setup_seconds = run_once(chosen, mechanism, standard_start(mechanism), duration, output_step, settings)
+    run = run_once(chosen, mechanism, standard_start(mechanism), duration, output_step, settings)
+    return _studied(chosen, mechanism, settings, *run)
+
+
+def _studied(
+    chosen: AnyEngine, mechanism: Mechanism, settings: Settings, trajectory: Trajectory, setup_seconds: float
+) -> StudiedTrajectory:
     run = StudiedRun(
         engine=chosen.name,
         settings=settings.as_dict(),
@@ -245,7 +243,7 @@ def open_changes(mechanism: Mechanism) -> dict[str, Mechanism]:
     """What the thesis leaves open, as changed scenes, by a text that names the change."""
     follower, tip = mechanism.follower, mechanism.tip_body
     changes: dict[str, dict[str, Any]] = {
-        "tip centre of mass 0.5 in beyond the end": {"tip": dataclasses.replace(tip, center_of_mass=0.5 * INCH)},
+        "tip centre of mass 0.5 in beyond the end": {"tip": replace(tip, center_of_mass=0.5 * INCH)},
         "slider mass 0.1 kg": {"slider.mass": 0.1},
         "slider inertia 2e-5 kg m²": {"slider.inertia": 2e-5},
         "EI + 5 %": {"follower.bending_stiffness": 1.05 * follower.bending_stiffness},
@@ -256,31 +254,30 @@ def open_changes(mechanism: Mechanism) -> dict[str, Mechanism]:
     return {words: changed(mechanism, values) for words, values in changes.items()}
 
 
-def _requests() -> dict[Name, RunRequest]:
-    return {**_from_orbit(), **_straight(), **_open_requests()}
-
-
 #: The damping law is a setting of the model with fixed shapes: nominal and changed law are both taken from it, at this accuracy.
 DAMPING_LAW: Final = "beam damping on the transverse velocity alone"
 DAMPING_LAW_ACCURACY: Final = 3e-3
+#: Packages that march from the standard start, too, on one run: that they get to the same cycle is seen, not assumed.
+PACKAGES: Final = ("exudyn", "mujoco")
 
 
-def _open_requests() -> dict[Name, RunRequest]:
+def _requests() -> dict[Name, RunRequest]:
     requests = dict[Name, RunRequest]()
     for name in OPEN_RUNS:
         case = load_case(name)
-        scenes = {"": case.mechanism, **open_changes(case.mechanism)}
-        for change, scene in scenes.items():
-            requests[name, change] = RunRequest(mechanism=scene, duration=case.duration, engine="reference")
+        nominal = RunRequest(mechanism=case.mechanism, duration=case.duration, engine="reference")
+        for change, scene in {"": case.mechanism, **open_changes(case.mechanism)}.items():
+            requests[name, change] = replace(nominal, mechanism=scene)
+        fixed = replace(nominal, engine="fixed-shapes", accuracy=DAMPING_LAW_ACCURACY, estimated=False)
         for law in ("both components", "transverse"):
-            requests[name, law] = RunRequest(
-                mechanism=case.mechanism,
-                duration=case.duration,
-                engine="fixed-shapes",
-                accuracy=DAMPING_LAW_ACCURACY,
-                settings={"damping_law": law},
-                estimated=False,
-            )
+            requests[name, law] = replace(fixed, settings={"damping_law": law})
+    case = load_case(ACCURACY_CASE)
+    for name in PACKAGES:
+        requests[name, "orbit"] = RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name)
+        # with the settings that the run from the orbit begins with; where that needed finer ones the two are no pair
+        chosen = engine(name)
+        settings = as_texts(chosen.settings_for(chosen.default_accuracy, case.mechanism).as_dict())
+        requests[name, "straight"] = replace(requests[name, "orbit"], settings=settings, straight=True, estimated=False)
     return requests
 
 
@@ -307,27 +304,6 @@ def _moved(name: str, change: str, run: Run, nominal: Run) -> Iterator[Moved]:
             if before and after:
                 amplitudes = before.first_mode_amplitude, after.first_mode_amplitude
                 yield Moved(name, change, half, "first_mode_amplitude", channel, *amplitudes)
-
-
-#: Packages that march from the standard start, too, on one run: that they get to the same cycle is seen, not assumed.
-PACKAGES: Final = ("exudyn", "mujoco")
-
-
-def _from_orbit() -> dict[Name, RunRequest]:
-    case = load_case(ACCURACY_CASE)
-    return {(name, "orbit"): RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name) for name in PACKAGES}
-
-
-def _straight() -> dict[Name, RunRequest]:
-    """With the settings that the runs from the orbit begin with; where those needed finer ones the two are no pair."""
-    case, requests = load_case(ACCURACY_CASE), dict[Name, RunRequest]()
-    for name in PACKAGES:
-        chosen = engine(name)
-        settings = as_texts(chosen.settings_for(chosen.default_accuracy, case.mechanism).as_dict())
-        requests[name, "straight"] = RunRequest(
-            mechanism=case.mechanism, duration=case.duration, engine=name, settings=settings, straight=True, estimated=False
-        )
-    return requests
 
 
 def _both_starts(results: Runs, failures: list[str]) -> list[BothStarts]:

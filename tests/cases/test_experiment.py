@@ -7,15 +7,16 @@ from pathlib import Path
 import pytest
 
 from cases.experiment import axis_labels, channel_is_usable, measured_crank_speed, statements
-from cases.recorded import experiment_tables
+from cases.recorded import FOLDER_VARIABLE, experiment_tables
 
 
-def test_the_example_of_the_readme_has_the_form_that_is_read(tmp_path: Path) -> None:
+def test_the_example_of_the_readme_has_the_form_that_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     readme = (Path(__file__).parents[2] / "cases" / "experiment" / "curves" / "README.md").read_text()
     example = re.search(r"```\n(# case.*?)\.\.\.\n(.*?)```", readme, re.DOTALL)
     assert example is not None
     (tmp_path / "curve.csv").write_text(example[1] + example[2])
-    (table,) = experiment_tables(tmp_path)
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+    (table,) = experiment_tables()
     assert (table.declared["case"], table.declared["origin"]) == ("thesis-24", "digitised")
     assert table.columns["tip_acceleration"][-1] == pytest.approx(-820.0 * 0.0254, rel=1e-15)
 

@@ -141,5 +141,6 @@ def test_recordings_of_the_experiment_say_what_they_are(tmp_path: Path, monkeypa
     written(tmp_path, "# case = thesis-24\ntime,tip_x\n0,1", "a.csv")
     with pytest.raises(CaseError, match="origin: this declaration is missing"):
         experiment_tables()
+    monkeypatch.setenv(recorded.FOLDER_VARIABLE, str(tmp_path / "none"))
     with pytest.raises(CaseError, match="is no folder"):
-        experiment_tables(tmp_path / "none")
+        experiment_tables()
