@@ -152,17 +152,21 @@ def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], in
             continue
         if not line.startswith("#"):
             return declared, at
-        key, equals, value = (part.strip() for part in line.lstrip("#").partition("="))
-        place = f"line {at + 1}"
-        if not equals or not value:
-            raise CaseError(source, place, as_written(line), "declares nothing", 'write "# key = value"')
-        if key not in DECLARATIONS:
-            raise CaseError(source, place, as_written(key), "is no known key", nearest_or_all(key, tuple(DECLARATIONS)))
-        if key in declared:
-            raise CaseError(source, place, as_written(key), "is declared twice", "declare each key once")
-        if DECLARATIONS[key] and value not in DECLARATIONS[key]:
-            raise CaseError(source, f"{place}, {key}", as_written(value), "is not accepted", f"give {' or '.join(DECLARATIONS[key])}")
-        declared[key] = value
+        key, _, value = (part.strip() for part in line.lstrip("#").partition("="))
+        values = DECLARATIONS.get(key)
+        if not value:
+            told = line, "declares nothing", 'write "# key = value"'
+        elif values is None:
+            told = key, "is no known key", nearest_or_all(key, tuple(DECLARATIONS))
+        elif key in declared:
+            told = key, "is declared twice", "declare each key once"
+        elif values and value not in values:
+            told = value, "is not accepted", f"give {' or '.join(values)}"
+        else:
+            declared[key] = value
+            continue
+        place = f"line {at + 1}" if values is None else f"line {at + 1}, {key}"
+        raise CaseError(source, place, as_written(told[0]), *told[1:])
     return declared, len(lines)
 
 

@@ -5,7 +5,7 @@ A column that is found wrong is left out of the checks that follow: one mistake 
 
 import functools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -44,7 +44,7 @@ _COARSE: Final = 0.02
 def motion(bench: Bench) -> Iterator[Check]:
     """All checks of a trajectory, in order."""
     try:
-        late, depending, found, model = _mild(bench)
+        late, depending, found, model = amiss(bench)
     except EngineFailure as failure:
         yield Check("a trajectory", "failed", f"none is delivered in a mild scene: {failure.cause}", failure.advice)
         return
@@ -59,7 +59,7 @@ def motion(bench: Bench) -> Iterator[Check]:
     yield from _bent(bench, wrong)
 
 
-class _Mild(NamedTuple):
+class Amiss(NamedTuple):
     """What is wrong in the mild scene.
 
     Attributes:
@@ -74,37 +74,28 @@ class _Mild(NamedTuple):
     found: Mapping[str, Finding]
     model: Finding | None
 
+    @property
+    def columns(self) -> frozenset[str]:
+        """Those whose own rows are wrong: no other check tells that again."""
+        explained = {name for name, finding in self.found.items() if finding.explained and self.model is None}
+        return frozenset({*self.late, *self.depending, *explained})
+
+    @property
+    def motion(self) -> bool:
+        """Whether more is wrong than rows."""
+        return self.model is not None or not all(finding.explained for finding in self.found.values())
+
 
 @functools.lru_cache(maxsize=1)
-def _mild(bench: Bench) -> _Mild:
-    """Raises EngineFailure if there is no trajectory."""
+def amiss(bench: Bench) -> Amiss:
+    """What is wrong with the mild scene's trajectory. Raises EngineFailure if there is none."""
     run, (late, depending) = bench.run(bench.mild), _rows(bench)
     found = _findings(bench, bench.mild, late)
     if len(found) < 2:
-        return _Mild(late, depending, found, None)
+        return Amiss(late, depending, found, None)
     of_rows = {name for name in found if found[name].explained and len(found) == 2}
     moves = {name: run[name] for name in columns_of(run) if name not in late and name not in of_rows}
-    return _Mild(late, depending, found, acts_as_if(bench.mild, moves, bench.tolerances(bench.mild)))
-
-
-@dataclass(frozen=True)
-class Amiss:
-    """What `motion` finds wrong in the mild scene, so that other checks do not tell it again.
-
-    Attributes:
-        columns: whose own rows are wrong.
-        motion: whether the motion is, in the mild scene already.
-    """
-
-    columns: frozenset[str]
-    motion: bool
-
-
-def amiss(bench: Bench) -> Amiss:
-    """What is wrong with the mild scene's trajectory. Raises EngineFailure if there is none."""
-    mild = _mild(bench)
-    explained = {name for name, finding in mild.found.items() if finding.explained and mild.model is None}
-    return Amiss(frozenset({*mild.late, *mild.depending, *explained}), len(explained) < len(mild.found))
+    return Amiss(late, depending, found, acts_as_if(bench.mild, moves, bench.tolerances(bench.mild)))
 
 
 def _rows(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
@@ -153,7 +144,7 @@ def _swing(values: Array) -> float:
 
 def _pieces(bench: Bench, wrong: set[str]) -> None:
     """A simulation advanced in pieces goes on where it stood."""
-    rows, scene, run = 60, bench.scene, bench.run(bench.mild)
+    rows, scene, run, tolerances = 60, bench.scene, bench.run(bench.mild), bench.tolerances(bench.mild)
     span = rows * OUTPUT_STEP
     simulation = bench.engine.prepare(scene, standard_start(scene), bench.settings(scene))
     try:
@@ -174,19 +165,19 @@ def _pieces(bench: Bench, wrong: set[str]) -> None:
         if number and abs(simulation.time - 3 * span) > 0.1 * OUTPUT_STEP:
             cause = f"`time` of the simulation is {simulation.time:.4g} s after {3 * rows} ms"
             raise Fault(cause, "add the duration to it in each advance")
-        off = [column for column in _jumps(bench, piece, run, begin) if column not in wrong]
+        off = [
+            column
+            for column in columns_of(run)
+            if rms(piece[column] - run[column][begin : begin + len(piece)])
+            > max(_allowed(column, run[column], tolerances, 1e-3, 3.0), 1e-12)
+            if column not in wrong
+        ]
         if off and all(column in ("dissipated_energy", "drive_work") for column in off):
             raise Fault(f"{' and '.join(off)} begins anew in each piece", "sum from the start of the simulation")
         if off and abs(piece["crank_angle"][0] - run["crank_angle"][0]) < 1e-9:
             raise Fault("each piece begins in the start again", keep)
         if off:
             raise Fault(f"in pieces {', '.join(off)} goes another way than in one go, from {begin} ms on", keep)
-
-
-def _jumps(bench: Bench, piece: Trajectory, run: Trajectory, begin: int) -> list[str]:
-    rows, tolerances = slice(begin, begin + len(piece)), bench.tolerances(bench.mild)
-    off = {name: rms(piece[name] - run[name][rows]) for name in columns_of(run)}
-    return [name for name in off if off[name] > max(_allowed(name, run[name], tolerances, 1e-3, 3.0), 1e-12)]
 
 
 def _columns(

@@ -68,27 +68,22 @@ _TOOL: Final = {"tip.force": (0.0, 1.5)}
 _SLOT: Final = {"tip.force_from": math.radians(200.0), "tip.force_to": math.radians(300.0)}
 _WHOLE_TURN: Final = {"tip.force_from": 0.0, "tip.force_to": 2.0 * math.pi}
 _CUT: Final = {**_TOOL, **_SLOT}
+
+
+def _gravity(along: str, gravity: tuple[float, float], other: str) -> Change:
+    alike: dict[str, dict[str, Any]] = {
+        "gravity acts with the wrong sign": {"gravity": (-gravity[0], -gravity[1])},
+        f"gravity acts along {other} in place of {along}": {"gravity": gravity[::-1]},
+        "gravity does not act on the crank": {"gravity": gravity, **_NO_MOMENT},
+    }
+    return Change(f"mechanism.gravity along {along}", {"gravity": gravity}, alike=alike)
+
+
 #: Every quantity that can show in a motion. The width of the section does not.
 CHANGES: Final = (
     Change("mechanism.pivot_distance", {"pivot_distance": 0.40}),
-    Change(
-        "mechanism.gravity along n1",
-        {"gravity": (9.81, 0.0)},
-        alike={
-            "gravity acts with the wrong sign": {"gravity": (-9.81, 0.0)},
-            "gravity acts along n2 in place of n1": {"gravity": (0.0, 9.81)},
-            "gravity does not act on the crank": {"gravity": (9.81, 0.0), **_NO_MOMENT},
-        },
-    ),
-    Change(
-        "mechanism.gravity along n2",
-        {"gravity": (0.0, 9.81)},
-        alike={
-            "gravity acts with the wrong sign": {"gravity": (0.0, -9.81)},
-            "gravity acts along n1 in place of n2": {"gravity": (9.81, 0.0)},
-            "gravity does not act on the crank": {"gravity": (0.0, 9.81), **_NO_MOMENT},
-        },
-    ),
+    _gravity("n1", (9.81, 0.0), "n2"),
+    _gravity("n2", (0.0, 9.81), "n1"),
     Change("crank.length", {"crank.length": 0.09}),
     Change("crank.mass", {"crank.mass": 4.0}),
     Change("crank.center_of_mass", {"crank.center_of_mass": 0.06}),

@@ -13,8 +13,6 @@ from engines.registry import engine
 
 #: The slowest first, so that the last core does not wait for one of them.
 _SLOWEST: Final = ("exudyn", "mujoco", "reference")
-
-
 #: Of a request among others: the case, and what tells it apart there.
 Name = TypeVar("Name", bound=tuple[str, ...])
 
@@ -48,16 +46,14 @@ def carry_out(
     for name, orbit in zip(marching, orbits([usable[name].mechanism for name in marching], workshop), strict=True):
         usable[name] = replace(usable[name], orbit=orbit)
     order = _order(usable)
-    jobs = [_job(name, usable[name]) for name in order]
+    jobs = [
+        Job(" ".join(name), steady_state, (usable[name],), kind="steady state", engines=(usable[name].engine,), code=CODE) for name in order
+    ]
     first = len({request.engine for request in usable.values()})
     outcomes = workshop.outcomes([*jobs[:first], *beside, *jobs[first:]], title)
     found = zip(order, [*outcomes[:first], *outcomes[first + len(beside) :]], strict=True)
     runs = {name: outcome.value or _without(usable[name], FAILED, outcome.explanation) for name, outcome in found}
     return {name: runs.get(name) or _without(requests[name], UNAVAILABLE, reasons[requests[name].engine] or "") for name in requests}
-
-
-def _job(name: Name, request: RunRequest) -> Job[Run]:
-    return Job(" ".join(name), steady_state, (request,), kind="steady state", engines=(request.engine,), code=CODE)
 
 
 def _order(requests: Mapping[Name, RunRequest]) -> list[Name]:
@@ -82,14 +78,4 @@ def _marches_from_orbit(request: RunRequest) -> bool:
 
 def _without(request: RunRequest, status: str, why: str) -> Run:
     """What is said of a request that came to nothing."""
-    chosen = engine(request.engine)
-    return Run(
-        engine=request.engine,
-        method=chosen.method,
-        estimate_of=chosen.estimates,
-        accuracy=request.accuracy or chosen.default_accuracy,
-        status=status,
-        remark=why,
-        cause=why,
-        unestimated=why,
-    )
+    return replace(Run.begun(request, engine(request.engine)), status=status, remark=why, cause=why, unestimated=why)

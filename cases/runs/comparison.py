@@ -309,21 +309,17 @@ def _table_checks(table: Run, other: Run) -> list[Check]:
     time, angle = other.cycle["time"], other.cycle["crank_angle"]
     for channel in dict.fromkeys(measure.channel for measure in table.measures if measure.channel in other.extreme_estimates):
         its_extremes, scale = extremes_by_half(time, angle, other.cycle[channel], filtered), other.peak(channel)
+        known = (other.settling_errors or {}).get(channel)
+        unsettled = known if known is not None else (other.settling_error or 0.0) * scale  # of the whole where no more is known
         for half in HALVES:
             measure = table.measure(half, channel)
             for quantity, its_value in zip(EXTREMES, its_extremes[half], strict=True):
                 value = measure.number(quantity) if measure else None
                 if value is not None and scale > NOTHING:
                     mine = Claim(value, 0.0, (table.settling_errors or {})[channel])
-                    its = Claim(its_value, other.extreme_estimates[channel][half], _unsettled_part(other, channel))
+                    its = Claim(its_value, other.extreme_estimates[channel][half], unsettled)
                     found.append(Check(table.engine, other.engine, quantity, half, channel, mine, its, scale))
     return found
-
-
-def _unsettled_part(run: Run, channel: str) -> float:
-    """How far an engine's column may be from its steady state; where only the whole is known, that part of the column."""
-    known = (run.settling_errors or {}).get(channel)
-    return known if known is not None else (run.settling_error or 0.0) * run.peak(channel)
 
 
 def claim(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> Claim | None:

@@ -11,7 +11,7 @@ signals' largest difference in the half cycle, and that bound is what an extreme
 extremes of a chain of 12 links, their own differences twelve.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -66,8 +66,7 @@ class MeasuredCycle:
     def of(cls, cycle: Columns, measures: CycleMeasures) -> "MeasuredCycle":
         """A cycle from farthest to farthest, and what was measured of it."""
         whole = on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")]))
-        half = GRID // 2
-        halves = {"pre": slice(0, half), "post": slice(half, None)}
+        halves = {"pre": slice(0, GRID // 2), "post": slice(GRID // 2, None)}
         return cls(measures, {(half, name): values[part] for half, part in halves.items() for name, values in whole.items()})
 
 
@@ -89,10 +88,9 @@ def with_estimates(
         estimates: dict[str, Any] = {name: _of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION}
         estimates |= dict.fromkeys(EXTREMES, of_extremes)
         measures.append(EstimatedMeasure(**vars(measure), **{f"{name}_estimate": estimate for name, estimate in estimates.items()}))
-    means = [mean_estimate(measures, each.half) for each in found.consensus]
-    consensus = [
-        EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean) for each, mean in zip(found.consensus, means, strict=True)
-    ]
+    consensus = (
+        EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in found.consensus
+    )
     return tuple(measures), tuple(consensus)
 
 
@@ -119,11 +117,10 @@ def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, 
 
 
 def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> float:
-    return sum(runs.part(_largest_difference(half, name)) for runs in compared)
+    def largest_difference(one: MeasuredCycle, other: MeasuredCycle) -> float:
+        return float(np.max(np.abs(one.signals[half, name] - other.signals[half, name])))
 
-
-def _largest_difference(half: str, channel: str) -> Callable[[MeasuredCycle, MeasuredCycle], float]:
-    return lambda one, other: float(np.max(np.abs(one.signals[half, channel] - other.signals[half, channel])))
+    return sum(runs.part(largest_difference) for runs in compared)
 
 
 def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name: str, value: float | None) -> float | None:

@@ -41,16 +41,12 @@ def output_step(mechanism: Mechanism) -> float:
     """
     pace = crank_pace(mechanism)
     turn = 2.0 * math.pi / pace if pace > 0.0 else math.inf
-    third = max((frequencies[2] for frequencies in _frequencies(mechanism)), default=0.0)
+    third = 0.0
+    if not mechanism.follower.is_rigid and mechanism.slider.joint_stiffness > 0.0:
+        third = max(frozen_crank_modes(mechanism, angle, 3).frequencies[2] for angle in np.linspace(0.0, math.pi, 5))
     step = min(max(1.0 / (SAMPLES * third) if third > 0.0 else ANY_STEP, turn / ROWS[1] if pace > 0.0 else 0.0), turn / ROWS[0])
     power = 10.0 ** math.floor(math.log10(step))
     return max(round(digit * power, 12) for digit in (1, 2, 5) if digit * power <= step * (1.0 + 1e-9))
-
-
-def _frequencies(mechanism: Mechanism) -> Iterator[NDArray[np.float64]]:
-    """The first three natural frequencies, Hz, with the crank held at a few angles; nothing where there are none."""
-    if not mechanism.follower.is_rigid and mechanism.slider.joint_stiffness > 0.0:
-        yield from (frozen_crank_modes(mechanism, angle, 3).frequencies for angle in np.linspace(0.0, math.pi, 5))
 
 
 def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[Columns, Settling]:

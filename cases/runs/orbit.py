@@ -93,17 +93,14 @@ class Orbit:
         if self.multiplier is None:
             return ""
         if self.multiplier >= 1.0:
-            return (
-                f"not marched: no number of cycles will do, for a disturbance grows {self.multiplier:.3f}-fold in a cycle (largest Floquet"
-                " multiplier of the periodic state that `reference` found); try more damping, or another speed"
-            )
-        if cycles_needed(self.multiplier, error) <= GREATEST_NUMBER:
+            why = f"no number of cycles will do, for a disturbance grows {self.multiplier:.3f}-fold in a cycle"
+        elif cycles_needed(self.multiplier, error) > GREATEST_NUMBER:
+            why = f"{GREATEST_NUMBER} cycles will not do, for a disturbance keeps {self.multiplier:.3f} of itself in a cycle"
+        else:
             return ""
-        return (
-            f"not marched: {GREATEST_NUMBER} cycles will not do, for a disturbance keeps {self.multiplier:.3f} of itself in a cycle"
-            " (largest Floquet multiplier of the periodic state that `reference` found); try more damping, or the engine `reference`, which"
-            " need not march"
-        )
+        instead = "another speed" if self.multiplier >= 1.0 else "the engine `reference`, which need not march"
+        found = "(largest Floquet multiplier of the periodic state that `reference` found)"
+        return f"not marched: {why} {found}; try more damping, or {instead}"
 
 
 def cycles_needed(multiplier: float, error: float) -> float:

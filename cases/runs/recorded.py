@@ -10,6 +10,7 @@ how much they depart from a smooth course (noise, rounding, sampling), and how f
 
 import math
 from collections.abc import Mapping
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -19,7 +20,7 @@ from cases.case import Case
 from cases.errors import CaseError
 from cases.measures import CHANNELS, Cycle, Measure, Settling, cut_cycles, extremes_by_half, measure_cycle, on_common_grid, time_scale
 from cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER
-from cases.measures.time_scale import TURN, TimeScale
+from cases.measures.time_scale import TURN
 from cases.recorded import RecordedTable
 from cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import columns_of
@@ -59,9 +60,9 @@ MOST_ODD: Final = 3
 DEVIATIONS: Final = 4.0
 #: Times the usual step of the crank angle that a step between two rows may be.
 WRAPPED: Final = 100.0
-#: Units that stand for none in a heading, by their size: of time (s) and of angle (rad).
-_TIMES: Final = {1.0: "", 1e-3: "ms", 1e-6: "us", 60.0: "min"}
-_ANGLES: Final = {1.0: "", math.pi / 180.0: "deg", 2.0 * math.pi: "turn"}
+#: Units that may be meant where a heading has none, with their sizes: of time (s) and of angle (rad).
+_TIMES: Final = {"": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
+_ANGLES: Final = {"": 1.0, "deg": math.pi / 180.0, "turn": 2.0 * math.pi}
 NOTHING_TO_FIT: Final = "extremes alone are measured of this column"
 
 
@@ -84,7 +85,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         )
     _check_pace(table, columns, mechanism, case.name)
     begun, odd = _first_row(table, columns, mechanism)
-    cycles = _cycles(table, {name: values for name, values in columns.items() if name not in LEFT_OUT})
+    cycles = _cycles(table, columns)
     settling = _settling(cycles[:GREATEST_NUMBER] if begun else cycles)
     far = _is_far(settling, cycles[-1])
     begins = far if begun is None else begun
@@ -166,15 +167,13 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
         raise CaseError(table.shown, "crank_angle", None, told, "let it run on from turn to turn, and leave no gaps in time")
     if 1.0 / OFF <= found <= OFF:
         return
-    times = _TIMES if "time" in table.bare else {1.0: ""}
-    angles = _ANGLES if "crank_angle" in table.bare else {1.0: ""}
-    for a_time, time_unit in times.items():
-        for an_angle, angle_unit in angles.items():
-            if 1.0 / OFF <= found * an_angle / a_time <= OFF:
-                meant = [f'"{name} [{unit}]"' for name, unit in (("time", time_unit), ("crank_angle", angle_unit)) if unit]
-                told = f"a turn of the crank would take {_turn(found * pace)} s, but the drive of {case} turns it in {_turn(pace)} s"
-                raise CaseError(table.shown, "heading", None, told, f"without a unit SI is meant: write {' and '.join(meant)}")
     told = f"a turn of the crank takes {_turn(found * pace)} s in it, but the drive of {case} turns it in {_turn(pace)} s"
+    times = _TIMES if "time" in table.bare else {"": 1.0}
+    angles = _ANGLES if "crank_angle" in table.bare else {"": 1.0}
+    for units in product(times, angles):
+        if 1.0 / OFF <= found * angles[units[1]] / times[units[0]] <= OFF:
+            meant = " and ".join(f'"{name} [{unit}]"' for name, unit in zip(("time", "crank_angle"), units, strict=True) if unit)
+            raise CaseError(table.shown, "heading", None, told, f"without a unit SI is meant: write {meant}")
     raise CaseError(table.shown, "time, crank_angle", None, told, "check their units, or compare it with the case that it is of")
 
 
@@ -206,20 +205,19 @@ def _first_row(table: RecordedTable, columns: Mapping[str, Array], mechanism: Me
     return begun, ", ".join(told) + (f" and {len(odd) - MOST_ODD} more" if len(odd) > MOST_ODD else "")
 
 
-def _cycles(table: RecordedTable, columns: dict[str, Array]) -> list[Cycle]:
+def _cycles(table: RecordedTable, columns: Mapping[str, Array]) -> list[Cycle]:
     """All whole turns, with every column; a single turn that lacks little at its ends is closed: it is taken to repeat."""
-    time, angle = columns.pop("time"), _rising(table, columns)
-    del columns["crank_angle"]
-    cycles = cut_cycles(time, angle, columns)
+    time, angle = columns["time"], _rising(table, columns["time"], columns["crank_angle"])
+    channels = {name: values for name, values in columns.items() if name not in ("time", "crank_angle", *LEFT_OUT)}
+    cycles = cut_cycles(time, angle, channels)
     turns = abs(float(angle[-1] - angle[0])) / (2.0 * math.pi)
     if not cycles and 1.0 - LARGEST_GAP <= turns < 1.0 + LARGEST_GAP and len(time) > 1:
         way, period = math.copysign(2.0 * math.pi, angle[-1] - angle[0]), float(time[-1] - time[0]) / turns
         inside = abs(angle - angle[0]) < 2.0 * math.pi * (1.0 - 1e-9)
-        around = {name: np.concatenate([values[inside][-1:], values[inside], values[inside][:1]]) for name, values in columns.items()}
+        around = {name: np.pad(values[inside], 1, mode="wrap") for name, values in channels.items()}
         time, angle = time[inside], angle[inside]
         ends = ([time[-1] - period], time, [time[0] + period]), ([angle[-1] - way], angle, [angle[0] + way])
         cycles = cut_cycles(np.concatenate(ends[0]), np.concatenate(ends[1]), around)
-    columns |= {"time": time, "crank_angle": angle}
     if not cycles:
         told = f"covers {turns:.3g} turns of the crank, from {math.degrees(angle[0]):.4g} to {math.degrees(angle[-1]):.4g} deg"
         accepted = "a whole turn is needed, from the slider's farthest place (180 deg) to the next"
@@ -234,9 +232,8 @@ def _number(mechanism: Mechanism, crank_angle: Array) -> int:
     return round((way * float(crank_angle[0]) - math.pi) / (2.0 * math.pi)) - first + 1
 
 
-def _rising(table: RecordedTable, columns: Mapping[str, Array]) -> Array:
+def _rising(table: RecordedTable, time: Array, angle: Array) -> Array:
     """The crank angle in the direction in which it turns, without what an encoder's noise and steps do to it."""
-    time, angle = columns["time"] if "time" in columns else table.columns["time"], columns["crank_angle"]
     way = math.copysign(1.0, angle[-1] - angle[0])
     farthest = np.maximum.accumulate(way * angle)
     back = farthest - way * angle
@@ -331,8 +328,11 @@ def _measured(
 ) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
     """Measures of every column that does not grow; no estimates of errors, for nothing is claimed of the model."""
     time, angle = cycle["time"], cycle["crank_angle"]
-    scale = time_scale(mechanism)
-    reason = "" if scale is None else _too_coarse(scale, gap)
+    scale, reason = time_scale(mechanism), ""
+    if scale is not None:
+        largest = 1.0 / float(np.max(scale.frequencies(TURN)[:, 0])) / ROWS_PER_PERIOD
+        if gap > largest:
+            reason = f"rows lie up to {1e3 * gap:.3g} ms apart; the first mode takes {1e3 * largest:.3g} ms at most"
     channels = {name: cycle[name] for name in CHANNELS if name in cycle}
     found = measure_cycle(None if reason else scale, time, angle, channels, filtered)
     measures = [EstimatedMeasure(**(vars(each) | ({"reason": reason} if reason else {})), **_NONE_CLAIMED) for each in found.measures]
@@ -346,11 +346,3 @@ def _measured(
 
 #: Estimates of the errors of a table's measures.
 _NONE_CLAIMED: Final[dict[str, Any]] = {f"{quantity}_estimate": 0.0 for quantity in (*VIBRATION, *EXTREMES)}
-
-
-def _too_coarse(scale: TimeScale, gap: float) -> str:
-    """Why rows at most `gap` seconds apart do not show the first mode, "" if they do."""
-    shortest = 1.0 / float(np.max(scale.frequencies(TURN)[:, 0]))
-    if gap <= shortest / ROWS_PER_PERIOD:
-        return ""
-    return f"rows lie up to {1e3 * gap:.3g} ms apart; the first mode takes {1e3 * shortest / ROWS_PER_PERIOD:.3g} ms at most"

@@ -11,6 +11,7 @@ from cases.measures.steady_state import Outlook
 from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import Columns
 from cases.runs.orbit import Orbit
+from engines.base import AnyEngine
 from engines.start import Start, standard_start
 from reference_model.mechanism import Mechanism
 
@@ -137,6 +138,12 @@ class Run:
     extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> of its extremes, where there are any
     #: The last one with every column of the trajectory, from farthest to farthest; of a failed run what there is; else empty.
     cycle: Columns = field(default_factory=dict, repr=False, compare=False)
+
+    @classmethod
+    def begun(cls, request: RunRequest, engine: AnyEngine) -> "Run":
+        """What is known of a run before anything was done."""
+        accuracy = request.accuracy or engine.default_accuracy
+        return cls(engine=engine.name, method=engine.method, estimate_of=engine.estimates, accuracy=accuracy)
 
     def __repr__(self) -> str:
         lines = [f"{self.engine}: {self.status} after {self.cycles} cycles" + (f"; {self.remark}" if self.remark else "")]

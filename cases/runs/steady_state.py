@@ -73,9 +73,8 @@ def steady_state(request: RunRequest) -> Run:
         way.know(status=NOT_SETTLED)
         way.say(str(reason))
     except EngineFailure as failure:
-        partial = dict(failure.partial.columns) if failure.partial is not None else {}
-        told = {"failure_time": failure.time, "cause": failure.cause, "advice": failure.advice}
-        way.know(status=FAILED, remark=str(failure), cycle=partial, **told)
+        partial = {} if failure.partial is None else dict(failure.partial.columns)
+        way.know(status=FAILED, remark=str(failure), cause=failure.cause, advice=failure.advice, failure_time=failure.time, cycle=partial)
     except (MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
@@ -101,9 +100,7 @@ class _Way:
         self._done: Mapping[Settings, Made] = {}
         self._compared: tuple[Compared[Columns], ...] = ()
         self._early = Columns()  # of a march from the orbit: the cycle that is compared
-        self.run = Run(
-            engine=engine.name, method=engine.method, estimate_of=engine.estimates, accuracy=request.accuracy or engine.default_accuracy
-        )
+        self.run = Run.begun(request, engine)
 
     def know(self, **found: Any) -> None:
         """Add to what is known; names as in `Run`."""
@@ -218,16 +215,13 @@ class _Way:
 
     def _compare(self) -> tuple[tuple[Compared[Columns], ...], str]:
         """The same cycle in the runs by which the engine estimates its error, and why there are none."""
-        known: dict[Settings, Columns | EngineFailure] = {self._settings: self._early or self.run.cycle}
+        known: dict[Settings, Columns] = {self._settings: self._early or self.run.cycle}
         progress.tell(phase="estimating the cycle's error")
 
         def run(settings: Settings) -> Columns:
             if settings not in known:
                 known[settings] = self._same_cycle(settings)
-            found = known[settings]
-            if isinstance(found, EngineFailure):
-                raise found
-            return found
+            return known[settings]
 
         pairs = self._engine.comparisons(self._settings, self._mechanism, self._step)
         # whether an error falls is asked of a second finer run after a blow: there is none behind a settled cycle
@@ -246,21 +240,19 @@ class _Way:
             return (), "the run to compare with is the same to the last digit"
         return found, ""
 
-    def _same_cycle(self, settings: Settings) -> Columns | EngineFailure:
+    def _same_cycle(self, settings: Settings) -> Columns:
         """The steady cycle with other settings: found directly like the delivered one, or after as many cycles; settled at least."""
-        number = ESTIMATED_CYCLES if self._early else self.run.cycles
-        try:
-            if self.run.start == DIRECT:
-                with contextlib.suppress(NoSteadyState):
-                    found = self._searched(settings)
-                    if found is not None and found.stable:
-                        return self._one_cycle(found)[0]
-                last, settling = settle(self._march(settings))
-                unsettled = EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
-                return last if settling.settled else unsettled
+        if self.run.start != DIRECT:
+            number = ESTIMATED_CYCLES if self._early else self.run.cycles
             return columns_of(next(islice(self._march(settings), number - 1, None)))
-        except EngineFailure as failure:
-            return failure
+        with contextlib.suppress(NoSteadyState):
+            found = self._searched(settings)
+            if found is not None and found.stable:
+                return self._one_cycle(found)[0]
+        last, settling = settle(self._march(settings))
+        if not settling.settled:
+            raise EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
+        return last
 
     def _march(self, settings: Settings) -> March:
         """Cycle after cycle from the start; a run made for the estimate began there, too, and goes on."""
