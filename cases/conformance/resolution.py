@@ -33,11 +33,13 @@ def resolution(bench: Bench) -> Iterator[Check]:
     coarse, default = bench.engine.settings_for(0.05, bench.scene), bench.settings(bench.scene)
     yield looked_at("ladder: ends", _ends, bench, coarse)
     try:
-        wrong = amiss(bench)
-        yield from _gets_finer(bench, coarse, default, wrong)
+        wrong, known = amiss(bench), _truth(bench)
+        errors, above = _climb(bench, known, coarse, _RUN), _climb(bench, known, default, 2)
     except EngineFailure as failure:
         yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
         return
+    yield looked_at("ladder: gets finer", _gets_finer, errors, above, wrong)
+    yield looked_at("ladder: a smaller accuracy is finer", _smaller_accuracy, bench, errors[0], above[0])
     for words, chosen in {"coarse settings": coarse, "default settings": default}.items():
         if words == "default settings" or chosen != default:
             yield looked_at(f"estimates hold, {words}", _estimates, bench, chosen, wrong)
@@ -72,49 +74,44 @@ def _error(bench: Bench, settings: Settings, known: Truth) -> float:
     return rms(bench.run(bench.mild, settings)["tip_deflection"] - right) / (rms(right) or 1.0)
 
 
-def _gets_finer(bench: Bench, coarse: Settings, default: Settings, wrong: Amiss) -> Iterator[Check]:
-    known, scene = _truth(bench), bench.scene
-    rungs = [coarse]
-    for _ in range(_RUN - 1):
-        finer = bench.finer(scene, rungs[-1])
-        if finer is None or bench.run(bench.mild, rungs[-1]).solve_seconds > _SLOW:
+def _climb(bench: Bench, known: Truth, settings: Settings, most: int) -> list[float]:
+    """Errors of the tip deflection from rung to rung, of so many at most; none above one that takes long."""
+    errors = [_error(bench, settings, known)]
+    while len(errors) < most and bench.run(bench.mild, settings).solve_seconds <= _SLOW:
+        finer = bench.finer(bench.scene, settings)
+        if finer is None:
             break
-        rungs.append(finer)
-    errors = [_error(bench, rung, known) for rung in rungs]
-    picked, up = _error(bench, default, known), bench.finer(scene, default)
+        settings = finer
+        errors.append(_error(bench, settings, known))
+    return errors
 
-    def gets_finer() -> str:
-        listed = ", ".join(f"{error:.2g}" for error in errors)
-        if any(_is_worse(after, before, errors[0]) for before, after in itertools.pairwise(errors)):
-            cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {listed}"
+
+def _gets_finer(errors: list[float], above: list[float], wrong: Amiss) -> str:
+    """From the coarsest rung on, and above the default."""
+    for found in (errors, above):
+        if any(after > max(_WORSE * before, 0.3 * errors[0], _NOISE) for before, after in itertools.pairwise(found)):
+            cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {_listed(found)}"
             raise Fault(cause, "return settings with a smaller error; look at the direction of steps and sizes")
-        if len(errors) == 1:
-            raise Unjudged("there is no rung above that for an accuracy of 5 %, or it takes long")
-        if errors[-1] > 0.9 * errors[0] and errors[0] > _NOISE:
-            cause = f"finer rungs are no better: errors of the tip deflection are {listed}"
-            if wrong.motion or "tip_deflection" in wrong.columns:
-                raise Unjudged(f"{cause}, and it is wrong already", "mend that first")
-            raise Fault(cause, "the error is not that of the resolution; compare a fine run with reference")
-        return f"errors {listed}"
-
-    def smaller_accuracy() -> str:
-        if picked > max(_WORSE * errors[0], _NOISE):
-            asked = f"{bench.engine.default_accuracy:g} than for 0.05"
-            cause = f"`settings_for` gives coarser settings for {asked}: errors {picked:.2g}, {errors[0]:.2g}"
-            raise Fault(cause, "look at the direction of the table behind settings_for")
-        return f"errors {errors[0]:.2g} and {picked:.2g}"
-
-    yield looked_at("ladder: gets finer", gets_finer)
-    if up is not None and bench.run(bench.mild, default).solve_seconds <= _SLOW:
-        above = _error(bench, up, known)
-        if _is_worse(above, picked, errors[0]):
-            cause = f"`finer` makes the default settings coarser: the error of the tip deflection goes from {picked:.2g} to {above:.2g}"
-            yield Check("ladder: above the default", "failed", cause, "return settings with a smaller error")
-    yield looked_at("ladder: a smaller accuracy is finer", smaller_accuracy)
+    if len(errors) == 1:
+        raise Unjudged("there is no rung above that for an accuracy of 5 %, or it takes long")
+    if errors[-1] > 0.9 * errors[0] and errors[0] > _NOISE:
+        cause = f"finer rungs are no better: errors of the tip deflection are {_listed(errors)}"
+        if wrong.motion or "tip_deflection" in wrong.columns:
+            raise Unjudged(f"{cause}, and it is wrong already", "mend that first")
+        raise Fault(cause, "the error is not that of the resolution; compare a fine run with reference")
+    return f"errors {_listed(errors)}"
 
 
-def _is_worse(after: float, before: float, coarsest: float) -> bool:
-    return after > max(_WORSE * before, 0.3 * coarsest, _NOISE)
+def _listed(errors: list[float]) -> str:
+    return ", ".join(f"{error:.2g}" for error in errors)
+
+
+def _smaller_accuracy(bench: Bench, coarse: float, picked: float) -> str:
+    if picked > max(_WORSE * coarse, _NOISE):
+        asked = f"{bench.engine.default_accuracy:g} than for 0.05"
+        cause = f"`settings_for` gives coarser settings for {asked}: errors {picked:.2g}, {coarse:.2g}"
+        raise Fault(cause, "look at the direction of the table behind settings_for")
+    return f"errors {coarse:.2g} and {picked:.2g}"
 
 
 def _estimates(bench: Bench, settings: Settings, wrong: Amiss) -> str:

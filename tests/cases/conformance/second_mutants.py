@@ -1,4 +1,4 @@
-"""Mistakes that were not used while the checks were written; the first trial named 14 of these 16."""
+"""Mistakes that were not used while the checks were written."""
 
 import dataclasses
 import math
