@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
+from itertools import product
 from pathlib import Path
 from typing import Final
 
@@ -41,6 +42,12 @@ DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
 _OTHER_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
     "1": {"1": 1.0, "-": 1.0, "": 1.0, "strain": 1.0, "percent": 0.01, "%": 0.01} | dict.fromkeys(("microstrain", "µε", "με"), 1e-6),
     "m/s^2": {"g": 9.80665},
+}
+#: In what is no number -> what to do.
+_HINTS: Final = {
+    ";": "semicolons separate it: use commas, and decimal points",
+    ",": "the decimal sign is a point",
+    "D": "write e for D",
 }
 _HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
 
@@ -86,19 +93,19 @@ def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
     lines = text.splitlines()
     declared, at = _declarations(shown, lines)
     if at == len(lines):
-        raise CaseError(
-            shown, None, None, "is empty" if not text.strip() else "has no heading", 'write one such as "time [s],crank_angle [deg]"'
-        )
-    names, factors, bare = _heading(shown, f"line {at + 1}", lines[at])
-    values = _values(shown, names, lines, at + 1)
-    columns = {name: factor * column for name, factor, column in zip(names, factors, values.T, strict=True)}
-    table = RecordedTable(printable(os.path.basename(path)), path, columns, bare, declared, of_experiment)
-    late = np.flatnonzero(np.diff(columns["time"]) <= 0.0)
+        what = "has no heading" if text.strip() else "is empty"
+        raise CaseError(shown, None, None, what, 'write one such as "time [s],crank_angle [deg]"')
+    sizes = _heading(shown, f"line {at + 1}", lines[at])
+    values = dict(zip(sizes, _values(shown, list(sizes), lines, at + 1).T, strict=True))
+    late = np.flatnonzero(np.diff(values["time"]) <= 0.0)
     if late.size:
         row = int(late[0]) + 1
-        written = f"{values[row, names.index('time')]:.12g}"
-        raise CaseError(shown, f"line {_numbers(lines, at + 1)[row]}, time", written, "does not rise", "sort the rows and drop doubles")
-    return table
+        number = [number for number, line in enumerate(lines[at + 1 :], at + 2) if line.strip()][row]
+        written = f"{values['time'][row]:.12g}"
+        raise CaseError(shown, f"line {number}, time", written, "does not rise", "sort the rows and drop doubles")
+    columns = {name: values[name] if size is None else size * values[name] for name, size in sizes.items()}
+    bare = frozenset(name for name, size in sizes.items() if size is None)
+    return RecordedTable(printable(os.path.basename(path)), path, columns, bare, declared, of_experiment)
 
 
 def experiment_tables() -> list[RecordedTable]:
@@ -113,13 +120,10 @@ def experiment_tables() -> list[RecordedTable]:
     if not place.is_dir():
         raise CaseError(path_shown(str(place)), None, None, "is no folder", f"{FOLDER_VARIABLE} names a folder of CSV files")
     tables = [read_table(str(path), of_experiment=True) for path in sorted(place.glob("*.csv"))]
-    for table in tables:
-        for key in ("case", "origin"):
-            if key not in table.declared:
-                accepted = " or ".join(DECLARATIONS[key]) or "the name of a case"
-                raise CaseError(
-                    table.shown, key, None, "this declaration is missing", f'write "# {key} = ..." above the heading, with {accepted}'
-                )
+    for table, key in product(tables, ("case", "origin")):
+        if key not in table.declared:
+            accepted = f'write "# {key} = ..." above the heading, with {" or ".join(DECLARATIONS[key]) or "the name of a case"}'
+            raise CaseError(table.shown, key, None, "this declaration is missing", accepted)
     return tables
 
 
@@ -170,15 +174,13 @@ def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], in
     return declared, len(lines)
 
 
-def _heading(source: str, place: str, line: str) -> tuple[list[str], list[float], frozenset[str]]:
-    """The names of the columns, the SI values of their units, and the names that have none."""
+def _heading(source: str, place: str, line: str) -> dict[str, float | None]:
+    """The names of the columns with the SI values of their units, None where a heading has none."""
     for sign, word in ((";", "semicolons"), ("\t", "tabulators")):
         if sign in line:
-            raise CaseError(
-                source, place, as_written(line), f"has {word} between its columns", "separate columns by commas, decimals by points"
-            )
-    names: list[str] = []
-    factors, bare = [], set()
+            accepted = "separate columns by commas, decimals by points"
+            raise CaseError(source, place, as_written(line), f"has {word} between its columns", accepted)
+    sizes: dict[str, float | None] = {}
     for heading in next(csv.reader([line], skipinitialspace=True)):
         match = _HEADING.fullmatch(heading)
         name, unit = (match[1], match[2]) if match else (heading, None)
@@ -187,16 +189,13 @@ def _heading(source: str, place: str, line: str) -> tuple[list[str], list[float]
         if name not in COLUMNS:
             near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all; leave others out"
             raise CaseError(source, place, as_written(heading), "is no column of a trajectory", near)
-        if name in names:
+        if name in sizes:
             raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
-        names.append(name)
-        factors.append(1.0 if unit is None else _size(source, f"{place}, {name}", unit.strip(), COLUMNS[name].unit.replace(" ", "*")))
-        if unit is None:
-            bare.add(name)
-    if "time" not in names or len(names) < 2:
-        lacks = "has no column time" if "time" not in names else "holds time alone"
+        sizes[name] = None if unit is None else _size(source, f"{place}, {name}", unit.strip(), COLUMNS[name].unit.replace(" ", "*"))
+    if "time" not in sizes or len(sizes) < 2:
+        lacks = "has no column time" if "time" not in sizes else "holds time alone"
         raise CaseError(source, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")
-    return names, factors, frozenset(bare)
+    return sizes
 
 
 def _size(source: str, place: str, unit: str, si_unit: str) -> float:
@@ -226,32 +225,23 @@ def _values(source: str, names: Sequence[str], lines: Sequence[str], first: int)
 
 def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> CaseError:
     """What is wrong with the first row that is not one finite number for each column."""
-    for number in _numbers(lines, first):
-        cells = next(csv.reader([lines[number - 1]], skipinitialspace=True))
+    for number, line in enumerate(lines[first:], first + 1):
+        if not line.strip():
+            continue
+        place, row = f"line {number}", f'"{shortened(line)}"'
+        cells = next(csv.reader([line], skipinitialspace=True))
         if not any(re.match(r"\s*[+-]?\.?[0-9]", cell) for cell in cells):
             accepted = "after the one line of headings, with units in their brackets, come rows of numbers alone"
-            return CaseError(source, f"line {number}", f'"{shortened(lines[number - 1])}"', "is no row of numbers", accepted)
+            return CaseError(source, place, row, "is no row of numbers", accepted)
         for name, cell in zip(names, cells, strict=False):
             value = plain_number(cell.strip())
             if value is None or not np.isfinite(value):
-                hints = {
-                    ";": "semicolons separate it: use commas, and decimal points",
-                    ",": "the decimal sign is a point",
-                    "D": "write e for D",
-                }
-                hint = next((f" ({told})" for sign, told in hints.items() if sign in cell.upper() and any(map(str.isdigit, cell))), "")
-                problem = "is empty" if not cell.strip() else f"is no plain number{hint}"
+                hint = next((f" ({told})" for sign, told in _HINTS.items() if sign in cell.upper() and any(map(str.isdigit, cell))), "")
+                problem = f"is no plain number{hint}" if cell.strip() else "is empty"
                 accepted = "leave out rows that lack a number, or columns that were not recorded"
-                return CaseError(source, f"line {number}, {name}", as_written(cell), problem, accepted)
+                return CaseError(source, f"{place}, {name}", as_written(cell), problem, accepted)
         if len(cells) != len(names):
-            hint = "; decimals need a point, not a comma" if len(cells) > len(names) else ""
             problem = f"has {len(cells)} numbers, the heading {len(names)} columns"
-            return CaseError(
-                source, f"line {number}", f'"{shortened(lines[number - 1])}"', problem, f"give one number for each column{hint}"
-            )
+            accepted = f"give one number for each column{'; decimals need a point, not a comma' if len(cells) > len(names) else ''}"
+            return CaseError(source, place, row, problem, accepted)
     return CaseError(source, None, None, "cannot be read as rows of numbers", "give one plain number for each column")
-
-
-def _numbers(lines: Sequence[str], first: int) -> list[int]:
-    """Numbers of the lines that hold rows."""
-    return [number for number, line in enumerate(lines[first:], start=first + 1) if line.strip()]

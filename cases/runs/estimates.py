@@ -2,13 +2,11 @@
 
 The same measures are taken of the same cycle in the runs that the engine compares (`engines.base.Comparison`); what their differences
 show of the error is added up as for a trajectory (`engines.accurate`). Runs that march from the orbit are compared in their second cycle
-from there: what settings do to a cycle is seen in it already. In five scenes with multipliers of 0.3 to 0.84 it gave 0.9 to 1.5 times the
-estimates of extremes that came of cycles settled in 4 to 29 turns from the standard start. Where all of the error lies in the slow mode
-it has not built up by then: 0.6 times the error in a machine of 18 rpm with a multiplier of 0.62, the worst of two hundred.
+from there: what settings do to a cycle is seen in it already. Where all of the error lies in the slow mode it has not built up by then:
+0.6 times the error in the worst of two hundred machines.
 
 Two extremes can be alike by accident, where the one run is higher before the peak and the other behind it; they differ by at most the
-signals' largest difference in the half cycle, and that bound is what an extreme is taken to be off by. In run 16 it covered all sixteen
-extremes of a chain of 12 links, their own differences twelve.
+signals' largest difference in the half cycle, and that bound is what an extreme is taken to be off by.
 """
 
 from collections.abc import Mapping, Sequence

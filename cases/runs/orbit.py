@@ -86,8 +86,7 @@ class Orbit:
         Args:
             error: what the engine errs by in a few cycles, relative to the signals, by its estimate. With that
                 of the reference it is what a cycle adds to the distance of the two steady states, and what earlier cycles added is
-                carried on: error / (1 - multiplier) in all. In run 24 with less and less damping (multipliers 0.82, 0.86, 0.89) this
-                tells 19, 29 and 38 cycles of mujoco, which took 15, 22 and 33.
+                carried on: error / (1 - multiplier) in all.
         """
         error += ReferenceEngine.default_accuracy
         if self.multiplier is None:
