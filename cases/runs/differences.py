@@ -29,7 +29,7 @@ def column_differences(run: Run, other: Run) -> dict[str, float]:
 
 
 def mistakes(run: Run, other: Run, mechanism: Mechanism) -> dict[str, str]:
-    """Columns in which a mistake explains most of the difference, each with a sentence that names it.
+    """Columns in which a mistake explains most of the difference, each with a sentence that names it and what to do.
 
     Where all that vibrates is equally late it is the crank angle that is off.
     """
@@ -44,7 +44,7 @@ def mistakes(run: Run, other: Run, mechanism: Mechanism) -> dict[str, str]:
         if left < min(ALIKE * rms(its), rms(mine - its) / 3.0) and (finding.left is None or left < finding.left):
             late[name], found[name] = lag, f"{name} is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}"
         elif finding.explained:
-            found[name] = finding.cause
+            found[name] = f"{finding.cause}; {finding.advice}"
     vibrating = [name for name in grids if name in TELLING]
     if len(vibrating) > 1 and late.keys() >= set(vibrating) and max(late.values()) - min(late.values()) <= 1:
         lag = late[vibrating[0]]

@@ -215,13 +215,19 @@ class _Way:
 
     def _compare(self) -> tuple[tuple[Compared[Columns], ...], str]:
         """The same cycle in the runs by which the engine estimates its error, and why there are none."""
-        known: dict[Settings, Columns] = {self._settings: self._early or self.run.cycle}
+        known: dict[Settings, Columns | EngineFailure] = {self._settings: self._early or self.run.cycle}
         progress.tell(phase="estimating the cycle's error")
 
         def run(settings: Settings) -> Columns:
             if settings not in known:
-                known[settings] = self._same_cycle(settings)
-            return known[settings]
+                try:
+                    known[settings] = self._same_cycle(settings)
+                except EngineFailure as failure:
+                    known[settings] = failure
+            found = known[settings]
+            if isinstance(found, EngineFailure):
+                raise found
+            return found
 
         pairs = self._engine.comparisons(self._settings, self._mechanism, self._step)
         # whether an error falls is asked of a second finer run after a blow: there is none behind a settled cycle

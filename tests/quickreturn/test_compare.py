@@ -48,11 +48,11 @@ def test_our_own_trajectory_in_other_units_passes(call: Call, trajectory: pd.Dat
     assert Path("picture.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_table_that_departs_is_told_with_the_slip(call: Call, trajectory: pd.DataFrame) -> None:
+def test_a_table_that_departs_is_told_with_the_mistake(call: Call, trajectory: pd.DataFrame) -> None:
     trajectory.assign(strain_2=-trajectory["strain_2"]).to_csv("tool.csv", index=False)
     answer = call("compare", "thesis-24", "tool.csv", "--engine", "reference")
     assert answer.code == 1
-    assert "strain_2: of the opposite sign" in answer.output
+    assert "tool.csv: strain_2 has the wrong sign" in answer.output
     assert "tool.csv and reference disagree by more than they claim" in answer.output
     assert "turn 5" in answer.output
 
