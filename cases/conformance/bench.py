@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from cases.conformance.checks import Array
-from cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, SOFT, UNTIL_BENT
+from cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
 from engines.accurate import compared, run_once
 from engines.base import AnyEngine, Engine, EngineFailure, Refusal
 from engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -16,7 +16,7 @@ from engines.relative import rms
 from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.trajectory import REQUIRED, Trajectory
-from reference_model.mechanism import Mechanism, changed
+from reference_model.mechanism import Mechanism
 
 #: Columns that are held against `reference`; those that are not required, where the engine has them.
 COMPARED: Final = (*(name for name in REQUIRED if name != "time"), "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy")
@@ -96,11 +96,6 @@ class Bench:
             self.scene = PRESCRIBED
         self.mild = Motion(self.scene)
         self._runs: dict[tuple[Motion, Settings], Trajectory] = {}
-
-    @property
-    def soft(self) -> Mechanism:
-        """The scene with a softer follower."""
-        return changed(self.scene, SOFT)
 
     def settings(self, mechanism: Mechanism) -> Settings:
         """Those that the engine picks unless asked otherwise."""

@@ -13,14 +13,14 @@ import numpy as np
 from cases.conformance.bench import Bench, Motion, bent_start, columns_of, truth
 from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, percent
 from cases.conformance.models import acts_as_if
-from cases.conformance.scenes import OUTPUT_STEP
+from cases.conformance.scenes import OUTPUT_STEP, SOFT
 from cases.mistakes import EXPLAINED, Finding, diagnose
 from engines.base import EngineFailure, Refusal
 from engines.relative import rms
 from engines.start import standard_start
 from engines.start_state import reconstruct
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, changed
 
 #: Between output steps that are this many times as large nothing may change, in this part of a column where the engine says nothing.
 _COARSER: Final = 4
@@ -224,13 +224,15 @@ def _findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str
 def _diagnosed(
     name: str, found: Array, expected: Array, tolerance: float | None, beside: Mapping[str, Array], scene: Mechanism
 ) -> Finding | None:
-    """As `diagnose`; of a column that nothing else explains also whether it comes some rows late, whatever the output step."""
+    """As `diagnose`, or that it comes some rows late, whatever the output step, where that explains more."""
     finding = diagnose(name, found, expected, tolerance, beside, scene)
-    if finding is not None and not finding.explained:
-        for lag in _LAGS:
-            early, late = (found, expected) if lag > 0 else (expected, found)
-            if (left := rms(early[abs(lag) :] - late[: -abs(lag)])) <= EXPLAINED * rms(found - expected):
-                return Finding(f"{name} {_comes(lag)}", _IN_TIME, left)
+    if finding is None:
+        return None
+    for lag in _LAGS:
+        early, late = (found, expected) if lag > 0 else (expected, found)
+        left = rms(early[abs(lag) :] - late[: -abs(lag)])
+        if left <= EXPLAINED * rms(found - expected) and (finding.left is None or left < finding.left):
+            return Finding(f"{name} {_comes(lag)}", _IN_TIME, left)
     return finding
 
 
@@ -284,8 +286,9 @@ def _first_row(bench: Bench, motion: Motion, wrong: set[str], part: float = 1e-6
 
 def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
     """A start with a bent follower in motion: its first row, and where it goes from there."""
-    start, check = bent_start(bench.soft), "a bent, moving start"
-    motion = Motion(bench.soft, _BENT_DURATION, start=start)
+    soft, check = changed(bench.scene, SOFT), "a bent, moving start"
+    start = bent_start(soft)
+    motion = Motion(soft, _BENT_DURATION, start=start)
     try:
         run = bench.run(motion)
     except (EngineFailure, Refusal) as failure:
@@ -305,7 +308,7 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
             yield Check(check, "failed", cause, "see engines.start_state.reconstruct: it tells place and velocity of every point")
             return
     yield first
-    if not {"slider_position", "crank_angle"} & wrong and rms(_bow(run.columns, bench.soft)) < 0.3 * rms(_bow(known, bench.soft)):
+    if not {"slider_position", "crank_angle"} & wrong and rms(_bow(run.columns, soft)) < 0.3 * rms(_bow(known, soft)):
         cause = "slider_position is the straight distance from the pivot, not the arc length"
         yield Check(f"{check}: slider_position", "failed", cause, "integrate along the bent centre line")
         wrong.add("slider_position")
