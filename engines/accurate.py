@@ -16,17 +16,15 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines import progress
-from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal, Simulation
+from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal, SceneT, Simulation, Solver, StartT
 from engines.relative import rms
 from engines.settings import SettingError, Settings
-from engines.solver import S, Solver
-from engines.start import Start
 from engines.trajectory import Trajectory
 
 R = TypeVar("R")
@@ -97,9 +95,9 @@ class Result:
 
 
 def simulate(
-    engine: Solver[S],
-    scene: S,
-    start: Start | None,
+    engine: Solver[SceneT, StartT, Any],
+    scene: SceneT,
+    start: StartT,
     duration: float,
     output_step: float,
     settings: Mapping[str, str] | None = None,
@@ -136,7 +134,7 @@ def simulate(
 
 
 def run_once(
-    engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float, settings: Settings
+    engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float, settings: Settings
 ) -> tuple[Trajectory, float]:
     """One run as it comes; see `make_run`.
 
@@ -147,7 +145,9 @@ def run_once(
     return made.trajectory, made.simulation.setup_seconds
 
 
-def make_run(engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
+def make_run(
+    engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float, settings: Settings
+) -> Made:
     """One run as it comes, checked for completeness and for values that are no numbers.
 
     Raises:
@@ -315,10 +315,10 @@ class _Judged:
         return sum(self.parts) if self.parts else None
 
 
-class _Runs(Generic[S]):
+class _Runs(Generic[SceneT, StartT]):
     """Runs of one scene by settings: what was computed for the estimate of one rung serves the next."""
 
-    def __init__(self, engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float) -> None:
+    def __init__(self, engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float) -> None:
         self.engine, self.scene = engine, scene
         self._run = (start, duration, output_step)
         self._done: dict[Settings, Made] = {}
@@ -418,7 +418,7 @@ def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDAr
     return bool(np.any(deflection) and np.array_equal(deflection, other["tip_deflection"]))
 
 
-def _climbed(runs: _Runs[S], first: Settings, target: float) -> _Judged:
+def _climbed(runs: _Runs[Any, Any], first: Settings, target: float) -> _Judged:
     """The first rung from `first` on whose estimate is within `target`, else the finest one that ran."""
     best: _Judged | None = None
     failure: EngineFailure | None = None

@@ -21,13 +21,13 @@ def of_damper_alone(mechanism: Mechanism) -> None:
         raise Refusal(f"{told}; accepted: 0, or a finite slider.joint_stiffness")
 
 
-def of_compliance(name: str, mechanism: Mechanism, closes: str) -> None:
+def of_compliance(name: str, mechanism: Mechanism) -> None:
     """For methods that leave no gap."""
     slider = mechanism.slider
     if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
         raise Refusal(
             f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
-            f' modelled by {name}, which closes the {closes} exactly; accepted: "inf" and "0 N*s/m"'
+            f' modelled by {name}, which closes the loop exactly; accepted: "inf" and "0 N*s/m"'
         )
 
 

@@ -20,33 +20,16 @@ from numpy.typing import NDArray
 
 from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
 from engines.exudyn.cable import Cable
-from engines.exudyn.record import index
+from engines.exudyn.record import Motion, index
 from engines.start import Start
 from engines.start_state import StartState
 
 Array = NDArray[np.float64]
-Motion = tuple[Array, Array, Array]
 
 
-@dataclass(frozen=True)
-class Slider:
-    """The joint as built.
-
-    Attributes:
-        joint: object number; its multipliers are the force on the crank tip or carriage, x and y.
-        spring: the force law that Exudyn calls back, None where the connector's own does.
-    """
-
-    joint: Any
-    spring: "SpringAndNormalDamper | None"
-
-    def locate(self, assembly: Assembly, nodes: list[Any], axial: Any) -> None:
-        """Tell the force law where the coordinates are; call after `mbs.Assemble()`."""
-        if self.spring is not None:
-            self.spring.locate(assembly, nodes, axial)
-
-
-def add_slider(assembly: Assembly, cable: Cable, state: StartState, start: Start, crank: Any, elements: list[Any], axial: Any) -> Slider:
+def add_slider(
+    assembly: Assembly, cable: Cable, state: StartState, start: Start, crank: Any, elements: list[Any], axial: Any
+) -> tuple[Any, "SpringAndNormalDamper | None"]:
     """Add the joint between the crank tip and the cable.
 
     Args:
@@ -57,6 +40,10 @@ def add_slider(assembly: Assembly, cable: Cable, state: StartState, start: Start
         crank: object number of the crank.
         elements: object numbers of the cable's elements.
         axial: number of the node that holds the slider's travel along the cable.
+
+    Returns:
+        Object number, whose multipliers are the force on the crank tip or carriage, x and y; and the force law that Exudyn calls back,
+        None where the connector's own does.
     """
     mbs, h = assembly.mbs, cable.element_length
     rider = assembly.point_marker(crank, assembly.mechanism.crank.length)
@@ -76,7 +63,7 @@ def add_slider(assembly: Assembly, cable: Cable, state: StartState, start: Start
     # Two equations for travel and normal; of the carriage's two coordinates one is taken by the joint, the other by the balance along
     # the tangent, which makes it no motion of its own.
     equations = 3 if assembly.joint_is_compliant else 2
-    return Slider(assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations), spring)
+    return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations), spring
 
 
 def _add_carriage(

@@ -1,7 +1,6 @@
 """The follower alone as a chain of links whose base is turned by an exact torque."""
 
-from engines.base import Comparison, ModelDescription, Simulation
-from engines.follower import FollowerEngine
+from engines.base import Comparison, FollowerEngine, ModelDescription, Simulation
 from engines.mujoco import settings as ladder
 from engines.mujoco.settings import ChainSettings
 from reference_model.mechanism import FollowerAlone
@@ -25,7 +24,7 @@ class MujocoAlone(FollowerEngine[ChainSettings]):
         return ladder.comparisons(settings)
 
     def prepare(self, scene: FollowerAlone, start: None, settings: ChainSettings) -> Simulation:
-        """See `FollowerEngine.prepare`."""
+        """See `Solver.prepare`."""
         from engines.mujoco.simulation import FollowerSimulation
 
         return FollowerSimulation(scene, settings)

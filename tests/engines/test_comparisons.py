@@ -34,13 +34,13 @@ def assert_finer_has_the_smaller_error(pair: Comparison, own: int, other: int) -
 def test_fixed_shapes_are_compared_with_other_numbers_of_shapes(shapes: int, family: str) -> None:
     engine = FixedShapesEngine()
     for pair in pairs_of(engine, FixedShapesSettings(shapes=shapes, family=family)):
-        assert_finer_has_the_smaller_error(pair, *(engine.shape_count(run_24(), each) for each in (pair.run, pair.other)))
+        assert_finer_has_the_smaller_error(pair, *(each.shape_count for each in (pair.run, pair.other)))
 
 
 @given(numbers, families)
 def test_multipliers_are_compared_with_other_numbers_of_shapes(shapes: int, family: str) -> None:
     for pair in pairs_of(MultiplierEngine(), MultiplierSettings(shapes=shapes, family=family)):
-        assert_finer_has_the_smaller_error(pair, *(MultiplierEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
+        assert_finer_has_the_smaller_error(pair, *(each.shape_count for each in (pair.run, pair.other)))
 
 
 @given(numbers, families, st.floats(LEAST_STIFFNESS, MOST_STIFFNESS), st.floats(0.0, MOST_DAMPING))
@@ -48,7 +48,7 @@ def test_springs_are_compared_with_other_shapes_and_springs_apart(shapes: int, f
     settings = StiffSpringSettings(shapes=shapes, family=family, stiffness=stiffness, damping=damping)
     *of_shapes, of_spring = pairs_of(StiffSpringEngine(), settings)
     for pair in of_shapes:
-        assert_finer_has_the_smaller_error(pair, *(StiffSpringEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
+        assert_finer_has_the_smaller_error(pair, *(each.shape_count for each in (pair.run, pair.other)))
         assert isinstance(pair.other, StiffSpringSettings)
         assert (pair.other.stiffness, pair.other.damping) == (stiffness, damping)
     assert isinstance(of_spring.other, StiffSpringSettings)
