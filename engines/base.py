@@ -7,7 +7,9 @@ time, the cause and what to try, and carries what was computed up to then.
 """
 
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar, Final, Generic, Literal, TypeVar, get_args
 
 import numpy as np
@@ -261,6 +263,19 @@ class FollowerEngine(Solver[FollowerAlone, None, S]):
     def finer(self, settings: S, excess: tuple[float, ...], output_step: float) -> S | None:
         """The engine's way."""
         return self.engine.finer(settings, excess, output_step)
+
+
+def first_line(error: BaseException) -> str:
+    """Of what an exception says."""
+    return (str(error).splitlines() or ["no message"])[0]
+
+
+def installed(*distributions: str) -> str | None:
+    """Version of the first of these distributions that is there; None if there is none."""
+    for distribution in distributions:
+        with suppress(PackageNotFoundError):
+            return version(distribution)
+    return None
 
 
 #: An engine of which only the interface is known.

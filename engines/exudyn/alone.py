@@ -62,13 +62,11 @@ class FollowerModel(CableModel):
         return base_motion(self._spin_up.speed, self._spin_up.time, self._begun + t)
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        """See `Model`."""
         self._begun += self._stretch
         self._stretch = duration
         super().prepare_stretch(coordinates, rates, duration)
 
     def columns(self, record: Record) -> dict[str, Array]:
-        """See `Model`."""
         line = self._line(record)
         angle, speed, acceleration = (v[:, self._base_index] for v in (record.coordinates, record.rates, record.accelerations))
         frame = np.column_stack([np.cos(angle), np.sin(angle)]), speed, acceleration
@@ -104,6 +102,5 @@ class ExudynAlone(FollowerEngine[ExudynSettings]):
         return in_time, ladder.in_space(settings, in_time)
 
     def prepare(self, scene: FollowerAlone, start: None, settings: ExudynSettings) -> Simulation:
-        """See `Solver.prepare`."""
         begun = time.perf_counter()
         return ExudynSimulation(FollowerModel(scene, settings), settings, begun)

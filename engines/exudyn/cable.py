@@ -117,19 +117,15 @@ class Cable:
     def kinetic_energy(self, rates: Array) -> Array:
         """Kinetic energy for nodal rates, J, shape (rows,)."""
         h = self.element_length
-        mass = (
-            self.mass_per_length
-            * h
-            / 420.0
-            * np.array(
-                [
-                    [156.0, 22.0 * h, 54.0, -13.0 * h],
-                    [22.0 * h, 4.0 * h**2, 13.0 * h, -3.0 * h**2],
-                    [54.0, 13.0 * h, 156.0, -22.0 * h],
-                    [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
-                ]
-            )
+        shares = np.array(
+            [
+                [156.0, 22.0 * h, 54.0, -13.0 * h],
+                [22.0 * h, 4.0 * h**2, 13.0 * h, -3.0 * h**2],
+                [54.0, 13.0 * h, 156.0, -22.0 * h],
+                [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
+            ]
         )
+        mass = self.mass_per_length * h / 420.0 * shares
         ends = self._ends(rates)
         return 0.5 * np.einsum("resc,st,retc->r", ends, mass, ends, optimize=True)
 

@@ -4,7 +4,6 @@ The library is loaded when the first model is built, not when engines are listed
 """
 
 import time
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, ClassVar
 
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines import refusals
-from engines.base import Comparison, Engine, ModelDescription, Simulation
+from engines.base import Comparison, Engine, ModelDescription, Simulation, installed
 from engines.exudyn import settings as ladder
 from engines.exudyn.settings import ExudynSettings
 from engines.start import Start, standard_start
@@ -33,16 +32,10 @@ class ExudynEngine(Engine[ExudynSettings]):
     settings_type = ExudynSettings
 
     def version(self) -> str:
-        """Name and version of the library behind the engine."""
-        return f"exudyn {version('exudyn')}"
+        return f"exudyn {installed('exudyn') or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        """See `Engine.unavailable`."""
-        try:
-            version("exudyn")
-        except PackageNotFoundError:
-            return "the package exudyn is not installed"
-        return None if find_spec("exudyn") else "the package exudyn is not installed"
+        return None if installed("exudyn") and find_spec("exudyn") else "the package exudyn is not installed"
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a slider with inertia of rotation, for the joint passes a force and no moment, and a damper beside a rigid joint."""

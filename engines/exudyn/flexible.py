@@ -127,7 +127,11 @@ def add_weight(assembly: Assembly, cable: Cable, nodes: list[Any]) -> None:
 
 
 class CableModel(Model):
-    """What systems with a flexible follower share: nodes, dampers, and the observables of the follower itself."""
+    """What systems with a flexible follower share: nodes, dampers, and the observables of the follower itself.
+
+    These take the line, nodal coordinates with rates and accelerations, each of shape (rows, nodes, 4); and the frame, the base's tangent,
+    (rows, 2), with its angular rate and acceleration, each (rows,).
+    """
 
     def __init__(self, scene: Scene, settings: ExudynSettings) -> None:
         self.assembly = Assembly(scene)
@@ -151,23 +155,15 @@ class CableModel(Model):
             self._dampers.locate(self.assembly)
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        """See `Model`."""
         if self._dampers is not None:
             self._dampers.follow(coordinates, rates, duration)
 
     def _line(self, record: Record) -> Motion:
-        """Nodal coordinates, rates and accelerations, each of shape (rows, nodes, 4)."""
         places = self._node_indices[:, None] + np.arange(4)
         return record.coordinates[:, places], record.rates[:, places], record.accelerations[:, places]
 
     def _follower_columns(self, line: Motion, frame: Motion, kink: Kink | None = None) -> dict[str, Array]:
-        """Place, bend and acceleration of the follower.
-
-        Args:
-            line: see `_line`.
-            frame: the base's tangent, (rows, 2), its angular rate and acceleration, each (rows,).
-            kink: that of a slider.
-        """
+        """Place, bend and acceleration of the follower."""
         cable, follower, (q, _, accelerations) = self._cable, self.assembly.scene.follower, line
         across, (tip_tangent, _, _) = turned(frame[0]), direction(*(values[:, -1, 2:] for values in line))
         strains = (cable.curvature(q, x, kink) * follower.thickness / 2.0 for x in follower.strain_gauges)
@@ -181,14 +177,7 @@ class CableModel(Model):
         }
 
     def _stored(self, line: Motion, frame: Motion, turning: Array | float = 0.0, moment: Array | float = 0.0) -> dict[str, Array]:
-        """Energies of the follower and of what turns besides.
-
-        Args:
-            line: see `_line`.
-            frame: see `_follower_columns`.
-            turning: inertia times the square of the rate, of the crank, J, (rows,).
-            moment: its first moment of mass, kg m, (rows, 2).
-        """
+        """Energies, with the crank's inertia times the square of its rate (J) and its first moment of mass (kg m, (rows, 2))."""
         scene, cable, (q, rates, _) = self.assembly.scene, self._cable, line
         kinetic = 0.5 * (turning + scene.base.inertia * frame[1] ** 2)
         kinetic += cable.kinetic_energy(rates)
@@ -205,14 +194,7 @@ class CableModel(Model):
         }
 
     def _damped(self, line: Motion, frame: Motion, crank: Array | float = 0.0, crank_change: Array | float = 0.0) -> tuple[Array, Array]:
-        """Power of all dampers but the slider's, exactly as they are built, and its derivative, W and W/s.
-
-        Args:
-            line: see `_line`.
-            frame: see `_follower_columns`.
-            crank: power of the crank's damper.
-            crank_change: half of its derivative.
-        """
+        """Power of all dampers but the slider's, exactly as they are built, and its derivative; of the crank's that and half of this."""
         damping, (q, rates, accelerations), (_, turn, turn_rate) = self.assembly.scene.base.damping, line, frame
         radius = q[:, :, :2] - np.array([self.assembly.pivot_distance, 0.0])
         across, across_rate = turned(radius), turned(rates[:, :, :2])
@@ -266,11 +248,9 @@ class FlexibleModel(CableModel):
             spring.locate(assembly, nodes, axial)
 
     def slider_position(self, coordinates: Array) -> float:
-        """See `Model`."""
         return float(coordinates[self._axial_index]) + self._slider_start
 
     def columns(self, record: Record) -> dict[str, Array]:
-        """See `Model`."""
         mechanism, cable, line = self._mechanism, self._cable, self._line(record)
         q, rates, accelerations = line
         angle, speed, acceleration = (v[:, self._crank_index] for v in (record.coordinates, record.rates, record.accelerations))

@@ -6,7 +6,7 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
+from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
 from engines.exudyn.record import Model, Record, accumulated, drive_columns, equation_of, index
 from engines.start import Start
 from engines.start_state import StartState
@@ -63,7 +63,7 @@ class RigidModel(Model):
             place = state.position(np.array([state.slider_position]))[0]
             velocity = start.crank_speed * np.array([-place[1], place[0]])
             node, _ = assembly.rigid_body(list(place), state.follower_angle, list(velocity), state.follower_rate, CARRIAGE_MASS, 0.0)
-            assembly.listed_carriage()
+            assembly.listed_body(CARRIAGE)
             rider = assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
             equations = 3  # normal and rotation, and the balance along the axis, which leaves the carriage no motion of its own
             stiffness, damping = np.zeros((6, 6)), np.zeros((6, 6))
@@ -81,11 +81,9 @@ class RigidModel(Model):
         return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations)
 
     def slider_position(self, coordinates: Array) -> float:
-        """See `Model`."""
         return float(self._slider_in_frame(coordinates[None])[0, 0])
 
     def columns(self, record: Record) -> dict[str, Array]:
-        """See `Model`."""
         mechanism, slider = self._mechanism, self._mechanism.slider
         LA, d, length = mechanism.crank.length, mechanism.pivot_distance, mechanism.follower.length
         q1, q2 = record.coordinates[:, self._crank_index], record.coordinates[:, self._follower_index]

@@ -60,11 +60,11 @@ class ExudynSimulation(Simulation):
         count = round(duration / output_step)
         begun = time.perf_counter()
         steps = max(1, math.ceil(output_step / self._step - 1e-9))
+        at_once = max(1, math.floor(LONGEST / output_step * (1.0 + 1e-9)))  # output steps that make up a stretch
         newton_before = self._solver.it.newtonStepsCount
         rows, failure = [self._last], None
         while len(rows) <= count and failure is None:
-            outputs = min(_outputs_at_once(output_step), count + 1 - len(rows))
-            found, failure = self._output_steps(output_step, steps, outputs)
+            found, failure = self._output_steps(output_step, steps, min(at_once, count + 1 - len(rows)))
             rows += found
         done = len(rows) - 1
         at = self.time + output_step * np.arange(done + 1, dtype=np.float64)
@@ -164,11 +164,6 @@ class ExudynSimulation(Simulation):
 
     def _coordinates(self) -> Array:
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
-
-
-def _outputs_at_once(output_step: float) -> int:
-    """Output steps that make up a stretch."""
-    return max(1, math.floor(LONGEST / output_step * (1.0 + 1e-9)))
 
 
 def _stretches(output_step: float, steps: int) -> int:

@@ -18,7 +18,7 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
+from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
 from engines.exudyn.cable import Cable
 from engines.exudyn.record import Motion, index
 from engines.start import Start
@@ -75,7 +75,7 @@ def _add_carriage(
     velocity = start.crank_speed * np.array([-place[1], place[0]])  # of the crank tip, which is at the same place
     node = mbs.AddNode(items.NodePoint2D(referenceCoordinates=list(place), initialVelocities=list(velocity)))
     mbs.AddObject(items.ObjectMassPoint2D(mass=CARRIAGE_MASS, nodeNumber=node))
-    assembly.listed_carriage()
+    assembly.listed_body(CARRIAGE)
     carriage = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
     stiffness = [slider.joint_stiffness, slider.joint_stiffness, 0.0]
     connector = items.ObjectConnectorCartesianSpringDamper(markerNumbers=[carriage, crank_tip], stiffness=stiffness)

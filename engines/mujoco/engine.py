@@ -1,6 +1,5 @@
 """Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
 
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import ClassVar
 
@@ -8,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines import refusals
-from engines.base import Comparison, Engine, ModelDescription, Simulation
+from engines.base import Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
 from engines.mujoco import settings as ladder
-from engines.mujoco.alone import MujocoAlone
 from engines.mujoco.settings import ChainSettings
 from engines.start import Start
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import FollowerAlone, Mechanism
 from reference_model.natural_modes import stiffness_ratio
 
 _DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
@@ -29,12 +27,10 @@ class MujocoEngine(Engine[ChainSettings]):
     settings_type = ChainSettings
 
     def version(self) -> str:
-        """See `Engine.version`."""
-        return f"mujoco {_installed() or 'not installed'}"
+        return f"mujoco {installed(*_DISTRIBUTIONS) or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        """See `Engine.unavailable`."""
-        found = _installed()
+        found = installed(*_DISTRIBUTIONS)
         if found is None or find_spec("mujoco") is None:
             return "the package mujoco is not installed (distribution mujoco-core)"
         if tuple(int(part) for part in found.split(".")[:3] if part.isdigit()) < _OLDEST:
@@ -42,19 +38,16 @@ class MujocoEngine(Engine[ChainSettings]):
         return None
 
     def check(self, mechanism: Mechanism) -> None:
-        """See `Engine.check`."""
         refusals.of_slider_inertia(self.name, mechanism)
         refusals.of_damper_alone(mechanism)
         refusals.of_massless_parts(self.name, mechanism, ", whose links need mass")
 
     def describe(self, mechanism: Mechanism, settings: ChainSettings) -> ModelDescription:
-        """See `Engine.describe`."""
         from engines.mujoco import chain
 
         return chain.describe(mechanism, chain.hinge_count(mechanism, settings.links))
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> ChainSettings:
-        """See `Engine.settings_for`."""
         return ladder.for_accuracy(accuracy, stiffness_ratio(mechanism))
 
     def comparisons(self, settings: ChainSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
@@ -62,32 +55,42 @@ class MujocoEngine(Engine[ChainSettings]):
         return ladder.comparisons(settings)
 
     def finer(self, settings: ChainSettings, excess: tuple[float, ...], output_step: float) -> ChainSettings | None:
-        """See `Engine.finer`."""
         return ladder.LADDER.finer(settings, excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> Simulation:
-        """See `Engine.prepare`."""
         self.check(mechanism)
         from engines.mujoco.simulation import ChainSimulation
 
         return ChainSimulation(mechanism, start, settings)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> NDArray[np.float64]:
-        """See `Engine.natural_frequencies`."""
         self.check(mechanism)
         from engines.mujoco import modes
 
         return modes.natural_frequencies(mechanism, crank_angle, count, settings.links)
 
-    def follower_alone(self) -> MujocoAlone:
+    def follower_alone(self) -> "MujocoAlone":
         """The same chain on a base that is turned."""
         return MujocoAlone(self)
 
 
-def _installed() -> str | None:
-    for distribution in _DISTRIBUTIONS:
-        try:
-            return version(distribution)
-        except PackageNotFoundError:
-            continue
-    return None
+class MujocoAlone(FollowerEngine[ChainSettings]):
+    """The base link is turned; the tangent of the beam that the chain stands for lies h²/24 of the curvature's slope beside it."""
+
+    def describe(self, scene: FollowerAlone, settings: ChainSettings) -> ModelDescription:
+        from engines.mujoco import chain
+
+        return chain.describe(scene, chain.hinge_count(scene, settings.links))
+
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> ChainSettings:
+        """The engine's ladder, which the run's own estimate corrects."""
+        return ladder.for_accuracy(accuracy)
+
+    def comparisons(self, settings: ChainSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+        """As with the mechanism."""
+        return ladder.comparisons(settings)
+
+    def prepare(self, scene: FollowerAlone, start: None, settings: ChainSettings) -> Simulation:
+        from engines.mujoco.simulation import ChainSimulation
+
+        return ChainSimulation(scene, None, settings)

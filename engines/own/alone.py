@@ -45,7 +45,6 @@ class OwnAlone(FollowerEngine[Any]):
         return self.engine.comparisons(settings, scene, output_step)  # type: ignore[arg-type]
 
     def prepare(self, scene: FollowerAlone, start: None, settings: Any) -> "OwnSimulation":
-        """See `Solver.prepare`."""
         from engines.own.simulation import OwnSimulation
 
         began = time.perf_counter()

@@ -81,7 +81,6 @@ class BeamEngine(Engine[S]):
         return ModelDescription(bodies_of(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid"), joints, free)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: S) -> "OwnSimulation":
-        """See `Solver.prepare`."""
         from engines.own.simulation import OwnSimulation
 
         self.check(mechanism)

@@ -26,7 +26,6 @@ class FixedShapesSettings(ShapeSettings):
     """Settings of `fixed-shapes`."""
 
     shapes: int = setting(16, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
-    tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
     damping_law: str = setting(_BOTH, "velocity relative to the base frame that the beam damping acts on", choices=(_BOTH, "transverse"))
 
 
@@ -51,7 +50,6 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         return CLOSED
 
     def model(self, scene: Scene, settings: FixedShapesSettings) -> "BeamModel":
-        """See `BeamEngine.model`."""
         from reference_model.model import BeamModel
 
         shapes, transverse = self.shapes(scene.follower, settings), settings.damping_law != _BOTH

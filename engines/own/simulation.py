@@ -62,7 +62,6 @@ class OwnSimulation(Simulation):
         return Start(float(self.state[0]), float(self.state[self.model.parameters.speeds + 1]), deflection, rate)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
-        """See `engines.base.Simulation.advance`."""
         intervals = round(duration / output_step)
         began = time.perf_counter()
         result = self.model.integrate(self.state, output_step, intervals, self.tolerance, self._step)

@@ -76,7 +76,6 @@ class StayingEngine(BeamEngine[S]):
         """What happens to the gap at the slider."""
 
     def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
-        """See `BeamEngine.model`."""
         from reference_model.model import BeamModel
 
         return BeamModel.staying(mechanism, self.shapes(mechanism.follower, settings), self.treatment(mechanism, settings))

@@ -93,7 +93,6 @@ class ThesisEngine(Engine[ThesisSettings]):
         return shapes
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ThesisSettings) -> "OwnSimulation":
-        """See `Solver.prepare`."""
         from engines.own.simulation import OwnSimulation
 
         began = time.perf_counter()
