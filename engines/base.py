@@ -246,7 +246,7 @@ class Engine(Solver[Mechanism, Start, S]):
 class FollowerEngine(Solver[FollowerAlone, None, S]):
     """An engine's second model: the follower alone, straight and at rest at the start, on a base that turns as prescribed.
 
-    There are trajectories to compare, no cycles. Settings, and unless overridden the way to finer ones, are the engine's.
+    There are trajectories to compare, no cycles. Settings are the engine's; so is, unless overridden, what is said of them.
 
     Args:
         engine: the engine whose model it is.
@@ -260,8 +260,13 @@ class FollowerEngine(Solver[FollowerAlone, None, S]):
     def check(self, scene: FollowerAlone) -> None:
         """Accept all there are."""
 
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> S:
+        return self.engine.settings_for(accuracy, scene)  # type: ignore[arg-type]
+
+    def comparisons(self, settings: S, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+        return self.engine.comparisons(settings, scene, output_step)  # type: ignore[arg-type]
+
     def finer(self, settings: S, excess: tuple[float, ...], output_step: float) -> S | None:
-        """The engine's way."""
         return self.engine.finer(settings, excess, output_step)
 
 

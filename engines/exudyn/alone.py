@@ -41,8 +41,7 @@ class FollowerModel(CableModel):
         self._nodes = nodes = add_nodes(assembly, cable, state)
         add_cable(assembly, cable, nodes)
         assembly.listed_body(f"follower: {cable.elements} ANCF cable elements")
-        base = add_base(assembly, 0.0, state, nodes)
-        assembly.rotary_damper(base[0], scene.base.damping)
+        base = add_base(assembly, state, nodes)
         self._drive = assembly.add_joint(
             "prescribed base angle",
             items.ObjectConnectorCoordinate(

@@ -65,26 +65,25 @@ def add_ends(assembly: Assembly, cable: Cable, state: StartState, nodes: list[An
     Returns:
         Node and object number of the base body, or None.
     """
-    mechanism, mbs = assembly.mechanism, assembly.mbs
-    d, base = mechanism.pivot_distance, mechanism.base
-    base_body = None
-    if base.inertia > 0.0 or base.damping > 0.0 or mechanism.follower.damping > 0.0:
-        base_body = add_base(assembly, d, state, nodes)
-        assembly.rotary_damper(base_body[0], base.damping)
+    scene, base_body = assembly.scene, None
+    if scene.base.inertia > 0.0 or scene.base.damping > 0.0 or scene.follower.damping > 0.0:
+        base_body = add_base(assembly, state, nodes)
     else:
-        markers = [assembly.point_marker(assembly.ground, d), mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[0]))]
+        pivot = assembly.point_marker(assembly.ground, assembly.pivot_distance)
+        markers = [pivot, assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[0]))]
         assembly.add_joint("pin of the follower", items.ObjectJointRevolute2D(markerNumbers=markers), 2)
     add_tip(assembly, cable, state, nodes)
     return base_body
 
 
-def add_base(assembly: Assembly, pivot: float, state: FollowerState, nodes: list[Any]) -> tuple[Any, Any]:
-    """A base body at the point (`pivot`, 0) with the cable clamped to it; node and object number."""
+def add_base(assembly: Assembly, state: FollowerState, nodes: list[Any]) -> tuple[Any, Any]:
+    """A base body at P, damped, with the cable clamped to it; node and object number."""
     start = np.zeros(1)
     angle, rate = float(state.tangent(start)[0]), float(state.tangent_rate(start)[0])
-    body = assembly.pinned_body("base", pivot, angle, rate, assembly.scene.base.inertia)
+    body = assembly.pinned_body("base", assembly.pivot_distance, angle, rate, assembly.scene.base.inertia)
     markers = [assembly.frame_marker(body[1]), assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))]
     assembly.add_joint("follower clamped to the base", _clamp(markers), 3)
+    assembly.rotary_damper(body[0], assembly.scene.base.damping)
     return body
 
 

@@ -6,7 +6,6 @@ stiffness cancel in the interior, what is left is of order h⁴ (see the centre 
 """
 
 import math
-from collections.abc import Iterator
 
 import mujoco
 import numpy as np
@@ -74,15 +73,10 @@ def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: floa
         _add_body(body, "tip", place, tip.mass, tip.center_of_mass, tip.inertia)
 
 
-def pieces(length: float, hinges: int) -> Iterator[float]:
+def pieces(length: float, hinges: int) -> list[float]:
     """Lengths of the rigid pieces from the base to the end, m: half a link, N - 1 links, half a link."""
-    if hinges == 0:
-        yield length
-        return
-    link = length / hinges
-    yield link / 2.0
-    yield from [link] * (hinges - 1)
-    yield link / 2.0
+    link = length / max(hinges, 1)
+    return [link / 2.0, *[link] * (hinges - 1), link / 2.0] if hinges else [length]
 
 
 def _add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, center: float, inertia: float) -> mujoco.MjsBody:

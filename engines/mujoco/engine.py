@@ -1,21 +1,34 @@
 """Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
 
 from importlib.util import find_spec
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines import refusals
 from engines.base import Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
-from engines.mujoco import settings as ladder
-from engines.mujoco.settings import ChainSettings
+from engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
 from engines.start import Start
-from reference_model.mechanism import FollowerAlone, Mechanism
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.natural_modes import stiffness_ratio
 
 _DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
 _OLDEST = (4, 0, 1)
+
+#: Where the first bending frequency is more than this many times the crank's, the follower's fast modes follow its load nearly at rest. The
+#: hinges then bear an armature that grows with the square of the ratio for the same error, and the step with the ratio.
+STIFF: Final = 20.0
+
+#: Parts of the links with which a chain is compared, and the order that is counted on. The slider, as it passes from link to link, shakes
+#: each chain in its own way, so that one difference alone may vanish by accident; where it passes them at the rate of a natural frequency
+#: the error does not fall with their number.
+COARSER: Final = (2.0 / 3.0, 3.0 / 4.0)
+SAFE_ORDER: Final = 2.0
+
+#: Fewer links than these have no order yet. They are compared with a finer chain, whose error is taken to be a third.
+FEWEST_WITH_ORDER: Final = 12
+FINER: Final = (18, 1.0 / 3.0)
 
 
 class MujocoEngine(Engine[ChainSettings]):
@@ -47,15 +60,20 @@ class MujocoEngine(Engine[ChainSettings]):
 
         return chain.describe(mechanism, chain.hinge_count(mechanism, settings.links))
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ChainSettings:
-        return ladder.for_accuracy(accuracy, stiffness_ratio(mechanism))
+    def settings_for(self, accuracy: float, mechanism: Scene) -> ChainSettings:
+        """The cheapest rung whose claim in run 24 is within `accuracy`; larger steps where the follower is stiff."""
+        ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
+        return LADDER.pick(accuracy).replaced(armature=min(ARMATURE * max(1.0, ratio / STIFF) ** 2, STIFFEST_ARMATURE))
 
-    def comparisons(self, settings: ChainSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Chains with other numbers of links."""
-        return ladder.comparisons(settings)
+    def comparisons(self, settings: ChainSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+        """Two coarser chains, or a finer one for a chain too coarse. The step, bound to stability, leaves no error of its own."""
+        if settings.links < FEWEST_WITH_ORDER:
+            links, factor = FINER
+            return (Comparison(settings, settings.replaced(links=links), factor),)
+        return tuple(Comparison(settings, settings.replaced(links=round(part * settings.links)), part**-SAFE_ORDER) for part in COARSER)
 
     def finer(self, settings: ChainSettings, excess: tuple[float, ...], output_step: float) -> ChainSettings | None:
-        return ladder.LADDER.finer(settings, excess)
+        return LADDER.finer(settings, excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> Simulation:
         self.check(mechanism)
@@ -81,14 +99,6 @@ class MujocoAlone(FollowerEngine[ChainSettings]):
         from engines.mujoco import chain
 
         return chain.describe(scene, chain.hinge_count(scene, settings.links))
-
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> ChainSettings:
-        """The engine's ladder, which the run's own estimate corrects."""
-        return ladder.for_accuracy(accuracy)
-
-    def comparisons(self, settings: ChainSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """As with the mechanism."""
-        return ladder.comparisons(settings)
 
     def prepare(self, scene: FollowerAlone, start: None, settings: ChainSettings) -> Simulation:
         from engines.mujoco.simulation import ChainSimulation

@@ -154,10 +154,8 @@ def _hinge_angles(tangents: Array) -> Array:
     difference / 24, up to order h⁴.
     """
     angles = np.diff(tangents)
-    corrected = angles.copy()
-    if len(angles) > 2:
-        corrected[1:-1] -= np.diff(angles, 2) / 24.0
-    return corrected
+    angles[1:-1] -= np.diff(angles, 2) / 24.0
+    return angles
 
 
 def _interpolation(gauges: Array, length: float, hinges: int) -> Array:

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from engines.base import Comparison, Engine, FollowerEngine, ModelDescription
+from engines.base import Engine, FollowerEngine, ModelDescription
 from reference_model.mechanism import FollowerAlone
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class OwnAlone(FollowerEngine[Any]):
-    """A model without a slider: settings and comparisons are the engine's, which takes any scene for them.
+    """A model without a slider. The engine's table serves: shapes converge faster so, and estimates are too large rather than too small.
 
     Args:
         engine: the engine whose model it is; its settings have a `tolerance` and a `shape_count`.
@@ -35,14 +35,6 @@ class OwnAlone(FollowerEngine[Any]):
         }
         joints = ("base on the ground (angle prescribed)", "follower clamped to the base")
         return ModelDescription(tuple(name for name, there in bodies.items() if there), joints, settings.shape_count)
-
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> Any:
-        """The engine's table: shapes converge faster without a slider."""
-        return self.engine.settings_for(accuracy, scene)  # type: ignore[arg-type]
-
-    def comparisons(self, settings: Any, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """As with the mechanism: the estimate is too large rather than too small."""
-        return self.engine.comparisons(settings, scene, output_step)  # type: ignore[arg-type]
 
     def prepare(self, scene: FollowerAlone, start: None, settings: Any) -> "OwnSimulation":
         from engines.own.simulation import OwnSimulation

@@ -76,9 +76,8 @@ class BeamEngine(Engine[S]):
         """Bodies and joints that have terms in the equations."""
         self.check(mechanism)
         n = 0 if mechanism.follower.is_rigid else settings.shape_count
-        free = n + (1 if mechanism.crank_is_free else 0) + (1 if self.opens_loop(mechanism) else 0)
-        joints = joints_of(mechanism, self.joint_line(mechanism, settings))
-        return ModelDescription(bodies_of(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid"), joints, free)
+        joint, coordinates = self.joint_line(mechanism, settings), n + int(self.opens_loop(mechanism))
+        return description(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid", joint, coordinates)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: S) -> "OwnSimulation":
         from engines.own.simulation import OwnSimulation
@@ -107,8 +106,8 @@ def gain_of(scene: Scene) -> float:
     return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
 
 
-def bodies_of(mechanism: Mechanism, beam: str) -> tuple[str, ...]:
-    """Bodies that have terms in the equations; the beam is described by a word or two."""
+def description(mechanism: Mechanism, beam: str, joint: str, coordinates: int) -> ModelDescription:
+    """What has terms in the equations: beam in a word or two, the slider's joint in a line, coordinates besides the crank's angle."""
     slider = mechanism.slider
     bodies = {
         "crank": True,
@@ -118,12 +117,12 @@ def bodies_of(mechanism: Mechanism, beam: str) -> tuple[str, ...]:
         "slider mass": slider.mass > 0.0,
         "slider rotary inertia": slider.inertia > 0.0,
     }
-    return tuple(name for name, there in bodies.items() if there)
-
-
-def joints_of(mechanism: Mechanism, slider: str) -> tuple[str, ...]:
-    """Joints; the slider's is described by a line."""
-    return "crank pivot" if mechanism.crank_is_free else "crank pivot (speed prescribed)", "follower pivot", slider
+    pivot = "crank pivot" if mechanism.crank_is_free else "crank pivot (speed prescribed)"
+    return ModelDescription(
+        tuple(name for name, there in bodies.items() if there),
+        (pivot, "follower pivot", joint),
+        coordinates + int(mechanism.crank_is_free),
+    )
 
 
 def state_of(model: "BeamModel", mechanism: Mechanism, start: Start) -> NDArray[np.float64]:

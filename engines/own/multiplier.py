@@ -26,9 +26,7 @@ class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[Mult
     settings_type = MultiplierSettings
 
     def treatment(self, mechanism: Mechanism, settings: MultiplierSettings) -> Treatment:
-        """The multiplier."""
         return Treatment(kind=MULTIPLIER, stabilization=settings.stabilization)
 
     def joint_line(self, mechanism: Mechanism, settings: MultiplierSettings) -> str:
-        """One multiplier."""
         return "slider on the centre line (Lagrange multiplier)"

@@ -50,7 +50,6 @@ class NodalLoadSettings(BeamSettings):
 
     @property
     def shape_count(self) -> int:
-        """Two per element."""
         return 2 * self.elements
 
 
@@ -71,7 +70,6 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
     settings_type = NodalLoadSettings
 
     def shapes(self, follower: Follower, settings: NodalLoadSettings) -> ShapeSet:
-        """Elements."""
         return no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
 
     def treatment(self, mechanism: Mechanism, settings: NodalLoadSettings) -> Treatment:

@@ -54,7 +54,6 @@ class ReferenceSettings(BeamSettings):
 
     @property
     def shape_count(self) -> int:
-        """The modes."""
         return self.modes
 
 

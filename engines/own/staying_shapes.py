@@ -85,7 +85,6 @@ class StayingShapesEngine(StayingEngine[AnyShapes]):
     """An engine with clamped-free modes or Hermite elements."""
 
     def shapes(self, follower: Follower, settings: AnyShapes) -> ShapeSet:
-        """As set."""
         if follower.is_rigid:
             return no_shapes(follower.length)
         if settings.family == "hermite":
@@ -98,7 +97,6 @@ class StayingShapesEngine(StayingEngine[AnyShapes]):
         return self.settings_type(shapes=rung.shapes, tolerance=rung.tolerance)
 
     def comparisons(self, settings: AnyShapes, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Other numbers of shapes."""
         return of_shapes(settings)
 
     def finer(self, settings: AnyShapes, excess: tuple[float, ...], output_step: float) -> AnyShapes | None:

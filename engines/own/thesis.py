@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from engines import refusals
 from engines.base import Comparison, Engine, EngineFailure, ModelDescription
 from engines.own.alone import OwnAlone
-from engines.own.beam_engine import ELIMINATED_SLIDER, bodies_of, joints_of
+from engines.own.beam_engine import ELIMINATED_SLIDER, description
 from engines.settings import Settings, setting
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -40,7 +40,6 @@ class ThesisSettings(Settings):
 
     @property
     def shape_count(self) -> int:
-        """Two per element."""
         return 2 * self.elements
 
 
@@ -81,9 +80,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         """Bodies and joints that have terms in the equations."""
         self.check(mechanism)
         n = self._shapes(mechanism, settings).count
-        free = n + (1 if mechanism.crank_is_free else 0)
-        joints = joints_of(mechanism, ELIMINATED_SLIDER)
-        return ModelDescription(bodies_of(mechanism, f"{n} shapes" if n else "rigid"), joints, free)
+        return description(mechanism, f"{n} shapes" if n else "rigid", ELIMINATED_SLIDER, n)
 
     def _shapes(self, mechanism: Mechanism, settings: ThesisSettings) -> ShapeSet:
         """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""

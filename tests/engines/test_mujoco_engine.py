@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from engines.base import EngineFailure, Refusal
 from engines.mujoco import chain
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import FEWEST_WITH_ORDER, LADDER, ChainSettings
+from engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
+from engines.mujoco.settings import LADDER, ChainSettings
 from engines.registry import engine
 from engines.start import standard_start
 from reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, TorqueDrive
