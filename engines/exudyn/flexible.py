@@ -8,7 +8,7 @@ from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable, Kink
+from engines.exudyn.cable import Cable, Kink, direction, dot, turned
 from engines.exudyn.damping import Dampers
 from engines.exudyn.record import Model, Motion, Record, accumulated, drive_columns, equation_of, index, shape_columns
 from engines.exudyn.settings import ExudynSettings
@@ -143,7 +143,7 @@ class CableModel(Model):
         """Add the follower's damping relative to the base body, and its weight."""
         follower = self.assembly.scene.follower
         if base is not None and follower.damping > 0.0:
-            self._damper_weights = follower.damping * quadrature(self._cable)
+            self._damper_weights = follower.damping * self._cable.quadrature
             self._dampers = Dampers(self.assembly, base, self._nodes, self._cable.nodes, self._damper_weights)
         add_weight(self.assembly, self._cable, self._nodes)
 
@@ -286,29 +286,3 @@ class FlexibleModel(CableModel):
             "dissipated_energy": accumulated(record.time, power, power_rate),
             "constraint_gap": np.linalg.norm(cable.evaluate(q, s) - crank_tip, axis=1),
         }
-
-
-def quadrature(cable: Cable) -> Array:
-    """Weights of the nodes in ∫ dx along the cable, m: the trapezoidal rule with Gregory's end correction, fourth order."""
-    weights = np.full(cable.elements + 1, cable.element_length)
-    for i, factor in enumerate((3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0)):
-        weights[[i, -1 - i]] = factor * cable.element_length
-    return weights
-
-
-def direction(slope: Array, slope_rate: Array, slope_acceleration: Array) -> tuple[Array, Array, Array]:
-    """Unit vector along `slope` (rows, 2), its angular rate and angular acceleration (rows,)."""
-    squared = np.sum(slope**2, axis=1)
-    rate = dot(turned(slope), slope_rate) / squared
-    acceleration = dot(turned(slope), slope_acceleration) / squared - 2.0 * rate * dot(slope, slope_rate) / squared
-    return slope / np.sqrt(squared)[:, None], rate, acceleration
-
-
-def turned(a: Array) -> Array:
-    """Quarter turn, counter-clockwise."""
-    return np.stack([-a[..., 1], a[..., 0]], axis=-1)
-
-
-def dot(a: Array, b: Array) -> Array:
-    """Scalar products along the last axis."""
-    return np.sum(a * b, axis=-1)

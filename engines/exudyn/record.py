@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable
+from engines.exudyn.cable import Cable, dot
 from engines.trajectory import Trajectory
 from reference_model.columns import PLACES, SHAPE
 from reference_model.mechanism import TorqueDrive
@@ -102,7 +102,7 @@ def drive_columns(
 def shape_columns(cable: Cable, q: Array, across: Array) -> dict[str, Array]:
     """Deflection at the interior places (m); `q` are nodal coordinates, (rows, nodes, 4), `across` is b2, (rows, 2)."""
     places = [np.full(len(q), cable.length * k / (PLACES + 1)) for k in range(1, PLACES + 1)]
-    return {name: np.sum(across * (cable.evaluate(q, x) - q[:, 0, :2]), axis=1) for name, x in zip(SHAPE, places, strict=True)}
+    return {name: dot(across, cable.evaluate(q, x) - q[:, 0, :2]) for name, x in zip(SHAPE, places, strict=True)}
 
 
 def _work_on_tip(assembly: Assembly, record: Record, crank: int, velocity: Array, acceleration: Array) -> Array:

@@ -37,7 +37,7 @@ class ExudynSimulation(Simulation):
         self.time = 0.0
         self._model = model
         self._mbs = model.assembly.mbs
-        self._step = settings.step
+        self._settings = settings
         self._solver_settings = _solver_settings(settings)
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._impulse = 0.0
@@ -59,7 +59,7 @@ class ExudynSimulation(Simulation):
         """See `Simulation.advance`; a slider that reaches an end of the follower is a failure too."""
         count = round(duration / output_step)
         begun = time.perf_counter()
-        steps = max(1, math.ceil(output_step / self._step - 1e-9))
+        steps = self._settings.steps_in(output_step)
         at_once = max(1, math.floor(LONGEST / output_step * (1.0 + 1e-9)))  # output steps that make up a stretch
         newton_before = self._solver.it.newtonStepsCount
         rows, failure = [self._last], None

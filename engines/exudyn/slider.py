@@ -19,7 +19,7 @@ from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
-from engines.exudyn.cable import Cable
+from engines.exudyn.cable import Cable, dot, turned
 from engines.exudyn.record import Motion, index
 from engines.start import Start
 from engines.start_state import StartState
@@ -110,16 +110,12 @@ def gap(cable: Cable, line: Motion, slider: tuple[Array, Array], crank_tip: Moti
     slope, slope_rate = cable.evaluate(q, s, 1), cable.evaluate(rates, s, 1)
     length = np.linalg.norm(slope, axis=1)[:, None]
     tangent = slope / length
-    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
-    turning = np.sum(normal * (slope_rate + cable.evaluate(q, s, 2) * s_rate), axis=1) / length[:, 0]
+    normal = turned(tangent)
+    turning = dot(normal, slope_rate + cable.evaluate(q, s, 2) * s_rate) / length[:, 0]
     apart = crank_tip[0] - cable.evaluate(q, s)
     velocity = crank_tip[1] - cable.evaluate(rates, s)
     acceleration = crank_tip[2] - cable.evaluate(accelerations, s) - slope_rate * s_rate
-    return Gap(
-        np.sum(normal * apart, axis=1),
-        np.sum(normal * velocity, axis=1),
-        np.sum(normal * acceleration, axis=1) - turning * np.sum(tangent * velocity, axis=1),
-    )
+    return Gap(dot(normal, apart), dot(normal, velocity), dot(normal, acceleration) - turning * dot(tangent, velocity))
 
 
 class SpringAndNormalDamper:
