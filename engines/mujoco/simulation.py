@@ -193,13 +193,13 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "beam_damping": follower.damping,
         "base_damping": scene.base.damping,
     }
-    for name, value in (values | (_spin_up(scene) if isinstance(scene, FollowerAlone) else _crank_and_slider(scene))).items():
+    if isinstance(scene, FollowerAlone):
+        values |= {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
+    else:
+        values |= _crank_and_slider(scene)
+    for name, value in values.items():
         context[name] = value
     return context
-
-
-def _spin_up(scene: FollowerAlone) -> dict[str, complex]:
-    return {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
 
 
 def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:

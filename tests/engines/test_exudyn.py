@@ -295,12 +295,10 @@ def test_only_the_parts_of_the_scene_are_built():
     assert ENGINE.describe(rigid_mechanism(), ExudynSettings()).bodies == ("crank", "follower: rigid, with the base and the tip")
 
 
-def test_ladder_is_monotone_and_ends():
-    accuracies = [0.05, 0.01, 3e-3, 1e-3, 3e-4, 1e-4]
-    rungs = [ENGINE.settings_for(accuracy, run_24()) for accuracy in accuracies]
-    assert [rung.elements for rung in rungs] == sorted(rung.elements for rung in rungs)
-    assert [rung.step for rung in rungs] == sorted((rung.step for rung in rungs), reverse=True)
-    assert rungs[2] == ExudynSettings()
+def test_ladder_ends() -> None:
+    assert ENGINE.settings_for(ENGINE.default_accuracy, run_24()) == ExudynSettings()
+    steps = [rung.step for rung, _ in ladder.LADDER.rungs]
+    assert steps == sorted(steps, reverse=True)
     settings, count = ExudynSettings(), 0
     while (finer := ENGINE.finer(settings, (), 1e-3)) is not None:
         assert finer.step < settings.step
