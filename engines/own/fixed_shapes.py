@@ -13,7 +13,6 @@ from engines.settings import setting
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import hermite_between
-from reference_model.treatment import CLOSED, Treatment
 
 if TYPE_CHECKING:
     from reference_model.model import BeamModel
@@ -45,10 +44,6 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         """Refuse a compliant slider joint: the loop is closed exactly."""
         refusals.of_compliance(self.name, mechanism)
 
-    def treatment(self, mechanism: Mechanism, settings: FixedShapesSettings) -> Treatment:
-        """No joint force at all."""
-        return CLOSED
-
     def model(self, scene: Scene, settings: FixedShapesSettings) -> "BeamModel":
         from reference_model.model import BeamModel
 
@@ -56,7 +51,7 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         if isinstance(scene, FollowerAlone):
             return BeamModel.alone(scene, shapes, transverse_damping=transverse)
         refusals.of_kinks(scene, shapes, "clamped-free modes or one Hermite element")
-        return BeamModel.staying(scene, shapes, transverse_damping=transverse)
+        return BeamModel.staying(scene, shapes, self.treatment(scene, settings), transverse_damping=transverse)
 
     def natural_frequencies(
         self, mechanism: Mechanism, crank_angle: float, count: int, settings: FixedShapesSettings

@@ -11,7 +11,7 @@ from engines.own.beam_engine import BeamEngine, BeamSettings, S, gain_of
 from engines.settings import setting
 from reference_model.mechanism import Follower, Mechanism
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
-from reference_model.treatment import Treatment
+from reference_model.treatment import CLOSED, Treatment
 
 if TYPE_CHECKING:
     from reference_model.model import BeamModel
@@ -71,9 +71,9 @@ class StayingEngine(BeamEngine[S]):
     def shapes(self, follower: Follower, settings: S) -> ShapeSet:
         """Of a follower; none of a rigid one."""
 
-    @abstractmethod
     def treatment(self, mechanism: Mechanism, settings: S) -> Treatment:
-        """What happens to the gap at the slider."""
+        """What happens to the gap at the slider; unless overridden the follower's angle closes it."""
+        return CLOSED
 
     def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
         from reference_model.model import BeamModel
