@@ -272,10 +272,11 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
     Returns:
         The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
     """
-    each: dict[str, float | None] = {}
-    for name in (name for name in ESTIMATED if name in delivered.columns):
-        shown = runs.made_of(lambda run, name=name: run[name]).part(lambda a, b: rms(a - b))  # type: ignore[misc]
-        each[name] = _relative(shown, rms(delivered[name]))
+
+    def part(name: str) -> float:
+        return runs.part(lambda a, b: rms(a[name] - b[name]))
+
+    each = {name: _relative(part(name), rms(delivered[name])) for name in ESTIMATED if name in delivered.columns}
     deflection = each["tip_deflection"]
     if deflection is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
         return runs.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))) / length, each
