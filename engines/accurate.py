@@ -276,7 +276,8 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
     def part(name: str) -> float:
         return runs.part(lambda a, b: rms(a[name] - b[name]))
 
-    each = {name: _relative(part(name), rms(delivered[name])) for name in ESTIMATED if name in delivered.columns}
+    known: list[str] = [name for name in ESTIMATED if name in delivered.columns]
+    each = {name: _relative(part(name), rms(delivered[name])) for name in known}
     deflection = each["tip_deflection"]
     if deflection is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
         return runs.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))) / length, each
