@@ -38,9 +38,8 @@ class ExudynEngine(Engine[ExudynSettings]):
         return None if installed("exudyn") and find_spec("exudyn") else "the package exudyn is not installed"
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse a slider with inertia of rotation, for the joint passes a force and no moment, and a damper beside a rigid joint."""
+        """Refuse a slider with inertia of rotation, for the joint passes a force and no moment."""
         refusals.of_slider_inertia(self.name, mechanism)
-        refusals.of_damper_alone(mechanism)
 
     def describe(self, mechanism: Mechanism, settings: ExudynSettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""

@@ -52,7 +52,6 @@ class MujocoEngine(Engine[ChainSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         refusals.of_slider_inertia(self.name, mechanism)
-        refusals.of_damper_alone(mechanism)
         refusals.of_massless_parts(self.name, mechanism, ", whose links need mass")
 
     def describe(self, mechanism: Mechanism, settings: ChainSettings) -> ModelDescription:

@@ -84,8 +84,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     kind_of_shapes = "shapes that follow the slider"
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse a damper beside a rigid joint, and with a compliant one parts that the open loop leaves without inertia."""
-        refusals.of_damper_alone(mechanism)
+        """Refuse, with a compliant joint, parts that the open loop leaves without inertia."""
         if self.opens_loop(mechanism):
             refusals.of_massless_parts(self.name, mechanism, " with a compliant slider joint, which leaves the follower to itself")
 

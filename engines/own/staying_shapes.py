@@ -114,9 +114,7 @@ class RivalEngine(StayingEngine[S]):
         """Refuse what a force along the normal cannot do, and parts that the open loop leaves without inertia."""
         refusals.of_slider_inertia(self.name, mechanism)
         refusals.of_massless_parts(self.name, mechanism, ", whose shapes need mass of their own")
-        if self.joint_may_yield:
-            refusals.of_damper_alone(mechanism)
-        else:
+        if not self.joint_may_yield:
             refusals.of_compliance(self.name, mechanism)
 
     def follower_alone(self) -> FollowerEngine[S]:

@@ -1,12 +1,11 @@
-"""Natural frequencies with the crank held, and refusals, of every engine alike."""
+"""Natural frequencies with the crank held, of every engine alike."""
 
 import math
 
 import numpy as np
 import pytest
 
-from engines.base import Refusal
-from engines.registry import MAIN, RIVALS, engine
+from engines.registry import MAIN, engine
 from engines.settings import Settings
 from tests.engines.scenes import run_24
 
@@ -39,9 +38,3 @@ def test_frequencies_of_run_24(name: str, size: dict[str, str], tolerance: float
 def test_a_rigid_follower_has_no_natural_frequency(name: str) -> None:
     rigid = run_24(follower={"bending_stiffness": math.inf})
     assert engine(name).natural_frequencies(rigid, 1.0, 4, settings_of(name)).shape == (0,)
-
-
-@pytest.mark.parametrize("name", [*MAIN, *RIVALS])
-def test_a_damper_beside_a_rigid_joint_is_refused(name: str) -> None:
-    with pytest.raises(Refusal, match=r"slider\.joint_.* 1 N\*s/m.*accepted: "):
-        engine(name).check(run_24(slider={"joint_damping": 1.0}))

@@ -138,11 +138,10 @@ def test_a_start_bent_like_another_engine_is_met_closely() -> None:
     assert np.max(np.abs(found(x) - bent(x))) < 1e-3 * 0.02
 
 
-@pytest.mark.parametrize(("key", "value"), [("joint_stiffness", 2e4), ("joint_damping", 1.0)])
-def test_a_compliant_joint_is_refused(key: str, value: float) -> None:
+def test_a_compliant_joint_is_refused() -> None:
     for engine in (THESIS, FIXED):
         with pytest.raises(Refusal, match=r"slider\.joint_stiffness"):
-            engine.check(run_24(slider={key: value}))
+            engine.check(run_24(slider={"joint_stiffness": 2e4}))
 
 
 def test_rotary_inertia_on_elements_is_refused() -> None:
