@@ -71,10 +71,13 @@ def nearest(given: str, known: Iterable[str]) -> str:
     return max(known, key=lambda name: _resemblance(given, name))
 
 
-def nearest_or_all(given: str, known: Sequence[str]) -> str:
-    """What to write instead of a name that is unknown: the nearest one where one is near, else all of `known` (not empty)."""
+def nearest_or_all(given: str, known: Sequence[str], within: str = "") -> str:
+    """What to write instead of a name that is unknown: the nearest one where one is near, else all of `known` (not empty).
+
+    `within`: what stands before all of them.
+    """
     near = nearest(given, known)
-    return f"the nearest known one is {near}" if _resemblance(given, near) >= _NEAR else f"known are {', '.join(known)}"
+    return f"the nearest known one is {within}{near}" if _resemblance(given, near) >= _NEAR else f"known are {', '.join(known)}"
 
 
 def _resemblance(given: str, name: str) -> float:

@@ -1,7 +1,7 @@
 """What a field of a scene measures, declared once, on the field: unit, sign, and what may be left out."""
 
 from collections.abc import Iterator
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, Final, Literal
 
 Sign = Literal["any", "not negative", "positive"]
@@ -17,7 +17,7 @@ class Quantity:
         unit: SI unit, as written in a case file.
         meaning: in words.
         sign: which signs make sense.
-        key: name in a case file.
+        key: name in a case file, where it is not that of the field.
         optional: whether a case file may leave it out.
         count: length of the list; None for a single number.
         infinity: whether it may be infinite, for a rigid part.
@@ -51,16 +51,11 @@ def quantity(
     return field(default=default, metadata={_KEY: known})
 
 
-def quantities_of(part: Any) -> Iterator[tuple[Field[Any], Quantity]]:
-    """The fields of a part (a dataclass or its instance) that are quantities."""
+def quantities_of(part: Any) -> Iterator[tuple[str, str, Quantity]]:
+    """Of a part (a dataclass or its instance) each field that is a quantity: its name, and its key in a case file."""
     for declared in fields(part):
         if (found := declared.metadata.get(_KEY)) is not None:
-            yield declared, found
-
-
-def key_of(declared: Field[Any], found: Quantity) -> str:
-    """Name of a field's quantity in a case file."""
-    return found.key or declared.name
+            yield declared.name, found.key or declared.name, found
 
 
 class ImpossibleMechanism(ValueError):

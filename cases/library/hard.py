@@ -6,12 +6,12 @@ loading it must be answered by the sentence given there.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
 from cases.case import Case
-from cases.document import Document, document_of
+from cases.document import document_of
 from cases.library.thesis import run_case, tip_body
 from cases.reading import case_of
 
@@ -126,16 +126,6 @@ def scene_case(name: str) -> Case:
         CaseError: a scene that cannot be.
     """
     scene, original = SCENES[name], document_of(run_case(_ORIGINAL))
-    values, sections = dict(original.values), set(original.sections)
-    for path, factor in scene.scaled.items():
-        values[path] *= factor
-    for path, value in scene.given.items():
-        if path in sections:
-            sections.remove(path)
-            values = {kept: found for kept, found in values.items() if not kept.startswith(f"{path}.")}
-        elif value is None:
-            values.pop(path)
-        else:
-            values[path] = value
+    scaled = {path: factor * original.at(path) for path, factor in scene.scaled.items()}
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
-    return case_of(Document(name, header, values, frozenset(sections)))
+    return case_of(replace(original.changed({**scaled, **scene.given}), source=name, header=header))

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cases.case import SECTIONS
 from cases.case_file import load_case
 from cases.errors import CaseError
-from cases.keys import SECTIONS
 from cases.reading import parse_case
 from tests.cases.scene_texts import SCENE, changed, message
 
@@ -71,7 +71,7 @@ BAD = [
     (
         'gravity = ["0 in/s^2", "-386 in/s^2"]',
         'gravity = "-386 in/s^2"',
-        'mechanism.gravity: "-386 in/s^2" is no list of strings; a list of exactly 2 strings such as "2 m/s^2" is accepted',
+        'mechanism.gravity: "-386 in/s^2" is no list of 2 strings; write one such as ["2 m/s^2", "2 m/s^2"]',
     ),
     (
         'gravity = ["0 in/s^2", "-386 in/s^2"]',
@@ -85,10 +85,14 @@ BAD = [
         "pivot_distanse",
         'mechanism.pivot_distanse: "18 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
     ),
-    ("[base]", "[bass]", "bass: unknown section; the nearest known one is base"),
+    ("[base]", "[bass]", "bass: { ... } is an unknown section; the nearest known one is base"),
     ("[base]", "[[base]]", "base: [{ ... }] is no section; write [base] with its keys below"),
     ('title = "A scene"', 'titel = "A scene"', 'titel: "A scene" belongs to an unknown key; the nearest known one is title'),
-    ('tags = ["test"]', 'gravity = ["0 N/kg"]', 'gravity: ["0 N/kg"] stands outside its section; accepted as mechanism.gravity'),
+    (
+        'tags = ["test"]',
+        'gravity = ["0 N/kg"]',
+        'gravity: ["0 N/kg"] belongs to an unknown key; the nearest known one is mechanism.gravity',
+    ),
     ('width = "1.5 in"\n', "", 'follower.width: this key is missing; write a length, such as "2 in"'),
     (
         '[simulation]\nduration = "2 s"\noutput_step = "1 ms"\n',
@@ -119,8 +123,7 @@ BAD = [
     (
         'damping = "0.60176535 lbf*in*s/rad"\ninitial_angle = "180 deg"\ninitial_speed = "16.617773 rad/s"',
         'damping = "0 lbf*in*s/rad"\ninitial_angle = "180 deg"',
-        "crank.initial_speed: this key is missing, and without damping there is no speed torque / damping;"
-        ' write an angular speed, such as "2 rad/s"',
+        'crank.initial_speed: is missing, and without damping there is no speed torque / damping; give one, such as "16 rad/s"',
     ),
     # what does not fit together
     (
@@ -137,8 +140,8 @@ BAD = [
     (
         '"18.75 in"]',
         '"18.75 in", "20 in"]',
-        'follower.strain_gauges: ["6.25 in", "12.5 in", "18.75 in", "20 in"] has 4 entries;'
-        ' a list of exactly 3 strings such as "2 in" is accepted',
+        'follower.strain_gauges: ["6.25 in", "12.5 in", "18.75 in", "20 in"] is no list of 3 strings;'
+        ' write one such as ["2 in", "2 in", "2 in"]',
     ),
     (
         '"18.75 in"]',
@@ -170,7 +173,12 @@ BAD = [
     ('output_step = "1 ms"', 'output_step = "0 s"', 'simulation.output_step: "0 s" is not positive; a time greater than zero is accepted'),
     # TOML itself
     ('length = "4 in"', "length = " + "9" * 5000, "line 10 has 5009 characters; at most 1000 are accepted"),
-    ('length = "4 in"', "a." * 490 + "b = 1", "crank.a: is a section inside a section; the keys of [crank] stand directly below it"),
+    (
+        'length = "4 in"',
+        "a." * 490 + "b = 1",
+        "crank.a: { ... } is an unknown section; known are length, mass, center_of_mass, inertia, initial_angle, torque, damping,"
+        " initial_speed, prescribed_speed",
+    ),
     ('length = "4 in"', "length = " + "[" * 900, "is nested too deeply; sections with strings and lists of strings are accepted"),
 ]
 
@@ -250,6 +258,19 @@ def test_every_key_that_cannot_be_left_out_is_named_when_it_is(section: str) -> 
             assert message(text).startswith(f"scene.toml: {section}.{key}: this key is missing; write a")
 
 
+def test_all_that_is_missing_is_named_in_one_sentence() -> None:
+    lacking = (
+        changed('initial_angle = "180 deg"\n', "").replace('damping = "2e-5 lbf*in*s/rad"\n', "").replace('output_step = "1 ms"\n', "")
+    )
+    assert message(lacking) == (
+        "scene.toml: crank.initial_angle: this key is missing, and so are base.damping and simulation.output_step;"
+        ' write an angle, such as "180 deg"'
+    )
+    without_base = lacking[: lacking.index("[base]")] + lacking[lacking.index("[follower]") :]
+    assert "missing, and so are [base] and simulation.output_step; " in message(without_base)
+    assert "duration: this key is missing, and so is simulation.output_step; " in message(SCENE[: SCENE.index("duration")])
+
+
 def test_files_that_are_no_case_files_are_refused(tmp_path: Path) -> None:
     def refused(path: Path | str) -> str:
         with pytest.raises(CaseError) as error:
@@ -260,14 +281,13 @@ def test_files_that_are_no_case_files_are_refused(tmp_path: Path) -> None:
     latin.write_bytes(SCENE.replace("A scene", "Ein Gerät").encode("latin-1"))
     large.write_text("#" * 64_001)
     os.mkfifo(pipe)
+    instead = "give the path of a case file or the name of a library case"
     assert refused(latin) == f"{latin}: is not in UTF-8 (line 2); save it as plain text in UTF-8"
-    assert refused(large) == f"{large}: is larger than 64 kB; a case file has some 2 kB"
-    assert refused(pipe) == f"{pipe}: is no regular file; a case file is a TOML text"
-    assert refused(tmp_path) == f"{tmp_path}: is a directory; give the path of a case file in it"
-    assert refused(tmp_path / "no.toml") == (
-        f"{tmp_path}/no.toml: there is no such file; give the path of a case file or the name of a library case"
-    )
-    assert refused("a\0/b") == r"a\x00/b: cannot be read (embedded null byte)"
+    assert refused(large) == f"{large}: is larger than 64 kB; {instead}"
+    assert refused(pipe) == f"{pipe}: is no regular file; {instead}"
+    assert refused(tmp_path) == f"{tmp_path}: is no regular file; {instead}"
+    assert refused(tmp_path / "no.toml") == f"{tmp_path}/no.toml: there is no such file; {instead}"
+    assert refused("a\0/b") == rf"a\x00/b: cannot be read (embedded null byte); {instead}"
     assert refused("thesis24") == (
         '"thesis24": no case of the library has this name; the nearest one is thesis-24 (`quickreturn cases` lists all); or give a path'
     )

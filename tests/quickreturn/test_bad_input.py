@@ -216,8 +216,8 @@ IN_THE_FILE = [
 TYPED = [
     ("show thesis-25", '"thesis-25": no case of the library has this name; the nearest one is thesis-02 (`quickreturn cases` lists all); or give a path'),
     ("show missing.toml", "missing.toml: there is no such file; give the path of a case file or the name of a library case"),
-    ("show folder.toml", "folder.toml: is a directory; give the path of a case file in it"),
-    ("show huge.toml", "huge.toml: is larger than 64 kB; a case file has some 2 kB"),
+    ("show folder.toml", "folder.toml: is no regular file; give the path of a case file"),
+    ("show huge.toml", "huge.toml: is larger than 64 kB; give the path of a case file"),
     ("show utf-16.toml", "utf-16.toml: is not in UTF-8 (line 1); save it as plain text in UTF-8"),
     ("show deep.toml", "deep.toml: is nested too deeply; sections with strings and lists of strings are accepted"),
     ("show wide.toml", "wide.toml: key-0: 1 belongs to an unknown key; known are name, title, tags, mechanism, crank, base, follower, tip, slider, simulation"),
