@@ -55,7 +55,7 @@ BAD = [
     (
         'bending_stiffness = "2128.22 lbf*in^2"',
         'bending_stiffness = "infinity"',
-        'follower.bending_stiffness: "infinity" is not how a rigid part is written ("inf", nothing else);'
+        'follower.bending_stiffness: "infinity" is infinite;'
         ' write one plain number, one space and a unit, such as "2 lbf*in^2" (or in N*m^2), or "inf"',
     ),
     (

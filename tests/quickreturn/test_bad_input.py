@@ -205,7 +205,7 @@ IN_THE_FILE = [
     ("crank.length", "4", '4 is a bare number; write a string with number and unit, such as "2 in"'),
     ("crank.length", '"18 in"', '"18 in" cannot be: the crank (0.4572 m) must be shorter than mechanism.pivot_distance (0.4572 m)'),
     ("crank.torque", '"1 Nm"', f'"1 Nm" is a quantity in m/kg (perhaps meant as "N*m"), but a torque is needed; {WRITE_TORQUE}'),
-    ("crank.torque", '"1 lb*in"', f'"1 lb*in" is a quantity in kg*m because lb is a pound of mass (the pound of force is lbf), but a torque is needed; {WRITE_TORQUE}'),
+    ("crank.torque", '"1 lb*in"', f'"1 lb*in" is a quantity in kg*m (perhaps meant as "lbf*in"), but a torque is needed; {WRITE_TORQUE}'),
     ("crank.initial_angle", '"1e9 deg"', '"1e9 deg" is beyond a million degrees; angles from -1e6 deg to 1e6 deg are accepted'),
     ("follower.thickness", '"0 in"', '"0 in" is not positive; a length greater than zero is accepted'),
     ("follower.strain_gauges", '"26 in"', '["6.25 in", "12.5 in", "26 in"] leaves the strain gauge at 0.6604 m outside the follower; its length is 0.635 m'),
