@@ -40,6 +40,10 @@ class Range:
     low: float
     high: float
 
+    def holds(self, value: float) -> bool:
+        """Whether a value lies within."""
+        return self.low <= value <= self.high
+
 
 @dataclass(frozen=True)
 class JointEffect:
