@@ -17,7 +17,7 @@ from cases.measures.time_scale import TimeScale
 Array = NDArray[np.float64]
 
 HALVES = ("pre", "post")
-NO_VIBRATION = (FirstMode(None, None, None, None, "the model has no vibration in this channel", None), None)
+NO_VIBRATION = (FirstMode("the model has no vibration in this channel"), None)
 END_TOLERANCE = np.radians(5.0)  # by which the first and the last sample may miss the farthest place of the slider
 
 

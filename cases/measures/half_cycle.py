@@ -98,6 +98,6 @@ def channel_half(scale: TimeScale, half: HalfCycle, channel: str, signal: CubicS
         signal=np.zeros(SAMPLES) if constant else deviation / unit,
         unit=0.0 if constant else unit,
         templates=scale.templates[channel](half.crank_angle).T,
-        quadrature=scale.quadrature(channel, half.crank_angle, half.crank_speed),
+        quadrature=scale.quadratures[channel](half.crank_angle) * half.crank_speed,
         slow_shape=scale.slow_shapes[channel](half.crank_angle),
     )
