@@ -23,19 +23,12 @@ OVERRIDE: Final = "--set"
 
 @dataclass(frozen=True)
 class Document:
-    """Raw values of a case.
+    """Raw values of a case."""
 
-    Attributes:
-        source: file or case name, for messages.
-        header: name, title and tags as read.
-        values: section -> key -> string or list as read, or numbers in SI of a case that was no text.
-        overridden: dotted keys that `--set` gave.
-    """
-
-    source: str
-    header: Mapping[str, Any]
-    values: Mapping[str, Mapping[str, Any]]
-    overridden: frozenset[str] = frozenset()
+    source: str  # file or case name, for messages
+    header: Mapping[str, Any]  # name, title and tags as read
+    values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI of a case that was no text
+    overridden: frozenset[str] = frozenset()  # dotted keys that `--set` gave
 
     def at(self, path: str) -> Any:
         """The value at a dotted key, or at one of the header; None where there is none."""

@@ -57,23 +57,16 @@ class JointEffect:
 
 @dataclass(frozen=True)
 class FrozenCrank:
-    """What is known of a run.
+    """What is known of a run."""
 
-    Attributes:
-        converged: ranges of the first three converged modes over the crank angle, Hz.
-        cubic: ranges of the modes of the thesis' single cubic, Hz.
-        alternating: per converged mode the share of crank angles at which strains 1 and 3 have one sign and strain 2 the other.
-        alike: the same for all three of one sign.
-        elements: largest excess of the first frequency with one, two and three cubic elements over the converged one, relative.
-        joints: what a soft slider joint does; empty where there is no reference cycle.
-    """
-
-    converged: tuple[Range, ...]
-    cubic: tuple[Range, ...]
+    converged: tuple[Range, ...]  # ranges of the first three converged modes over the crank angle, Hz
+    cubic: tuple[Range, ...]  # ranges of the modes of the thesis' single cubic, Hz
+    # per converged mode the share of crank angles at which strains 1 and 3 have one sign and strain 2 the other
     alternating: tuple[float, ...]
-    alike: tuple[float, ...]
+    alike: tuple[float, ...]  # the same for all three of one sign
+    # largest excess of the first frequency with one, two and three cubic elements over the converged one, relative
     elements: tuple[float, ...]
-    joints: tuple[JointEffect, ...]
+    joints: tuple[JointEffect, ...]  # what a soft slider joint does; empty where there is no reference cycle
 
 
 def frozen_crank(mechanism: Mechanism, cycle: Mapping[str, Array]) -> FrozenCrank:

@@ -43,21 +43,13 @@ class QuantityError(ValueError):
 
 @dataclass(frozen=True)
 class Dimension:
-    """What a quantity must measure.
+    """What a quantity must measure."""
 
-    Attributes:
-        name: with its article, as in "a length is needed".
-        exponents: of metre, kilogram, second and radian.
-        si_unit: the unit in which parsed values are given.
-        examples: accepted units, the first one to be shown with a number.
-        per_radian_optional: whether a quantity per radian may be written without "/rad".
-    """
-
-    name: str
-    exponents: Exponents
-    si_unit: str
-    examples: tuple[str, ...]
-    per_radian_optional: bool = False
+    name: str  # with its article, as in "a length is needed"
+    exponents: Exponents  # of metre, kilogram, second and radian
+    si_unit: str  # the unit in which parsed values are given
+    examples: tuple[str, ...]  # accepted units, the first one to be shown with a number
+    per_radian_optional: bool = False  # whether a quantity per radian may be written without "/rad"
 
     @property
     def example(self) -> str:

@@ -11,25 +11,15 @@ _KEY: Final = "quantity"
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with a unit, or a list of `count` of them.
+    """A number with a unit, or a list of `count` of them."""
 
-    Attributes:
-        unit: SI unit, as written in a case file.
-        meaning: in words.
-        sign: which signs make sense.
-        key: name in a case file, where it is not that of the field.
-        optional: whether a case file may leave it out.
-        count: length of the list; None for a single number.
-        infinity: whether it may be infinite, for a rigid part.
-    """
-
-    unit: str
-    meaning: str
-    sign: Sign
-    key: str
-    optional: bool
-    count: int | None
-    infinity: bool
+    unit: str  # SI unit, as written in a case file
+    meaning: str  # in words
+    sign: Sign  # which signs make sense
+    key: str  # name in a case file, where it is not that of the field
+    optional: bool  # whether a case file may leave it out
+    count: int | None  # length of the list; None for a single number
+    infinity: bool  # whether it may be infinite, for a rigid part
 
 
 def quantity(

@@ -46,30 +46,18 @@ _AT_WORK: Final = "at work: "
 
 @dataclass(frozen=True)
 class Benchmark:
-    """The table of one scene.
+    """The table of one scene."""
 
-    Attributes:
-        case: its name.
-        title: its title.
-        duration: s.
-        truth: what errors are measured against.
-        confirmation: how far that can be trusted.
-        points: one for each method and settings.
-        repetitions: of a point at most.
-        longest: solve time (s) beyond which the finer settings of a method were not tried.
-        machine: processor, system and versions.
-        failures: engine -> why it was left out: it died, was stopped at a limit or cannot be used here.
-    """
-
-    case: str
-    title: str
-    duration: float
-    truth: Converged
-    confirmation: Confirmation
-    points: tuple[Point, ...]
-    repetitions: int
-    longest: float
-    machine: dict[str, str]
+    case: str  # its name
+    title: str  # its title
+    duration: float  # s
+    truth: Converged  # what errors are measured against
+    confirmation: Confirmation  # how far that can be trusted
+    points: tuple[Point, ...]  # one for each method and settings
+    repetitions: int  # of a point at most
+    longest: float  # solve time (s) beyond which the finer settings of a method were not tried
+    machine: dict[str, str]  # processor, system and versions
+    # engine -> why it was left out: it died, was stopped at a limit or cannot be used here
     failures: dict[str, str] = field(default_factory=dict)
 
     @property

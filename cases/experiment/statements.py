@@ -14,29 +14,17 @@ Kind = Literal["relation", "frequency", "observation", "cause"]
 
 @dataclass(frozen=True)
 class Statement:
-    """One statement and how it is read.
+    """One statement and how it is read."""
 
-    Attributes:
-        id: short name.
-        section: of the thesis.
-        words: the statement in our words.
-        kind: "relation" (a ratio per run), "frequency" (a range in Hz), "observation" or "cause" (words only).
-        quantity: what is compared.
-        runs: numbers of the runs that it speaks of.
-        low: smallest value that the words mean, -inf if there is none.
-        high: largest value that the words mean, inf if there is none.
-        share: of the runs that must show it.
-    """
-
-    id: str
-    section: str
-    words: str
-    kind: Kind
-    quantity: str
-    runs: tuple[int, ...]
-    low: float = -math.inf
-    high: float = math.inf
-    share: float = 1.0
+    id: str  # short name
+    section: str  # of the thesis
+    words: str  # the statement in our words
+    kind: Kind  # "relation" (a ratio per run), "frequency" (a range in Hz), "observation" or "cause" (words only)
+    quantity: str  # what is compared
+    runs: tuple[int, ...]  # numbers of the runs that it speaks of
+    low: float = -math.inf  # smallest value that the words mean, -inf if there is none
+    high: float = math.inf  # largest value that the words mean, inf if there is none
+    share: float = 1.0  # of the runs that must show it
 
     def share_of(self, values: Mapping[int, float]) -> float | None:
         """Which share of the runs shows it, counting runs with a value only; None if no run has one.

@@ -16,19 +16,12 @@ ALUMINIUM: Final = (10.0e6 * PSI, 10.6e6 * PSI)
 
 @dataclass(frozen=True)
 class StiffnessReading:
-    """The published stiffness over the nominal section.
+    """The published stiffness over the nominal section."""
 
-    Attributes:
-        published: as printed.
-        modulus: Young's modulus that follows, Pa.
-        below: by which parts it lies below ordinary aluminium, least and greatest.
-        needed: part by which EI would have to be lower to undo the median excess of a frequency (which grows with its root); None
-            without one.
-    """
-
-    published: str
-    modulus: float
-    below: tuple[float, float]
+    published: str  # as printed
+    modulus: float  # Young's modulus that follows, Pa
+    below: tuple[float, float]  # by which parts it lies below ordinary aluminium, least and greatest
+    # part by which EI would have to be lower to undo the median excess of a frequency (which grows with its root); None without one
     needed: float | None
 
 

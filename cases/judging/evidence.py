@@ -47,17 +47,11 @@ class TrialScene:
 
 @dataclass(frozen=True)
 class Trial:
-    """An engine tried in a scene: what the climb ended with.
+    """An engine tried in a scene: what the climb ended with."""
 
-    Attributes:
-        evidence: for `cases.judging.verdicts.judge`.
-        settings: of the run judged; {} where none ran.
-        columns: its trajectory, as far as it goes.
-    """
-
-    evidence: Evidence
-    settings: dict[str, Any]
-    columns: Columns
+    evidence: Evidence  # for `cases.judging.verdicts.judge`
+    settings: dict[str, Any]  # of the run judged; {} where none ran
+    columns: Columns  # its trajectory, as far as it goes
 
 
 def gather(

@@ -33,28 +33,20 @@ _CODE: Final = ("cases.judging",)
 
 @dataclass(frozen=True, kw_only=True)
 class Judged:
-    """An engine in a scene.
+    """An engine in a scene."""
 
-    Attributes:
-        scene: name of the case.
-        engine: name.
-        verdict: after the comparison with the other engines.
-        settings: of the run judged.
-        true_error: of the tip deflection over the stretch, against the converged solution; None where nothing is claimed or known.
-        true_later: likewise beyond the stretch (`cases.judging.conditioning.later_differences`); None where there is no such part.
-        holds: whether the claim (error, time, what is said of the part beyond the stretch) holds against the converged solution, whose
-            own claimed error is allowed for; None where nothing is claimed or the scene has no converged solution.
-        model_error: of an engine that is held against its own equations: the distance of these to the converged solution.
-    """
-
-    scene: str
-    engine: str
-    verdict: Verdict
-    settings: Mapping[str, Any]
+    scene: str  # name of the case
+    engine: str  # name
+    verdict: Verdict  # after the comparison with the other engines
+    settings: Mapping[str, Any]  # of the run judged
+    # of the tip deflection over the stretch, against the converged solution; None where nothing is claimed or known
     true_error: float | None = None
+    # likewise beyond the stretch (`cases.judging.conditioning.later_differences`); None where there is no such part
     true_later: Mapping[str, float] | None = None
+    # whether the claim (error, time, what is said of the part beyond the stretch) holds against the converged solution, whose own
+    # claimed error is allowed for; None where nothing is claimed or the scene has no converged solution
     holds: bool | None = None
-    model_error: float | None = None
+    model_error: float | None = None  # of an engine that is held against its own equations: the distance of these to the converged solution
 
     @property
     def silently_wrong(self) -> bool:
@@ -64,21 +56,13 @@ class Judged:
 
 @dataclass(frozen=True)
 class Matrix:
-    """All of it.
+    """All of it."""
 
-    Attributes:
-        cases: the scenes, in order.
-        engines: names.
-        cells: (scene, engine) -> cell; those that have been computed.
-        conditionings: scene -> its conditioning, where it could be computed.
-        converged: scene -> claimed error of its converged solution; None where there is none.
-    """
-
-    cases: tuple[Case, ...]
-    engines: tuple[str, ...]
-    cells: Mapping[tuple[str, str], Judged]
-    conditionings: Mapping[str, Conditioning]
-    converged: Mapping[str, float | None]
+    cases: tuple[Case, ...]  # the scenes, in order
+    engines: tuple[str, ...]  # names
+    cells: Mapping[tuple[str, str], Judged]  # (scene, engine) -> cell; those that have been computed
+    conditionings: Mapping[str, Conditioning]  # scene -> its conditioning, where it could be computed
+    converged: Mapping[str, float | None]  # scene -> claimed error of its converged solution; None where there is none
 
     @property
     def silently_wrong(self) -> tuple[Judged, ...]:

@@ -24,17 +24,11 @@ Values = Mapping[str, str | list[str] | None]
 
 @dataclass(frozen=True)
 class Variation:
-    """A change of run 24.
+    """A change of run 24."""
 
-    Attributes:
-        title: one line for people: what differs from run 24.
-        scaled: dotted key -> factor on run 24's value.
-        given: dotted key -> new value. A section's name with None leaves the section out.
-    """
-
-    title: str
-    scaled: Mapping[str, float] = field(default_factory=dict)
-    given: Values = field(default_factory=dict)
+    title: str  # one line for people: what differs from run 24
+    scaled: Mapping[str, float] = field(default_factory=dict)  # dotted key -> factor on run 24's value
+    given: Values = field(default_factory=dict)  # dotted key -> new value. A section's name with None leaves the section out.
 
 
 _NO_PLATES: Final[Values] = tip_body(0)

@@ -16,21 +16,13 @@ _HIGHEST_YIELD_STRESS: Final = 0.55e9
 
 @dataclass(frozen=True)
 class Inconsistency:
-    """One finding.
+    """One finding."""
 
-    Attributes:
-        runs: numbers of the runs concerned.
-        what: the quantity.
-        published: what the thesis says.
-        used: what is used here.
-        reason: why.
-    """
-
-    runs: tuple[int, ...]
-    what: str
-    published: str
-    used: str
-    reason: str
+    runs: tuple[int, ...]  # numbers of the runs concerned
+    what: str  # the quantity
+    published: str  # what the thesis says
+    used: str  # what is used here
+    reason: str  # why
 
     @property
     def sentence(self) -> str:

@@ -41,17 +41,11 @@ TINY = np.finfo(np.float64).tiny
 
 @dataclass(frozen=True)
 class MovingMode:
-    """What happens to the first mode, at the angles of the modes it is made from.
+    """What happens to the first mode, at the angles of the modes it is made from."""
 
-    Attributes:
-        dragged: amplitudes of the modes that A cos(phi) drags along as A q1' sin(phi), s/rad, shape (angles, modes); zero for itself.
-        free_crank: relative change of the frequency because the crank is free, shape (angles,).
-        motion: the same because the crank turns, per square of its speed, s^2/rad^2, shape (angles,).
-    """
-
-    dragged: Array
-    free_crank: Array
-    motion: Array
+    dragged: Array  # amplitudes of the modes that A cos(phi) drags along as A q1' sin(phi), s/rad, shape (angles, modes); zero for itself
+    free_crank: Array  # relative change of the frequency because the crank is free, shape (angles,)
+    motion: Array  # the same because the crank turns, per square of its speed, s^2/rad^2, shape (angles,)
 
 
 def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes], signs: Array) -> MovingMode:

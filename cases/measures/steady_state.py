@@ -23,17 +23,11 @@ SCATTER = 2.0  # times the median of all later ones that a change may be once th
 
 @dataclass(frozen=True)
 class Cycle:
-    """One turn of the crank from the slider's farthest place to the next.
+    """One turn of the crank from the slider's farthest place to the next."""
 
-    Attributes:
-        time: s, shape (n,); the first and last instant are interpolated to the farthest place.
-        crank_angle: rad, shape (n,), continuous.
-        channels: name -> values, shape (n,).
-    """
-
-    time: Array
-    crank_angle: Array
-    channels: dict[str, Array]
+    time: Array  # s, shape (n,); the first and last instant are interpolated to the farthest place
+    crank_angle: Array  # rad, shape (n,), continuous
+    channels: dict[str, Array]  # name -> values, shape (n,)
 
 
 def cut_cycles(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -> list[Cycle]:
@@ -76,21 +70,13 @@ def cut_cycles(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -
 
 @dataclass(frozen=True)
 class Outlook:
-    """What a sequence of cycles that has not settled showed.
+    """What a sequence of cycles that has not settled showed."""
 
-    Attributes:
-        change: RMS change of the last cycle, relative to the signals' RMS; None before the second cycle.
-        remaining_error: estimated distance from the steady state, likewise relative; None where the changes do not shrink.
-        ratio: of successive changes, by their trend; None where they do not shrink.
-        cycles_needed: in all, at this ratio; None where the changes do not shrink.
-        stalled_since: number of the cycle from which on the changes no longer shrink; None where they do, or are too few to tell.
-    """
-
-    change: float | None
-    remaining_error: float | None
-    ratio: float | None
-    cycles_needed: int | None
-    stalled_since: int | None
+    change: float | None  # RMS change of the last cycle, relative to the signals' RMS; None before the second cycle
+    remaining_error: float | None  # estimated distance from the steady state, likewise relative; None where the changes do not shrink
+    ratio: float | None  # of successive changes, by their trend; None where they do not shrink
+    cycles_needed: int | None  # in all, at this ratio; None where the changes do not shrink
+    stalled_since: int | None  # number of the cycle from which on the changes no longer shrink; None where they do, or are too few to tell
 
     def sentence(self) -> str:
         """The same in words, with what to try."""

@@ -26,22 +26,16 @@ NOTHING = 1e-6  # of the curvature at the slider: a gauge that sees no more sits
 
 @dataclass(frozen=True)
 class TimeScale:
-    """Periodic functions of the crank angle, the same for both directions of rotation.
+    """Periodic functions of the crank angle, the same for both directions of rotation."""
 
-    Attributes:
-        frequencies: f1, f2, f3 in Hz of the crank held still, values of shape (..., 3).
-        free_crank: relative change of f1 where the crank is free to give way, values of shape (...).
-        motion: the same because the crank turns, per square of its speed, s^2/rad^2, values of shape (...).
-        templates: per channel the response to each mode at constant action, unit mean modulus over a turn, values (..., 3).
-        quadratures: per channel the response to the first mode a quarter period late, per crank speed, in its template's unit, s/rad.
-        slow_shapes: per channel its quasi-static response at constant crank speed, unit RMS over a turn, values of shape (...).
-    """
-
-    frequencies: CubicSpline
-    free_crank: CubicSpline
-    motion: CubicSpline
+    frequencies: CubicSpline  # f1, f2, f3 in Hz of the crank held still, values of shape (..., 3)
+    free_crank: CubicSpline  # relative change of f1 where the crank is free to give way, values of shape (...)
+    motion: CubicSpline  # the same because the crank turns, per square of its speed, s^2/rad^2, values of shape (...)
+    # per channel the response to each mode at constant action, unit mean modulus over a turn, values (..., 3)
     templates: dict[str, CubicSpline]
+    # per channel the response to the first mode a quarter period late, per crank speed, in its template's unit, s/rad
     quadratures: dict[str, CubicSpline]
+    # per channel its quasi-static response at constant crank speed, unit RMS over a turn, values of shape (...)
     slow_shapes: dict[str, CubicSpline]
 
     @property
