@@ -114,9 +114,10 @@ def joint_effects(mechanism: Mechanism, crank_angle: Array, time: Array) -> tupl
     halves = _half_weights(crank_angle, time)
     rigid = _frequencies(mechanism, math.inf, 1)[:, 0]
 
-    def changes(stiffness: float) -> list[float]:
+    def changes(stiffness: float) -> tuple[float, float]:
         soft = _frequencies(mechanism, stiffness, 1)[:, 0]
-        return [float(half @ soft / (half @ rigid) - 1.0) for half in halves]
+        before, after = (float(half @ soft / (half @ rigid) - 1.0) for half in halves)
+        return before, after
 
     soft = float(np.exp(brentq(lambda exponent: changes(float(np.exp(exponent)))[0] + LOWERING, math.log(1e2), math.log(1e7), rtol=1e-4)))
     return tuple(

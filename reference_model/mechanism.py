@@ -14,16 +14,28 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from reference_model.quantities import ImpossibleMechanism, quantity
-
-__all__ = [
-    "Base", "Crank", "Follower", "FollowerAlone", "ImpossibleMechanism", "Material", "Mechanism", "PrescribedSpeed", "Scene", "Slider",
-    "SpinUp", "Tip", "TorqueDrive", "changed",
-]  # fmt: skip
-
+from reference_model.quantities import quantity
 
 #: By how much (rad) two angles may miss a turn that is meant: they may be written with few digits.
 ROUNDING: Final = 1e-6
+
+
+class ImpossibleMechanism(ValueError):
+    """The parts do not fit together.
+
+    Attributes:
+        key: the quantity to blame, as `part.quantity`.
+        problem: a clause that follows the quantity's value.
+        accepted: what is accepted instead; may be empty.
+        others: quantities that may be to blame as well.
+    """
+
+    def __init__(self, key: str, problem: str, accepted: str = "", others: tuple[str, ...] = ()) -> None:
+        super().__init__(f"{key} {problem}" + (f"; {accepted}" if accepted else ""))
+        self.key = key
+        self.problem = problem
+        self.accepted = accepted
+        self.others = others
 
 
 @dataclass(frozen=True, kw_only=True)

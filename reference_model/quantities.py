@@ -46,21 +46,3 @@ def quantities_of(part: Any) -> Iterator[tuple[str, str, Quantity]]:
     for declared in fields(part):
         if (found := declared.metadata.get(_KEY)) is not None:
             yield declared.name, found.key or declared.name, found
-
-
-class ImpossibleMechanism(ValueError):
-    """The parts do not fit together.
-
-    Attributes:
-        key: the quantity to blame, as `part.quantity`.
-        problem: a clause that follows the quantity's value.
-        accepted: what is accepted instead; may be empty.
-        others: quantities that may be to blame as well.
-    """
-
-    def __init__(self, key: str, problem: str, accepted: str = "", others: tuple[str, ...] = ()) -> None:
-        super().__init__(f"{key} {problem}" + (f"; {accepted}" if accepted else ""))
-        self.key = key
-        self.problem = problem
-        self.accepted = accepted
-        self.others = others

@@ -44,6 +44,10 @@ class TrialScene:
     output_step: float
     horizon: float
 
+    def evidence(self, requested: float, **known: Any) -> Evidence:
+        """What is known of a run, judged on no stretch yet."""
+        return Evidence(requested=requested, duration=self.duration, stretch=0.0, row=self.output_step, **known)
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -66,8 +70,7 @@ def gather(
         usable: finds an engine by its name.
         asked: see `ASKED`.
     """
-    nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
-    found = Trial(nothing, {}, {})
+    found = Trial(scene.evidence(requested), {}, {})
     try:
         chosen = usable(engine)
         for share in asked:
@@ -79,7 +82,7 @@ def gather(
             if judge(run.evidence).claimed_error is not None or estimate is None or estimate > share * requested:
                 break  # no doubt left, or the ladder ends here
     except (Refusal, SettingError) as refusal:
-        return Trial(replace(nothing, refused=str(refusal)), {}, {})
+        return Trial(scene.evidence(requested, refused=str(refusal)), {}, {})
     return found
 
 
@@ -89,7 +92,7 @@ class _Request:
     def __init__(self, engine: AnyEngine, scene: TrialScene, requested: float, accuracy: float) -> None:
         self._engine, self._scene, self._accuracy = engine, scene, accuracy
         self._start = standard_start(scene.mechanism)
-        self._nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
+        self._nothing = scene.evidence(requested)
 
     def run(self) -> Trial:
         """All runs that the evidence needs.

@@ -13,7 +13,7 @@ from cases.jobs.job import Job, Outcome, T
 from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning, conditioning, later_differences
 from cases.judging.evidence import Columns, Trial, TrialScene, gather
-from cases.judging.verdicts import ACCURATE, ENDED, LATER, Breakdown, Evidence, Verdict, contradicted, judge
+from cases.judging.verdicts import ACCURATE, ENDED, LATER, Breakdown, Verdict, contradicted, judge
 from engines.registry import MAIN
 from engines.relative import relative_error
 
@@ -137,8 +137,7 @@ def trial(engine: str, scene: TrialScene, requested: float) -> Trial:
 def _broken(job: Job[Trial], outcome: Outcome[Trial]) -> Trial:
     """Of a process that ended without a result, that it did."""
     _, scene, requested = job.arguments
-    broken = Breakdown(time=0.0, cause=outcome.explanation)
-    return Trial(Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step, breakdown=broken), {}, {})
+    return Trial(scene.evidence(requested, breakdown=Breakdown(time=0.0, cause=outcome.explanation)), {}, {})
 
 
 def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Trial | None) -> list[Judged]:
@@ -189,15 +188,10 @@ def _checked(verdict: Verdict, run: Trial, truth: Trial) -> dict[str, Any]:
     holds = error <= claimed + right.claimed_error
     later = None
     if ENDED in (verdict.kind, right.kind):
-        holds = holds and verdict.kind == right.kind and _same_time(verdict, right)
+        apart = abs((verdict.time or 0.0) - (right.time or 0.0))  # an end has a time
+        within = (verdict.time_uncertainty or 0.0) + (right.time_uncertainty or 0.0)
+        holds = holds and verdict.kind == right.kind and apart <= within
     elif stretch < run.evidence.duration:
         later = later_differences(run.columns, truth.columns, stretch)
         holds = holds and max(later.values()) <= 2.0 * LATER  # the converged solution may be off by as much
     return {"true_error": error, "true_later": later, "holds": holds}
-
-
-def _same_time(verdict: Verdict, right: Verdict) -> bool:
-    """Whether two ends of a scene are the same within what both say of their own."""
-    assert verdict.time is not None  # an end has both
-    assert right.time is not None
-    return abs(verdict.time - right.time) <= (verdict.time_uncertainty or 0.0) + (right.time_uncertainty or 0.0)
