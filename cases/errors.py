@@ -40,9 +40,7 @@ def as_written(value: Any) -> str:
         return "[" + ", ".join([as_written(item) for item in value[:4]] + ["..."] * (len(value) > 4)) + "]"
     if isinstance(value, dict):
         return "{ ... }" if value else "{}"
-    if isinstance(value, int) and abs(value) >= 10**_LONGEST_VALUE:
-        return "a huge whole number"
-    return str(value)
+    return shortened(str(value))
 
 
 def shortened(text: str) -> str:

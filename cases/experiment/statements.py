@@ -44,8 +44,8 @@ class Statement:
 @functools.cache
 def statements() -> tuple[Statement, ...]:
     """All statements in the order of the thesis."""
-    return tuple(Statement(**entry | {"runs": _runs(entry["runs"])}) for entry in read_toml("thesis_statements.toml")["statement"])
-
-
-def _runs(written: str | list[int]) -> tuple[int, ...]:
-    return tuple(RUNS) if isinstance(written, str) else tuple(range(written[0], written[1] + 1))
+    found = []
+    for entry in read_toml("thesis_statements.toml")["statement"]:
+        runs = tuple(RUNS) if entry["runs"] == "all" else tuple(range(entry["runs"][0], entry["runs"][1] + 1))
+        found.append(Statement(**entry | {"runs": runs}))
+    return tuple(found)

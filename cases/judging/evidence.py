@@ -150,6 +150,8 @@ class _Request:
             breakdown = replace(breakdown, finer_time=finer_failure.time)
         if breakdown is None and finer is not None and rows < len(whole["time"]) == len(finer):
             later = later_differences(whole, dict(finer.columns), evidence.stretch)
+        rigid = math.isinf(self._scene.mechanism.slider.joint_stiffness)  # a soft joint has a gap by its nature
+        gap = float(np.max(np.abs(shown["constraint_gap"]))) if rigid and "constraint_gap" in shown else None
         return replace(
             evidence,
             breakdown=breakdown,
@@ -157,14 +159,9 @@ class _Request:
             finer_failure=broken,
             later=later,
             energy_residual=energy_residual(whole if breakdown is None else shown),
-            constraint_gap=self._gap(shown),
+            constraint_gap=gap,
             crank_jump=crank_jump(whole),
         )
-
-    def _gap(self, columns: Columns) -> float | None:
-        """Largest distance of the slider from the centre line; a soft joint has one by its nature."""
-        rigid = math.isinf(self._scene.mechanism.slider.joint_stiffness)
-        return float(np.max(np.abs(columns["constraint_gap"]))) if rigid and "constraint_gap" in columns else None
 
     def _once(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:
         """A run over the whole duration, or what there is of it and why there is no more."""

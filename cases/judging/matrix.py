@@ -89,8 +89,8 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
 
     known = outcomes([_conditioning_job(case) for case in cases])
     conditionings = {case.name: found.value for case, found in zip(cases, known, strict=True) if found is not None and found.value}
-    scenes = {case.name: _scene(case, conditionings.get(case.name)) for case in cases}
-    jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(scenes[case.name], engines).items()}
+    horizons = {case.name: case.duration for case in cases} | {name: found.horizon for name, found in conditionings.items()}
+    jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(case, horizons[case.name], engines).items()}
     trials: dict[tuple[str, str], Trial] = {}
     for (what, name), found in zip(jobs, outcomes(list(jobs.values())), strict=True):
         if found is not None:
@@ -105,18 +105,14 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
     return Matrix(tuple(cases), tuple(engines), cells, conditionings, converged)
 
 
-def _scene(case: Case, conditioning: Conditioning | None) -> TrialScene:
-    horizon = conditioning.horizon if conditioning else case.duration
-    return TrialScene(mechanism=case.mechanism, duration=case.duration, output_step=case.output_step, horizon=horizon)
-
-
 def _conditioning_job(case: Case) -> Job[Conditioning]:
     arguments = (case.mechanism, case.duration, case.output_step)
     return Job(f"conditioning of {case.name}", conditioning, arguments, kind=_KIND, engines=("reference",), code=_CODE)
 
 
-def _trial_jobs(scene: TrialScene, engines: Sequence[str]) -> dict[str, Job[Trial]]:
+def _trial_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[str, Job[Trial]]:
     """The converged solution, that of `MODEL`'s own equations if it is among the engines, and each engine."""
+    scene = TrialScene(mechanism=case.mechanism, duration=case.duration, output_step=case.output_step, horizon=horizon)
     wanted = {"converged": CONVERGED} | ({"model": (MODEL, MODEL_CONVERGED)} if MODEL in engines else {})
     wanted |= {name: (name, REQUESTED) for name in engines}
     return {

@@ -88,7 +88,10 @@ def _estimate(channel: ChannelHalf) -> _Estimate:
     statistical_alpha, statistical_amplitude = _statistical_uncertainty(channel, main, slow.shape[1])
 
     drifting = refine(channel, slow, main.parameters, FREE_DRIFT)
-    variants = [fit for fit in _variants(channel, main) if fit.residual_rms <= IGNORED_VARIANT * main.residual_rms]
+    less, more = (channel.half.polynomials(degree) for degree in (DEGREE - 1, DEGREE + 1))
+    other_slow_parts = (less, more, np.column_stack([less, channel.slow_shape]))
+    variants = [refine(channel, orthonormal(columns), main.parameters, MAIN) for columns in other_slow_parts]
+    variants = [fit for fit in variants if fit.residual_rms <= IGNORED_VARIANT * main.residual_rms]
     spread_alpha = _spread([fit.parameters[0] for fit in variants], alpha)
     spread_amplitude = _spread([_amplitude(channel, fit) for fit in (*variants, drifting)], amplitude)
     slow_peak = np.abs(slow @ (slow.T @ (channel.signal - _oscillation(channel, main)))).max()
@@ -141,12 +144,6 @@ def _scan(channel: ChannelHalf, slow: Array) -> Array:
     gram = np.swapaxes(columns, 1, 2) @ columns
     right = np.swapaxes(columns, 1, 2) @ signal
     return np.asarray(signal @ signal - np.sum(right * np.linalg.solve(gram, right[..., None])[..., 0], axis=1))
-
-
-def _variants(channel: ChannelHalf, main: Fit) -> list[Fit]:
-    less, more = (channel.half.polynomials(degree) for degree in (DEGREE - 1, DEGREE + 1))
-    slow_parts = (less, more, np.column_stack([less, channel.slow_shape]))
-    return [refine(channel, orthonormal(columns), main.parameters, MAIN) for columns in slow_parts]
 
 
 def _spread(values: list[float], main: float) -> float:
