@@ -48,7 +48,7 @@ def case_of(document: Document) -> Case:
     try:
         scene = scene_of(values)
     except MissingQuantity as missing:
-        raise _missing(document, [*missing.keys, *untimed]) from None
+        raise _missing(document, [*missing.keys, *untimed], missing.accepted) from None
     except ImpossibleMechanism as impossible:
         raise document.error(document.blame(impossible.key, *impossible.others), impossible.problem, impossible.accepted) from None
     if times is None or untimed:
@@ -69,15 +69,15 @@ def misfit(duration: float, output_step: float) -> tuple[str, str] | None:
     return None
 
 
-def _missing(document: Document, keys: Sequence[str]) -> CaseError:
+def _missing(document: Document, keys: Sequence[str], accepted: str = "") -> CaseError:
     """The message for keys, and sections as `[name]`, that must be there."""
     first, *others = keys
     also = ", ".join(others[:-1]) + " and " * (len(others) > 1) + "".join(others[-1:])
     told = "is missing" + (f", and so {'are' if len(others) > 1 else 'is'} {also}" if others else "")
     if first in PATHS:
         dimension = dimension_of(first)
-        return document.error(first, f"this key {told}", f"write {dimension.name}, such as {dimension.example}")
-    return document.error(first, f"this section {told}", f"its keys are {', '.join(SECTIONS[first.strip('[]')])}")
+        return document.error(first, f"this key {told}", accepted or f"write {dimension.name}, such as {dimension.example}")
+    return document.error(first, f"this section {told}", accepted or f"its keys are {', '.join(SECTIONS[first.strip('[]')])}")
 
 
 def _quantity(document: Document, path: str, written: Any) -> Any:

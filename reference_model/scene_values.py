@@ -51,6 +51,7 @@ ALTERNATIVES: Final = (
 )
 #: Keys that turn the base of a follower alone; a scene with a crank must not have them.
 SPIN_UP: Final = ("base.spin_up_speed", "base.spin_up_time")
+CRANK_OR_NOT: Final = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
 DRIVE_CHOICE: Final = "give either prescribed_speed alone, or torque and damping (and, if the start is not torque / damping, initial_speed)"
 
 
@@ -58,7 +59,7 @@ class MissingQuantity(ImpossibleMechanism):
     """Quantities, or sections `[name]`, that cannot be left out; `keys` has them all, in the order of a case file."""
 
     def __init__(self, keys: Sequence[str]) -> None:
-        super().__init__(keys[0], "is missing")
+        super().__init__(keys[0], "is missing", CRANK_OR_NOT if "[crank]" in keys else "")
         self.keys = keys
 
 
@@ -122,17 +123,12 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
 def _is_alone(values: Values) -> bool:
     """Whether the scene is a follower alone: no crank, and a base that is spun up."""
     given = [path for path in SPIN_UP if _has(values, path)]
-    choice = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
-    if "crank" in values:
-        if given:
-            raise ImpossibleMechanism(given[0], "conflicts with [crank], which turns the follower", choice)
-        return False
-    if not given:
-        raise ImpossibleMechanism("[crank]", "this section is missing", choice)
+    if given and "crank" in values:
+        raise ImpossibleMechanism(given[0], "conflicts with [crank], which turns the follower", CRANK_OR_NOT)
     for key, there in (("[slider]", "slider" in values), ("mechanism.pivot_distance", _has(values, "mechanism.pivot_distance"))):
-        if there:
+        if given and there:
             raise ImpossibleMechanism(key, "conflicts with the missing [crank]", "leave it out, or give [crank]")
-    return True
+    return bool(given)
 
 
 def _check_alternatives(values: Values) -> None:

@@ -225,6 +225,7 @@ def test_all_that_is_missing_is_named_in_one_sentence() -> None:
     )
     without_base = lacking[: lacking.index("[base]")] + lacking[lacking.index("[follower]") :]
     assert "missing, and so are [base] and simulation.output_step; " in message(without_base)
+    assert "[mechanism]: this section is missing, and so are [crank], [base], [follower] and [simulation]; " in message('name = "x"')
     assert "duration: this key is missing, and so is simulation.output_step; " in message(SCENE[: SCENE.index("duration")])
 
 
