@@ -106,13 +106,16 @@ def judge(evidence: Evidence) -> Verdict:
         return Verdict(DIVERGED, broken.cause)
     if not broken.at_the_end:
         return Verdict(DIVERGED, f"failed at t = {broken.time:.4g} s: {broken.cause}", time=broken.time)
-    if broken.finer_time is None or abs(broken.finer_time - broken.time) > evidence.requested * broken.time + evidence.row:
-        finer = "finer settings do not confirm it" if broken.finer_time is None else f"with finer settings at {broken.finer_time:.4g} s"
-        return Verdict(NOT_CONVERGED, f"the slider leaves the follower at t = {broken.time:.4g} s, {finer}", time=broken.time)
+    left = f"the slider leaves the follower at t = {broken.time:.4g} s"
+    if broken.finer_time is None:
+        return Verdict(NOT_CONVERGED, f"{left}, finer settings do not confirm it", time=broken.time)
+    apart = abs(broken.finer_time - broken.time)
+    if apart > evidence.requested * broken.time + evidence.row:
+        return Verdict(NOT_CONVERGED, f"{left}, with finer settings at {broken.finer_time:.4g} s", time=broken.time)
     if doubt:
-        return Verdict(NOT_CONVERGED, f"the slider leaves the follower at t = {broken.time:.4g} s; before that {doubt}", time=broken.time)
-    uncertainty = abs(broken.finer_time - broken.time) + evidence.row
-    reason = f"the slider leaves the follower at t = {broken.time:.4g} s (± {uncertainty:.1g} s)"
+        return Verdict(NOT_CONVERGED, f"{left}; before that {doubt}", time=broken.time)
+    uncertainty = apart + evidence.row
+    reason = f"{left} (± {uncertainty:.1g} s)"
     return replace(_accurate(evidence), kind=ENDED, reason=reason, time=broken.time, time_uncertainty=uncertainty)
 
 
