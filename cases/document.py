@@ -134,7 +134,8 @@ def _unknown(source: str, path: str, value: Any) -> CaseError:
     """The message for a section or a key that no case file has: where such a key belongs, else what is known there."""
     section, _, key = path.rpartition(".")
     section = section or path
-    if homes := [known for known in PATHS if known.endswith(f".{key}")]:
+    alike = [f"{section}.{name}" for name in SECTIONS.get(section, ()) if name.endswith(f"_{key}")]
+    if homes := [*alike, *(known for known in PATHS if known.endswith(f".{key}"))]:
         accepted = f"the nearest known one is {' or '.join(homes)}"
     elif section in SECTIONS:
         accepted = nearest_or_all(key, tuple(SECTIONS[section]), f"{section}.")

@@ -42,6 +42,7 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
             {"pivot_distance": "4 in"},
             '--set: pivot_distance: "4 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
         ),
+        ({"slider.damping": "2 N*s/m"}, "the nearest known one is slider.joint_damping or crank.damping"),
         ({"name": "x"}, '--set: name: "x" cannot be set; only quantities can, such as crank.torque'),
         ({"crank.length": "4 kg"}, '--set: crank.length: "4 kg" is a mass (kg), but a length is needed'),
         (
@@ -71,4 +72,4 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
 def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str], expected: str) -> None:
     with pytest.raises(CaseError) as refused:
         parse_case(SCENE, "scene.toml", overrides)
-    assert str(refused.value).startswith(expected)
+    assert expected in str(refused.value)
