@@ -7,6 +7,7 @@ from cases.library.thesis import RUNS, run_name
 
 if TYPE_CHECKING:
     from cases.runs.comparison import CaseResult
+    from cases.runs.request import Run
 
 
 def run_number(case_name: str) -> int | None:
@@ -26,3 +27,9 @@ def thesis_runs(results: "Sequence[CaseResult]") -> "dict[int, CaseResult]":
     """The runs of the thesis among the cases shown, by number."""
     found = ((number, of_run(results, number)) for number in RUNS)
     return {number: result for number, result in found if result is not None}
+
+
+def mean_crank_speed(run: "Run") -> float:
+    """Of a run's cycle, rad/s."""
+    angle, time = run.cycle["crank_angle"], run.cycle["time"]
+    return float(angle[-1] - angle[0]) / float(time[-1] - time[0])

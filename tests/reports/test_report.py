@@ -119,9 +119,9 @@ def test_every_table_in_the_page_says_what_its_csv_file_says(folder: Path, read:
 
 def test_shown_numbers_are_the_files_numbers_rounded(folder: Path) -> None:
     table = next(table for table in tables_of(folder) if table.name == "run_by_engine")
-    frequency = [column.key for column in table.columns].index("pre_frequency")
+    (frequency,) = (column for column in table.columns if column.key == "pre_frequency")
     for row in table.rows:
-        value = row[frequency].value
+        value = row["pre_frequency"].value
         if isinstance(value, float):
             shown = table.page_text(row, frequency).split(" ± ")[0]
             assert float(shown) == pytest.approx(value, abs=0.005)  # two decimals

@@ -54,7 +54,7 @@ def thesis(content: Content) -> dict[str, Any] | None:
         "ratios": tables.ratios(results),
         "statements": tables.statements(content.conclusions),
         "counted": tables.counted(excesses),
-        "joint_table": tables.joints(joints, "run 24"),
+        "joint_table": tables.joints(joints),
     }
 
 
