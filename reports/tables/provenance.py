@@ -7,7 +7,7 @@ from cases.runs.comparison import CaseResult
 from cases.runs.request import SETTLED, UNAVAILABLE, Run
 from engines.registry import OWN
 from reports.findings.agreement import engines_of
-from reports.findings.failures import Trouble
+from reports.findings.failures import INCOMPLETE
 from reports.tables.table import CASE, Cell, Column, Table
 
 
@@ -51,11 +51,11 @@ def machine(facts: Mapping[str, str]) -> Table:
     return found
 
 
-def troubles(runs: Sequence[Trouble]) -> Table:
-    """Every run that is not simply settled."""
+def troubles(runs: Sequence[tuple[str, Run]]) -> Table:
+    """Every run that is not simply settled, with the name of its case."""
     found = Table("failures", (CASE, "engine", "status", Column("remark", "in the engine's words")))
-    for trouble in runs:
-        found.add(trouble, status=Cell(trouble.status, mark="failed" if trouble.is_failure else "open"))
+    for case, run in runs:
+        found.add(run, case=case, status=Cell(run.status, mark="failed" if run.status in INCOMPLETE else "open"))
     return found
 
 

@@ -1,17 +1,10 @@
 """The page of the hard scenes, on a made-up matrix."""
 
-from pathlib import Path
-
-import pytest
-
 from cases.case_file import load_case
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning
 from cases.judging.matrix import Judged, Matrix
 from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
 from cases.library.hard import IMPOSSIBLE
-from reports.page.facts.methods import stored_matrix
 from reports.tables import hard_scenes as tables
 from tests.reports import pages
 from tests.reports.reported_results import PageReader
@@ -103,7 +96,5 @@ def test_a_claim_that_does_not_hold_is_shouted() -> None:
     assert "none silently wrong" not in found.text
 
 
-def test_without_results_there_is_no_matrix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_results_there_is_no_matrix() -> None:
     assert "hard" not in read(None).anchors
-    monkeypatch.setattr("reports.page.facts.methods.catalogue", lambda tag: ())
-    assert stored_matrix(Workshop(Store(tmp_path))) is None

@@ -19,12 +19,12 @@ from cases.runs.request import Run
 from cases.studies import BothStarts, Moved, StudiedRun, Studies
 from reports import report as report_module
 from reports.machine import machine_facts
-from reports.output import OutputError
+from reports.output import OutputError, check_folder
 from reports.page.answer import answer_of
 from reports.page.chapters import chapters_of
 from reports.page.content import Content
 from reports.page.render import report_page
-from reports.report import CATALOGUE, check_folder, write, write_report
+from reports.report import CATALOGUE, PAGE, write, write_report
 from reports.tables.table import Table
 from reports.verification import FILE, PARTS, verification
 from reports.words import size
@@ -257,7 +257,7 @@ def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for bad in (tmp_path / "file", tmp_path / "file" / "below", Path("/proc/nowhere")):
         with pytest.raises(OutputError, match=r"^/.*: (this is a file|it cannot be written)"):
-            check_folder(bad)
+            check_folder(bad, PAGE)
 
 
 def test_a_bad_folder_is_told_before_anything_runs(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

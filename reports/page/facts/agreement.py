@@ -5,7 +5,6 @@ from typing import Any
 
 from cases.runs.comparison import REFERENCE, CaseResult, not_judged
 from reports.findings.agreement import differences, engines_of
-from reports.findings.conclusions import MODEL
 from reports.page.answer import answer_of
 from reports.page.content import Content
 from reports.tables import claims
@@ -25,10 +24,8 @@ def agreement(content: Content) -> dict[str, Any] | None:
         "answer": answer_of(content),
         "checks": len(checks),
         "missed": [check for check in checks if not check.passed],
-        "cases": [result.case.name for result in results if result.missed],
         "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
         "unjudged": {name: _why(results, name) for name in names if name not in judged},
-        "model": MODEL,
         "map": run_map(results),
         "summary": claims.summary(results),
         "departures": claims.departures(results),

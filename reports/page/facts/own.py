@@ -35,7 +35,7 @@ def provenance(content: Content) -> dict[str, Any]:
     torque, weight = _gravity(content)
     return {
         "troubles": content.troubles,
-        "meanings": {status: meaning for status, meaning in MEANINGS.items() if status in {each.status for each in content.troubles}},
+        "meanings": {status: meaning for status, meaning in MEANINGS.items() if status in {run.status for _, run in content.troubles}},
         "settled": MEANINGS[SETTLED],
         "study_failures": () if content.studies is None else content.studies.failures,
         "notices": content.notices,
