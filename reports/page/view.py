@@ -19,7 +19,6 @@ from reference_model.mechanism import Mechanism
 from reports.findings.runs import of_run, run_number
 from reports.looks import looks
 from reports.page.packing import packed
-from reports.words import case_label
 
 Array = NDArray[np.float64]
 
@@ -64,7 +63,6 @@ class View:
         self.runs.append(
             {
                 "name": case.name,
-                "label": case_label(case.name) if number else case.title,
                 "title": case.title,
                 "short": str(number or case.name),
                 "group": f"crank {RUNS[number].crank_length} in" if number else "",
@@ -78,12 +76,11 @@ class View:
     def document(self) -> dict[str, Any]:
         """What goes to the script besides the blobs."""
         signals = {name: dict(zip(("label", "unit", "factor"), about, strict=True)) for name, about in SIGNALS.items()}
-        engines = [{"name": name} for name in self.engines]
         units = {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)}
         return {
             "axis": self.axis,
             "looks": {name: vars(look) for name, look in looks((*self.engines, *RIVALS)).items()},
-            "engines": engines,
+            "engines": self.engines,
             "signals": signals,
             "units": units,
             "runs": self.runs,
