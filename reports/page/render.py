@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any, Final
 
 import bokeh
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment
 from markupsafe import Markup
 
 from cases.case import Case
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from engines.trajectory import Trajectory
-from reports import words
+from reports import templates, words
 from reports.looks import looks
 from reports.page.answer import answer_of
 from reports.page.chapters import Chapter
@@ -26,11 +26,6 @@ SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js")
 OF_CHAPTERS: Final = ("tables.js", "plots.js")
 #: The plotting library's files, in the folder of its package.
 BOKEH: Final = ("bokeh.min.js", "bokeh-api.min.js")
-#: What templates say numbers with.
-WORDS: Final = (
-    "number", "percent", "percents", "size", "span", "times", "duration", "counted", "listed", "in_words", "case_label", "place",
-    "channel_name", "HALF", "QUANTITY",
-)  # fmt: skip
 #: What an engine is, in two words for a person.
 KINDS: Final = {
     "thesis": "one curve, 1999",
@@ -45,9 +40,8 @@ KINDS: Final = {
 
 
 def environment() -> Environment:
-    """The templates; everything put in is escaped."""
-    made = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    made.globals |= {name: getattr(words, name) for name in WORDS}
+    """The templates of a page."""
+    made = templates.environment()
     made.filters["csv"] = csv_text
     made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return made
