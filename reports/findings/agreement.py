@@ -63,16 +63,7 @@ class Spread:
 def differences(
     results: Sequence[CaseResult], engine: str, kind: Kind, other: str = REFERENCE, half: str | None = None, channel: str | None = None
 ) -> list[Difference]:
-    """All differences of a kind between two engines, where both have the number.
-
-    Args:
-        results: cases.
-        engine: whose.
-        kind: of number.
-        other: against which engine.
-        half: "pre" or "post"; None: both.
-        channel: one channel; None: all.
-    """
+    """All differences of a kind between two engines, where both have the number; in both halves and all channels unless one is given."""
     found = []
     for result in results:
         run, opposite = result.runs.get(engine), result.runs.get(other)

@@ -9,7 +9,6 @@ from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
 from cases.runs.request import Run
 from cases.studies import Studies
-from reports.findings.axes import AxisComparison, axis_comparisons
 from reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
 from reports.findings.failures import troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
@@ -62,11 +61,6 @@ class Content:
     def conclusions(self) -> list[Conclusion]:
         """On the thesis' statements."""
         return conclusions(Basis(self.thesis_results, self.frozen_crank, statement_values(self.comparisons, MODEL)))
-
-    @property
-    def axes(self) -> list[AxisComparison]:
-        """Simulated peaks against printed axes."""
-        return axis_comparisons(self.results)
 
     @property
     def troubles(self) -> list[tuple[str, Run]]:

@@ -19,20 +19,21 @@ from reference_model.mechanism import Mechanism
 from reports.findings.runs import of_run, run_number
 from reports.looks import looks
 from reports.page.packing import packed
+from reports.tables.table import SHOWN
 
 Array = NDArray[np.float64]
 
-#: Signals that the curve can show -> name, unit on the screen, factor from SI to it.
+#: Signals that the curve can show -> name, and unit on the screen.
 SIGNALS: Final = {
-    "tip_acceleration": ("tip acceleration", "m/s²", 1.0),
-    "tip_deflection": ("tip deflection", "mm", 1e3),
-    "strain_1": ("strain at gauge 1", "10⁻⁶", 1e6),
-    "strain_2": ("strain at gauge 2", "10⁻⁶", 1e6),
-    "strain_3": ("strain at gauge 3", "10⁻⁶", 1e6),
-    "slider_force": ("slider force", "N", 1.0),
-    "slider_position": ("slider position", "mm", 1e3),
-    "crank_speed": ("crank speed", "rad/s", 1.0),
-    "crank_torque": ("crank torque", "N m", 1.0),
+    "tip_acceleration": ("tip acceleration", "m/s²"),
+    "tip_deflection": ("tip deflection", "mm"),
+    "strain_1": ("strain at gauge 1", "10⁻⁶"),
+    "strain_2": ("strain at gauge 2", "10⁻⁶"),
+    "strain_3": ("strain at gauge 3", "10⁻⁶"),
+    "slider_force": ("slider force", "N"),
+    "slider_position": ("slider position", "mm"),
+    "crank_speed": ("crank speed", "rad/s"),
+    "crank_torque": ("crank torque", "N m"),
 }
 #: What places the mechanism besides.
 _PLACES: Final = ("time", "crank_angle", "follower_angle")
@@ -75,14 +76,13 @@ class View:
     @property
     def document(self) -> dict[str, Any]:
         """What goes to the script besides the blobs."""
-        signals = {name: dict(zip(("label", "unit", "factor"), about, strict=True)) for name, about in SIGNALS.items()}
-        units = {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)}
+        factors = {unit: SHOWN[unit][1] if unit in SHOWN else 1.0 for _, unit in SIGNALS.values()}
         return {
             "axis": self.axis,
             "looks": {name: vars(look) for name, look in looks((*self.engines, *RIVALS)).items()},
             "engines": self.engines,
-            "signals": signals,
-            "units": units,
+            "signals": {name: {"label": label, "unit": unit, "factor": factors[unit]} for name, (label, unit) in SIGNALS.items()},
+            "units": {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)},
             "runs": self.runs,
         }
 

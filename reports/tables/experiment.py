@@ -37,7 +37,7 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
         for axis in (axis for axis in axes if axis.run == number):
             prefix = "acceleration" if axis.channel == "tip_acceleration" else "strain"
             cells[f"{prefix}_label"] = axis.largest_label
-            cells |= {f"{prefix}_{engine}": axis.ratio(engine) for engine in (MODEL, REFERENCE)}
+            cells |= {f"{prefix}_{engine}": axis.ratios.get(engine) for engine in (MODEL, REFERENCE)}
         measured = measured_crank_speed(number)
         reference = result.runs.get(REFERENCE)
         if reference is not None and reference.usable:

@@ -11,6 +11,7 @@ from cases.library import inconsistencies
 from cases.measures import CHANNELS
 from engines.registry import OWN
 from reports.findings.agreement import differences, engines_of
+from reports.findings.axes import axis_comparisons
 from reports.findings.conclusions import CANNOT_FOLLOW, MODEL, NOT
 from reports.findings.raw_extremes import Excess, counted_excess
 from reports.page.content import Content
@@ -74,17 +75,18 @@ def experiment(content: Content) -> dict[str, Any] | None:
     """What is left of the experiment; None without a run of the thesis."""
     if not content.thesis_results:
         return None
+    axes = axis_comparisons(content.results)
     ratios: dict[str, dict[str, list[float]]] = {}
     for channel in ("strain", "tip_acceleration"):
         for engine in (name for name in engines_of(content.results) if name in OWN):
-            found = [ratio for axis in content.axes if axis.channel == channel and (ratio := axis.ratio(engine)) is not None]
+            found = [axis.ratios[engine] for axis in axes if axis.channel == channel and engine in axis.ratios]
             if found:
                 ratios.setdefault(channel, {})[engine] = found
     return {
         "model": MODEL,
         "ratios": ratios,
         "recorded": any(item.counts for item in content.comparisons),
-        "speeds": experiment_tables.speeds_and_axes(content.results, content.axes),
+        "speeds": experiment_tables.speeds_and_axes(content.results, axes),
     }
 
 
