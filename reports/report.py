@@ -25,7 +25,7 @@ from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
 from engines.registry import MAIN
 from reports import long_studies
 from reports.findings.failures import INCOMPLETE
-from reports.findings.runs import of_run, run_number
+from reports.findings.runs import of_library
 from reports.machine import machine_facts
 from reports.output import check_folder, write_file
 from reports.page.chapters import chapters_of
@@ -37,8 +37,6 @@ from reports.verification import verification as stored_verification
 PAGE: Final = "index.html"
 #: The list of all CSV files, by which the next report in the same folder knows which files are an earlier report's.
 CATALOGUE: Final = "tables.csv"
-#: The run that the thesis shows as its example.
-EXAMPLE: Final = run_number(ACCURACY_CASE)
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ def write_report(
     for table in experiment_tables():
         recorded.setdefault(table.declared["case"], []).append(table)
     results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if _studied(cases) else None)
-    frozen, missing = _frozen_crank(of_run(results, EXAMPLE) if EXAMPLE else None, workshop)
+    frozen, missing = _frozen_crank(of_library(results, ACCURACY_CASE), workshop)
     content = Content(
         results=results,
         **_studies(cases, workshop),

@@ -12,7 +12,7 @@ from cases.experiment import Statement, statements
 from cases.frozen_crank import ELEMENTS, FrozenCrank
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from reports.findings.agreement import differences
-from reports.findings.runs import of_run, thesis_runs
+from reports.findings.runs import thesis_runs
 from reports.templates import environment
 
 HOLDS: Final = "holds"
@@ -119,7 +119,7 @@ def _first_mode(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conc
     found = frozen.converged[0]
     overlap = max(0.0, min(found.high, statement.high) - max(found.low, statement.low)) / (statement.high - statement.low)
     outcome = HOLDS if overlap == 1.0 else IN_PART if overlap > 0.0 else NOT
-    run = of_run(basis.results, statement.runs[0])
+    run = thesis_runs(basis.results).get(statement.runs[0])
     reference = run.runs.get(REFERENCE) if run else None
     means = [reference.consensus_frequency(half) for half in HALVES] if reference is not None and reference.usable else []
     return _told("first_mode", statement, outcome, found=found, overlap=overlap, means=[mean for mean in means if mean is not None])

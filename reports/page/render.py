@@ -75,23 +75,22 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     """The page of a report."""
     results, answer = content.results, answer_of(content)
     view = cycles(results, answer.engines)
-    first = shown_first(results)
-    shown = next(result for result in results if result.case.name == first)
-    modules = environment()
+    shown = shown_first(results)
+    title_of_case = shown.case.title if len(results) == 1 else ""
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
     return rendered(
         "report.html",
         view,
         OF_CHAPTERS,
-        start=first,
-        title=shown.case.title if len(results) == 1 else "Cross-validation of flexible-multibody engines",
+        start=shown.case.name,
+        title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         answer=answer,
         of_thesis=len(content.thesis_results) == len(results),
-        title_of_case=shown.case.title if len(results) == 1 else "",
+        title_of_case=title_of_case,
         first_mode=_first_mode(shown),
-        first_mode_case=first,
-        chapters=[{**vars(chapter), "parts": modules.get_template(f"chapters/{chapter.id}.html").module} for chapter in chapters],
+        first_mode_case=shown.case.name,
+        chapters=chapters,
         bokeh=_library(),
     )
 

@@ -16,7 +16,7 @@ from cases.studies import ACCURACY_CASE
 from engines.registry import RIVALS
 from reference_model.columns import COLUMNS, SHAPE
 from reference_model.mechanism import Mechanism
-from reports.findings.runs import of_run, run_number
+from reports.findings.runs import of_library, run_number
 from reports.looks import looks
 from reports.page.packing import packed
 from reports.tables.table import SHOWN
@@ -132,9 +132,9 @@ def _scene(mechanism: Mechanism) -> dict[str, Any]:
     }
 
 
-def shown_first(results: Sequence[CaseResult]) -> str:
+def shown_first(results: Sequence[CaseResult]) -> CaseResult:
     """The case with which the page opens: the thesis' example, else of those where most engines have a cycle the first."""
-    example = of_run(results, run_number(ACCURACY_CASE) or 0)
+    example = of_library(results, ACCURACY_CASE)
     if example is not None and all(run.usable for run in example.runs.values()):
-        return example.case.name
-    return max(results, key=lambda result: sum(run.usable for run in result.runs.values())).case.name
+        return example
+    return max(results, key=lambda result: sum(run.usable for run in result.runs.values()))

@@ -32,19 +32,15 @@ def thesis(content: Content) -> dict[str, Any] | None:
     results = content.thesis_results
     if not results:
         return None
-    medians = {}
-    for half in HALF:
-        ratios = [difference.ratio for difference in differences(results, MODEL, "frequency", half=half)]
-        if ratios:
-            medians[half] = float(np.median(ratios))
-    excesses = counted_excess(results)
+    conclusions, excesses = content.conclusions, counted_excess(results)
+    found = {half: [each.ratio for each in differences(results, MODEL, "frequency", half=half)] for half in HALF}
     fitted = [difference.relative for difference in differences(results, MODEL, "frequency")]
     joints = content.frozen_crank.joints if content.frozen_crank is not None else ()
     return {
-        "conclusions": content.conclusions,
-        "contradicted": [each.statement.words for each in content.conclusions if each.outcome == NOT],
-        "not_following": [each.statement.words for each in content.conclusions if each.outcome == CANNOT_FOLLOW],
-        "medians": medians,
+        "conclusions": conclusions,
+        "contradicted": [each.statement.words for each in conclusions if each.outcome == NOT],
+        "not_following": [each.statement.words for each in conclusions if each.outcome == CANNOT_FOLLOW],
+        "medians": {half: float(np.median(ratios)) for half, ratios in found.items() if ratios},
         "fitted": fitted,
         "strains": {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF},
         "larger_after": _larger_after(excesses),
@@ -53,7 +49,7 @@ def thesis(content: Content) -> dict[str, Any] | None:
         "second_mode": SECOND_MODE,
         "stiffness": stiffness_reading(fitted),
         "ratios": tables.ratios(results),
-        "statements": tables.statements(content.conclusions),
+        "statements": tables.statements(conclusions),
         "counted": tables.counted(excesses),
         "joint_table": tables.joints(joints),
     }
