@@ -49,15 +49,26 @@ class Difference:
         return self.value / self.other
 
 
-@dataclass(frozen=True)
-class Spread:
-    """A set of differences in short; all relative."""
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """A set of numbers in short."""
 
-    count: int
     median: float
     lowest: float
     highest: float
+    count: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread(Summary):
+    """A set of differences in short; all relative."""
+
     worst: Difference
+
+
+def summary_of(values: Sequence[float]) -> Summary | None:
+    """Numbers in short; None if there are none."""
+    return Summary(median=float(np.median(values)), lowest=min(values), highest=max(values), count=len(values)) if values else None
 
 
 def differences(
@@ -81,16 +92,8 @@ def differences(
 
 def spread(found: Sequence[Difference]) -> Spread | None:
     """Differences in short; None if there are none."""
-    if not found:
-        return None
-    relative = np.array([difference.relative for difference in found])
-    return Spread(
-        count=len(found),
-        median=float(np.median(relative)),
-        lowest=float(relative.min()),
-        highest=float(relative.max()),
-        worst=found[int(np.argmax(np.abs(relative)))],
-    )
+    short = summary_of([difference.relative for difference in found])
+    return Spread(**vars(short), worst=max(found, key=lambda difference: abs(difference.relative))) if short else None
 
 
 def engines_of(results: Sequence[CaseResult]) -> list[str]:

@@ -6,12 +6,10 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, Final
 
-import numpy as np
-
 from cases.experiment import Statement, statements
 from cases.frozen_crank import ELEMENTS, FrozenCrank
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
-from reports.findings.agreement import differences
+from reports.findings.agreement import differences, summary_of
 from reports.findings.runs import thesis_runs
 from reports.templates import environment
 
@@ -57,20 +55,6 @@ class Basis:
     results: Sequence[CaseResult]
     frozen_crank: FrozenCrank | None
     measured: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Ratios:
-    """A set of ratios in short."""
-
-    median: float
-    low: float
-    high: float
-    count: int
-
-
-def _in_short(ratios: Sequence[float]) -> Ratios | None:
-    return Ratios(float(np.median(ratios)), min(ratios), max(ratios), len(ratios)) if ratios else None
 
 
 def conclusions(basis: Basis) -> list[Conclusion]:
@@ -166,11 +150,11 @@ def _post_excess(statement: Statement, basis: Basis) -> Conclusion:
     if basis.measured.get(statement.quantity):
         return _relation(statement, basis)
     excess = _excess(basis.results)
-    short = {engine: _in_short(list(post_over_pre(basis.results, engine).values())) for engine in (MODEL, REFERENCE)}
+    short = {engine: summary_of(list(post_over_pre(basis.results, engine).values())) for engine in (MODEL, REFERENCE)}
     halves = {engine: ratios for engine, ratios in short.items() if ratios}
     differs = statement.holds(excess)
     outcome = CANNOT_FOLLOW if excess and not differs else UNCHECKABLE
-    return _told("post_excess", statement, outcome, excess=_in_short(list(excess.values())), halves=halves, differs=differs)
+    return _told("post_excess", statement, outcome, excess=summary_of(list(excess.values())), halves=halves, differs=differs)
 
 
 def _excess(results: Sequence[CaseResult]) -> dict[int, float]:
@@ -196,7 +180,7 @@ def _two_modes(statement: Statement, basis: Basis) -> Conclusion:
     ratios = [found.ratio for found in differences(basis.results, MODEL, "frequency")]
     inside = [ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in ratios]
     outcome = UNCHECKABLE if not ratios else HOLDS if all(inside) else IN_PART if any(inside) else NOT
-    return _told("two_modes", statement, outcome, ratios=_in_short(ratios), frozen=basis.frozen_crank)
+    return _told("two_modes", statement, outcome, ratios=summary_of(ratios), frozen=basis.frozen_crank)
 
 
 def _more_elements(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:

@@ -16,6 +16,7 @@ from scipy.signal import find_peaks
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from cases.runs.request import Run
+from reports.findings.agreement import Summary, summary_of
 from reports.findings.conclusions import MODEL
 
 Array = NDArray[np.float64]
@@ -24,9 +25,9 @@ Array = NDArray[np.float64]
 VISIBLE: Final = (0.005, 0.01, 0.02, 0.03)
 
 
-@dataclass(frozen=True)
-class Excess:
-    """By how much the counted frequency of one engine exceeds another's in a half and channel: median, range and number of cases.
+@dataclass(frozen=True, kw_only=True)
+class Excess(Summary):
+    """By how much the counted frequency of one engine exceeds another's in a half and channel, over the cases.
 
     `visible` is the prominence from which on an extreme was counted.
     """
@@ -34,10 +35,6 @@ class Excess:
     visible: float
     half: str
     channel: str
-    median: float
-    lowest: float
-    highest: float
-    count: int
 
 
 def counted_frequency(run: Run, half: str, channel: str, visible: float) -> float | None:
@@ -69,6 +66,6 @@ def counted_excess(results: Sequence[CaseResult]) -> list[Excess]:
             for channel in CHANNELS:
                 counts = [tuple(counted_frequency(run, half, channel, visible) for run in pair) for pair in resolved]
                 ratios = [mine / its - 1.0 for mine, its in counts if mine and its]
-                if ratios:
-                    found.append(Excess(visible, half, channel, float(np.median(ratios)), min(ratios), max(ratios), len(ratios)))
+                if short := summary_of(ratios):
+                    found.append(Excess(**vars(short), visible=visible, half=half, channel=channel))
     return found

@@ -2,12 +2,10 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from cases.frozen_crank import LBF_PER_IN, JointEffect
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, CaseResult
-from reports.findings.agreement import Difference, Kind, differences
+from reports.findings.agreement import Difference, Kind, Summary, differences, summary_of
 from reports.findings.conclusions import HOLDS, IN_PART, MODEL, NOT, Conclusion
 from reports.findings.raw_extremes import Excess
 from reports.tables.table import Cell, Column, Mark, Table
@@ -25,8 +23,8 @@ def ratios(results: Sequence[CaseResult]) -> Table:
         for half in HALVES:
             found = differences(results, MODEL, kind, half=half, channel=channel)
             values = _peak_ratios(found) if kind == "extreme" else [difference.ratio for difference in found]
-            if values:
-                cells |= _spread_cells(half, float(np.median(values)), min(values), max(values), len(values))
+            if short := summary_of(values):
+                cells |= _spread_cells(half, short)
         if cells:
             table.add(quantity=label, channel=channel_name(channel), **cells)
     return table
@@ -38,8 +36,8 @@ def _spread_columns(unit: str, form: str) -> list[Column]:
     return [Column(f"{half}_{key}", head, of, how, group=HALF[half]) for half in HALVES for key, head, of, how in columns]
 
 
-def _spread_cells(half: str, median: float, low: float, high: float, runs: int) -> dict[str, float]:
-    return {f"{half}_median": median, f"{half}_low": low, f"{half}_high": high, f"{half}_runs": runs}
+def _spread_cells(half: str, found: Summary) -> dict[str, float]:
+    return {f"{half}_median": found.median, f"{half}_low": found.lowest, f"{half}_high": found.highest, f"{half}_runs": found.count}
 
 
 def _peak_ratios(found: Sequence[Difference]) -> list[float]:
@@ -58,7 +56,7 @@ def counted(excesses: Sequence[Excess]) -> Table:
         for channel in CHANNELS:
             cells: dict[str, float] = {}
             for each in (each for each in excesses if (each.visible, each.channel) == (threshold, channel)):
-                cells |= _spread_cells(each.half, each.median, each.lowest, each.highest, each.count)
+                cells |= _spread_cells(each.half, each)
             if cells:
                 table.add(visible=threshold, channel=channel_name(channel), **cells)
     return table
