@@ -87,11 +87,11 @@ def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: s
             if over == "crank_angle":
                 angle = trajectory["crank_angle"]
                 along = np.degrees(np.abs(angle - angle[0]))
-            axes.plot(along, trajectory[column] / scale, label=label, **look(label).of_line)
+            axes.plot(along, trajectory[column] / scale, label=label, **look(label))
     if over == "crank_angle":
         axes.set_xticks(range(0, 361, 90))
         axes.axvline(180.0, color="#444444", linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
-    tidy(axes, None, f"{column.replace('_', ' ')} [{unit}]")
+    tidy(axes, f"{column.replace('_', ' ')} [{unit}]")
 
 
 def _finish(figure: Figure, first: Axes, title: str) -> None:

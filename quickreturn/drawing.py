@@ -114,9 +114,9 @@ class Scenery:
         self._frame(axes, scene.follower.length)
         self._fixed(axes, case)
         looks = {label: look(label) for label in motions}
-        self._followers = {label: axes.plot([], [], **(one.of_line | {"linewidth": 2.2 * one.width}))[0] for label, one in looks.items()}
+        self._followers = {label: axes.plot([], [], **(one | {"linewidth": 2.2 * one["linewidth"]}))[0] for label, one in looks.items()}
         self._tips = {
-            label: axes.plot([], [], "o", color=one.colour, markeredgecolor="black", markersize=7.0, zorder=3.5)[0]
+            label: axes.plot([], [], "o", color=one["color"], markeredgecolor="black", markersize=7.0, zorder=3.5)[0]
             for label, one in looks.items()
         }
         self._straight = axes.plot([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.6)[0]
@@ -196,7 +196,7 @@ class Scenery:
 def legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
     """Samples of the engines' lines and of the quick return, and by how much the deflection is magnified."""
     said = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
-    samples = [Line2D([], [], label=label, **look(label).of_sample) for label in motions]
+    samples = [Line2D([], [], label=label, **look(label)) for label in motions]
     samples.append(Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {said}"))
     if any(motion.crank_angle is not None for motion in motions.values()):
         samples.append(Line2D([], [], color=VERMILION, linewidth=2.0, alpha=0.6, label="quick return"))

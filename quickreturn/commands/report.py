@@ -68,9 +68,8 @@ def command(
 
     written = write_report(loaded, Path(output), workshop, names, tables)
     _print(written)
-    for trouble in written.content.troubles:
-        if trouble.is_failure:
-            options.tell(f"{trouble.case}: engine {trouble.engine} {trouble.status}: {trouble.remark}")
+    for case, run in written.incomplete:
+        options.tell(f"{case}: engine {run.engine} {run.status}: {run.remark}")
     for case, run in written.unusable:
         options.tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
     if written.failed:
@@ -81,10 +80,9 @@ def command(
 def _print(written: "Written") -> None:
     content = written.content
     runs = sum(len(result.runs) for result in content.results)
-    failures = [trouble for trouble in content.troubles if trouble.is_failure]
     click.echo(str(written.page))
     cases = "1 case" if len(content.results) == 1 else f"{len(content.results)} cases"
-    click.echo(f"{cases}, {runs} simulations: {runs - len(content.troubles)} settled, {len(failures)} did not complete")
+    click.echo(f"{cases}, {runs} simulations: {runs - len(content.troubles)} settled, {len(written.incomplete)} did not complete")
     click.echo(_verdict(content.results))
     click.echo(f"{len(written.tables)} tables as CSV beside the page")
 
