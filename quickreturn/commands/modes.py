@@ -18,7 +18,14 @@ if TYPE_CHECKING:
 @options.tag
 @options.engines
 @options.crank_angle
-@options.single("--count", metavar="N", type=options.WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
+@options.single(
+    "--count",
+    metavar="N",
+    callback=options.number(1, 100, 4, whole=True),
+    default="4",
+    show_default=True,
+    help="How many at most, 1 to 100.",
+)
 @options.assignments
 @options.json
 def command(
@@ -45,9 +52,8 @@ def command(
 
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
-    loaded, names = options.load_all(cases, tag, overrides), list(dict.fromkeys(engines))
-    texts = options.settings_of(settings, names)
-    asked = list(itertools.product(loaded, names))
+    texts = questions.settings_of(settings, engines)
+    asked = list(itertools.product(options.load_all(cases, tag, overrides), engines))
     for case, name in asked:
         questions.check(name, case.mechanism, texts[name])
     angles = [math.radians(angle) for angle in crank_angles]

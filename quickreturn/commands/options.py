@@ -11,7 +11,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from cases.errors import as_written, shortened
-from cases.units import plain_number
+from cases.units import TIME, QuantityError, parse_quantity, plain_number
 from quickreturn.accuracy import HIGHEST, LOWEST
 
 if TYPE_CHECKING:
@@ -19,20 +19,40 @@ if TYPE_CHECKING:
     from cases.jobs.job import Limits
     from cases.jobs.workshop import Workshop
 
-HIGHEST_MEMORY: Final = 2**20  # GiB; no machine has it
+#: What click calls to read an option's text; raises UsageError if it cannot be.
+Reader = Callable[[click.Context, click.Parameter, str | None], float | None]
 
-_ALL_ENGINES: Final = "engine"
 _LARGEST_ANGLE: Final = 1_000_000  # degrees; a double keeps 1e-10 of a degree there
 _MOST_ANGLES: Final = 10_000
 
 
-def _accuracy(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+def number(low: float, high: float, example: float, *, of: str = "", whole: bool = False) -> Reader:
+    """Reads a plain number within limits, both inclusive."""
+
+    def read(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+        if text is None:
+            return None
+        value = plain_number(text)
+        if value is None or not low <= value <= high or (whole and not text.lstrip("+").isdecimal()):
+            accepted = f"give a {'whole' if whole else 'plain'} number{of} from {low:g} to {high:g}, e.g. {example:g}"
+            raise click.UsageError(f"{option.opts[0]} {as_written(text)}: {accepted}")
+        return int(value) if whole else value
+
+    return read
+
+
+def seconds(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+    """Reads a positive time, a quantity or a plain number, in s."""
     if text is None:
         return None
     value = plain_number(text)
-    if value is None or not LOWEST <= value <= HIGHEST:
-        accepted = f"give a plain number from {LOWEST:g} to {HIGHEST:g}, e.g. 1e-3"
-        raise click.UsageError(f"--accuracy {as_written(text)}: {accepted}")
+    try:
+        value = parse_quantity(text, TIME) if value is None else value
+    except QuantityError as wrong:
+        message = f"{option.opts[0]}: {as_written(text)} {wrong.problem}; {wrong.accepted}; a plain number means seconds"
+        raise click.UsageError(message) from None
+    if not 0.0 < value < math.inf:
+        raise click.UsageError(f'{option.opts[0]} {as_written(text)}: give a positive time, e.g. 600 or "10 min"')
     return value
 
 
@@ -48,21 +68,7 @@ def _angles(context: click.Context, option: click.Parameter, text: str) -> list[
     raise click.UsageError(f"--crank-angle {as_written(text)}: {accepted}")
 
 
-class WholeNumber(click.IntRange):
-    """A whole number within limits, both inclusive."""
-
-    def __init__(self, low: int, high: int) -> None:
-        super().__init__(low, high)
-        self.low, self.high = low, high
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """The number; UsageError if the text is none."""
-        text = str(value)
-        if not re.fullmatch(r"[+-]?[0-9]{1,9}", text) or not self.low <= int(text) <= self.high:
-            option = param.opts[0] if param else "number"
-            raise click.UsageError(f"{option} {as_written(text)}: give a whole number from {self.low} to {self.high}")
-        return int(text)
-
+LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's megabyte argument
 
 #: In a context's `meta`: whether to be quiet, and where results are kept.
 QUIET: Final = "quickreturn.quiet"
@@ -90,16 +96,9 @@ class SingleOption(click.Option):
 single: Final = functools.partial(click.option, cls=SingleOption)
 
 
-def path_given(context: click.Context, option: click.Parameter, text: str) -> str:
-    """The path as given; UsageError if there is none: Python would take it for the current folder."""
-    if not text.strip():
-        raise click.UsageError(f"{option.opts[0]} {as_written(text)}: give a path")
-    return text
-
-
 def output(told: str, metavar: str = "FILE") -> Callable[[Any], Any]:
     """The option that says where the result goes."""
-    return single("--output", metavar=metavar, required=True, callback=path_given, help=told)
+    return single("--output", metavar=metavar, required=True, help=told)
 
 
 def _complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -124,6 +123,7 @@ engines_for: Final = functools.partial(
     "engines",
     metavar="E",
     multiple=True,
+    callback=lambda _, __, names: list(dict.fromkeys(names)),
     shell_complete=_complete_engine,
 )
 engines: Final = engines_for(required=True, help="Engine, see `quickreturn engines`; may be given again.")
@@ -133,10 +133,12 @@ json: Final = click.option("--json", "as_json", is_flag=True, help="Print one JS
 accuracy: Final = single(
     "--accuracy",
     metavar="REL",
-    callback=_accuracy,
+    callback=number(LOWEST, HIGHEST, 1e-3),
     help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.",
 )
-duration: Final = single("--duration", metavar="S", help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.')
+duration: Final = single(
+    "--duration", metavar="S", callback=seconds, help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.'
+)
 crank_angle: Final = single(
     "--crank-angle",
     "crank_angles",
@@ -179,25 +181,21 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
 
 def _is_engine(section: str) -> bool:
     from cases.keys import SECTIONS
+    from quickreturn.questions import ANY_ENGINE
 
-    if section == _ALL_ENGINES or section in SECTIONS:
-        return section == _ALL_ENGINES
+    if section == ANY_ENGINE or section in SECTIONS:
+        return section == ANY_ENGINE
     from engines.registry import engine_names
 
     return section in engine_names()
 
 
-def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str]) -> dict[str, dict[str, str]]:
-    """Settings by engine: those for all of them, and before these its own.
+def refuse_missing(engines: Sequence[str]) -> None:
+    """Refusal: an engine cannot be used here."""
+    from engines.registry import usable_engine
 
-    Raises:
-        click.UsageError: of an engine that was not asked for.
-    """
-    for name, texts in settings.items():
-        if name != _ALL_ENGINES and name not in names:
-            given = f"{name}.{shortened(next(iter(texts)))}"
-            raise click.UsageError(f"--set {given}: engine {name} does not run here; those that do are {', '.join(names)}")
-    return {name: {**settings.get(_ALL_ENGINES, {}), **settings.get(name, {})} for name in names}
+    for name in engines:
+        usable_engine(name)
 
 
 def refuse_engine_settings(settings: Mapping[str, Mapping[str, str]]) -> None:
@@ -212,43 +210,27 @@ def load_all(
     names: Sequence[str],
     tag: str | None,
     overrides: dict[str, str],
-    duration: str | None = None,
-    output_step: str | None = None,
+    duration: float | None = None,
+    output_step: float | None = None,
     otherwise: str | None = None,
 ) -> "list[Case]":
-    """The cases of some names and patterns, and those with a tag.
-
-    Args:
-        names: as given; a pattern stands for all that match it.
-        tag: None: none besides.
-        overrides: of every case.
-        duration: see `load`.
-        output_step: likewise.
-        otherwise: tag of the cases that are meant if none are given; None: then that is an error.
+    """The cases of some names and patterns, and those with a tag; if none are given those with the tag `otherwise`.
 
     Raises:
         CaseError: no such case, or a mistake in one; two of one name.
         click.UsageError: none is given, or see `load`.
     """
-    from cases.errors import CaseError
-    from quickreturn.catalogue import cases, matching
+    from quickreturn.catalogue import cases, loaded
 
-    tagged = [line.name for line in cases(tag)] if tag is not None else []
-    wanted = [found for name in names for found in matching(name)] + tagged
+    tags = [tag] if tag is not None else [otherwise] if otherwise and not names else []
+    wanted = [*names, *(line.name for each in tags for line in cases(each))]
     if not wanted:
-        if otherwise is None:
-            raise click.UsageError("Missing argument 'CASE'", click.get_current_context())
-        wanted = [line.name for line in cases(otherwise)]
-    loaded = [load(name, overrides, duration, output_step) for name in dict.fromkeys(wanted)]
-    called = [case.name for case in loaded]
-    for name in called:
-        if called.count(name) > 1:
-            raise CaseError(name, None, None, "two cases have this name", "give each a name of its own")
-    return loaded
+        raise click.UsageError("Missing argument 'CASE'", click.get_current_context())
+    return loaded(wanted, lambda name: load(name, overrides, duration, output_step))
 
 
-def load(case: str, overrides: dict[str, str], duration: str | None = None, output_step: str | None = None) -> "Case":
-    """The case with overrides; `duration` and `output_step` are quantities ("2 s") or plain numbers of seconds.
+def load(case: str, overrides: dict[str, str], duration: float | None = None, output_step: float | None = None) -> "Case":
+    """The case with overrides and other simulation times, s.
 
     Raises:
         CaseError: see `cases.case_file.load_case` and `with_times`.
@@ -257,23 +239,18 @@ def load(case: str, overrides: dict[str, str], duration: str | None = None, outp
     from cases.case_file import load_case, with_times
     from cases.errors import CaseError
 
-    times = {"--duration": duration, "--output-step": output_step}
-    for option, text in times.items():
-        path = f"simulation.{_key(option)}"
-        if text is not None and path in overrides:
-            given = f"{option} {as_written(text)} and --set {path}={as_written(overrides[path])}"
-            raise click.UsageError(f"{given} are both given; give one of them")
-    seconds = [None if text is None else _seconds(option, text) for option, text in times.items()]
+    for key, seconds in (("duration", duration), ("output_step", output_step)):
+        if seconds is not None and f"simulation.{key}" in overrides:
+            raise click.UsageError(f"{_option(key)} and --set simulation.{key} are both given; give one of them")
     loaded = load_case(case, overrides)
     try:
-        return with_times(loaded, *seconds)
-    except CaseError as wrong:  # told with the option as it was given
-        option, text = next((option, text) for option, text in times.items() if _key(option) == wrong.key)
-        raise CaseError("command line", option, wrong.value if text is None else as_written(text), wrong.problem, wrong.accepted) from None
+        return with_times(loaded, duration, output_step)
+    except CaseError as wrong:
+        raise CaseError("command line", _option(wrong.key or ""), wrong.value, wrong.problem, wrong.accepted) from None
 
 
-def _key(option: str) -> str:
-    return option.removeprefix("--").replace("-", "_")
+def _option(key: str) -> str:
+    return f"--{key.replace('_', '-')}"
 
 
 def quiet() -> bool:
@@ -291,7 +268,7 @@ def opened_workshop() -> "Workshop":
     from cases.jobs.workshop import Workshop
 
     meta = click.get_current_context().meta
-    workshop = Workshop(Store(tell=tell), LocalProcesses(meta.get("jobs"), limits(), quiet=quiet()))
+    workshop = Workshop(Store(tell=tell), LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
     meta[WORKSHOP] = workshop
     return workshop
 
@@ -311,10 +288,16 @@ def begin(what: str) -> None:
 
 def tell(sentence: str) -> None:
     """Say something on standard error, on one line."""
-    from quickreturn.command_line import one_line
+    with contextlib.suppress(OSError):  # nobody listens, or the disk is full that it goes to
+        click.echo(f"quickreturn: {_one_line(sentence)}", err=True)
 
-    with contextlib.suppress(OSError):  # nobody listens
-        click.echo(f"quickreturn: {one_line(sentence)}", err=True)
+
+def _one_line(sentence: str) -> str:
+    """The sentence on one line of bearable length, without characters that would command the terminal."""
+    joined = re.sub(r"\s*[\r\n]\s*", " ", sentence.strip())  # blanks within a line stay: a value is shown as it was given
+    text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
+    half = LONGEST_MESSAGE // 2
+    return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"
 
 
 def limits() -> "Limits":
@@ -322,53 +305,27 @@ def limits() -> "Limits":
     from cases.jobs.job import Limits, default_limits
 
     meta, usual = click.get_current_context().meta, default_limits()
-    return Limits(seconds=meta.get("time_limit") or usual.seconds, memory=meta.get("memory_limit") or usual.memory)
+    gibibytes = meta.get("--memory-limit")
+    return Limits(meta.get("--time-limit") or usual.seconds, round(gibibytes * 2**30) if gibibytes else usual.memory)
 
 
-def _keep_time(context: click.Context, option: click.Parameter, text: str | None) -> None:
-    seconds = None if text is None else _seconds("--time-limit", text)
-    if seconds is not None and not 0.0 < seconds < math.inf:
-        raise click.UsageError(f'--time-limit {as_written(text)}: give a positive number of seconds or a time, e.g. 600 or "10 min"')
-    context.meta["time_limit"] = seconds
+def _kept(name: str, metavar: str, read: Reader, told: str) -> Callable[[Any], Any]:
+    """An option whose value goes to the context's `meta` and not to the command."""
 
+    def keep(context: click.Context, option: click.Parameter, text: str | None) -> None:
+        context.meta[name] = read(context, option, text)
 
-def _keep_memory(context: click.Context, option: click.Parameter, text: str | None) -> None:
-    gibibytes = None if text is None else plain_number(text)
-    if text is not None and (gibibytes is None or not 0.0 < gibibytes < HIGHEST_MEMORY):
-        raise click.UsageError(f"--memory-limit {as_written(text)}: give a positive number of GiB, e.g. 4")
-    context.meta["memory_limit"] = gibibytes and round(gibibytes * 2**30)
-
-
-def _keep_jobs(context: click.Context, option: click.Parameter, number: int | None) -> None:
-    context.meta["jobs"] = number
+    return single(name, metavar=metavar, callback=keep, expose_value=False, help=told)
 
 
 def limited(command: Callable[..., Any]) -> Callable[..., Any]:
     """Options on what an engine may take; the command asks `limits` or `opened_workshop` for them."""
     time = 'Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.'
     memory = "Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less."
-    for name, metavar, keep, told in (("--memory-limit", "GIB", _keep_memory, memory), ("--time-limit", "S", _keep_time, time)):
-        command = single(name, metavar=metavar, callback=keep, expose_value=False, help=told)(command)
-    return command
+    command = _kept("--memory-limit", "GIB", number(1e-3, 1e6, 4, of=" of GiB"), memory)(command)
+    return _kept("--time-limit", "S", seconds, time)(command)
 
 
 def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
     """These, and how many processes there may be at a time."""
-    told = "Processes at a time; default: one per core."
-    keep = single("--jobs", metavar="N", type=WholeNumber(1, 1000), callback=_keep_jobs, expose_value=False, help=told)
-    return keep(limited(command))
-
-
-def _seconds(option: str, text: str) -> float:
-    from cases.errors import CaseError
-    from cases.units import TIME, QuantityError, parse_quantity
-
-    number = plain_number(text)
-    if number is not None and math.isfinite(number):
-        return number
-    try:
-        return parse_quantity(text, TIME)
-    except QuantityError as wrong:
-        raise CaseError(
-            "command line", option, as_written(text), wrong.problem, f"{wrong.accepted}; a plain number means seconds"
-        ) from None
+    return _kept("--jobs", "N", number(1, 1000, 2, whole=True), "Processes at a time; default: one per core.")(limited(command))

@@ -22,7 +22,7 @@ from typing import Any
 import pytest
 
 from cases.jobs.job import Job, Limits, Outcome
-from cases.jobs.processes import LocalProcesses, available_cores
+from cases.jobs.processes import LocalProcesses
 from engines.base import EngineFailure, Refusal
 
 PRELOAD = ("cases.jobs.worker",)  # these jobs need nothing slow
@@ -173,10 +173,6 @@ def test_folders_where_the_user_stands_are_not_taken_for_packages(tmp_path: Path
     )
     told = subprocess.run([sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert told.stdout == "thesis-24\n", told.stderr
-
-
-def test_cores() -> None:
-    assert available_cores() >= 1
 
 
 def sleeper(folder: Path) -> Job[Any]:
