@@ -58,12 +58,7 @@ def _asked_here(job: Job[T]) -> Outcome[T]:
 
 
 def value_of(outcome: Outcome[T]) -> T:
-    """What a job came to.
-
-    Raises:
-        Refusal, SettingError, UnknownEngine, EngineFailure: as raised in the job.
-        EngineDied: it ended in any other way.
-    """
+    """What a job came to. Raises Refusal, SettingError, UnknownEngine or EngineFailure as the job did, EngineDied if it ended otherwise."""
     if outcome.value is not None:
         return outcome.value
     from engines.base import EngineFailure, Refusal
@@ -87,16 +82,11 @@ def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str])
 
 
 def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
-    """Find out before anything runs what can be known of an engine without loading a library.
-
-    Raises:
-        UnknownEngine: there is none of this name.
-        Refusal, SettingError: one of this project's engines does not take the scene or the settings.
-    """
+    """Raises what can be known before anything runs: UnknownEngine; Refusal or SettingError of one of this project's engines."""
     from engines.registry import OWN, engine, engine_names
     from reference_model.mechanism import FollowerAlone
 
-    if name in engine_names() and name not in OWN:
+    if name in engine_names() and name not in OWN:  # it would load its library here
         return
     found = engine(name)
     found.settings_type().with_texts(dict(settings))

@@ -37,14 +37,7 @@ from cases.jobs.job import Job, Limits, Outcome, V, Watch, default_limits
 from cases.jobs.worker import serve
 
 #: Variables by which numerical libraries are told how many threads to use.
-THREADS: Final = (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "BLIS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "NUMBA_NUM_THREADS",
-)
+THREADS: Final = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMBA"))
 #: What a fork server imports once for all its workers.
 PRELOAD: Final = (
     "cases.jobs.worker",
@@ -66,9 +59,7 @@ _SIGKILL_HINT: Final = " (by the user, or by the system for lack of memory)"
 
 def available_cores() -> int:
     """Number of cores that this process may use."""
-    with contextlib.suppress(AttributeError):  # not on every system
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class LocalProcesses:
@@ -127,7 +118,7 @@ def get_ready(preload: Sequence[str]) -> None:
 
 
 def _fork_server(preload: Sequence[str]) -> Any:
-    """The multiprocessing context of a fork server that computes with one thread and does not see Ctrl-C, and so do its workers."""
+    """The multiprocessing context of a fork server that computes with one thread and does not see Ctrl-C, nor do its workers."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(preload))
     with warnings.catch_warnings():
@@ -135,17 +126,15 @@ def _fork_server(preload: Sequence[str]) -> Any:
         resource_tracker.ensure_running()  # it lifts the block when it starts, so it must run before
     # nor does it look for modules where the user stands: a folder `cases` there is not ours
     environment = {**dict.fromkeys(THREADS, "1"), "PYTHONSAFEPATH": "1"}
-    before = {name: os.environ.get(name) for name in environment}
+    before = dict(os.environ)
     os.environ.update(environment)
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # this process gets a Ctrl-C afterwards
     try:
         forkserver.ensure_running()
     finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        for name in environment.keys() - before.keys():
+            del os.environ[name]
+        os.environ.update(before)
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     return context
 

@@ -18,7 +18,7 @@ ENDINGS: Final = (".webp", ".html")
 @options.single(
     "--magnify",
     metavar="N",
-    callback=options.number(1e-3, 1e6, 5),
+    read=options.number(1e-3, 1e6, 5),
     help="How many times the deflection is magnified; default: so that it shows.",
 )
 @options.accuracy

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @options.single(
     "--repetitions",
     metavar="N",
-    callback=options.number(1, 100, 5, whole=True),
+    read=options.number(1, 100, 5, whole=True),
     default="5",
     show_default=True,
     help="Repetitions at most, 1 to 100, interleaved.",
@@ -51,12 +51,11 @@ def command(
 
     overrides, settings = options.read_assignments(assignments)
     options.refuse_engine_settings(settings)
-    loaded = options.load_all(cases or ([] if tag else SCENES), tag, overrides)
+    loaded = options.load_all(cases, tag, overrides, otherwise=SCENES)
     names = engines or ENGINES
     options.refuse_missing(engines)
     _ = [case.mechanism for case in loaded]  # a scene without crank is answered before anything runs
-    workshop, tables = options.opened_workshop(), []
-    options.announce(loaded, names, workshop)
+    workshop, tables = options.opened_workshop(loaded, names), []
     failed = False
     for case in loaded:
         try:

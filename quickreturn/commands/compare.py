@@ -59,8 +59,7 @@ def command(
     for name in called:
         if called.count(name) > 1:
             raise click.UsageError(f'two tables or engines are called "{name}"; give each file a name of its own')
-    workshop = options.opened_workshop()
-    options.announce([loaded], names, workshop)
+    workshop = options.opened_workshop([loaded], names)
     results = hold_against_engines(loaded, tables, workshop, names, accuracy, texts)
     if as_json:
         document = as_document(results, workshop.store.notices)

@@ -17,11 +17,18 @@ if TYPE_CHECKING:
 @options.cases
 @options.tag
 @options.engines
-@options.crank_angle
+@options.single(
+    "--crank-angle",
+    "crank_angles",
+    metavar="DEG",
+    required=True,
+    read=options.angles,
+    help="Angle at which the crank is held, degrees; or FROM:TO:STEP, both ends included.",
+)
 @options.single(
     "--count",
     metavar="N",
-    callback=options.number(1, 100, 4, whole=True),
+    read=options.number(1, 100, 4, whole=True),
     default="4",
     show_default=True,
     help="How many at most, 1 to 100.",

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from cases.jobs.job import Limits
     from cases.jobs.workshop import Workshop
 
-#: What click calls to read an option's text; raises UsageError if it cannot be.
-Reader = Callable[[click.Context, click.Parameter, str | None], float | None]
+#: Makes a value of an option's name and text; raises UsageError if it cannot.
+Reader = Callable[[str, str], Any]
 
 _LARGEST_ANGLE: Final = 1_000_000  # degrees; a double keeps 1e-10 of a degree there
 _MOST_ANGLES: Final = 10_000
@@ -29,35 +29,31 @@ _MOST_ANGLES: Final = 10_000
 def number(low: float, high: float, example: float, *, of: str = "", whole: bool = False) -> Reader:
     """Reads a plain number within limits, both inclusive."""
 
-    def read(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
-        if text is None:
-            return None
+    def read(option: str, text: str) -> float:
         value = plain_number(text)
         if value is None or not low <= value <= high or (whole and not text.lstrip("+").isdecimal()):
             accepted = f"give a {'whole' if whole else 'plain'} number{of} from {low:g} to {high:g}, e.g. {example:g}"
-            raise click.UsageError(f"{option.opts[0]} {as_written(text)}: {accepted}")
+            raise click.UsageError(f"{option} {as_written(text)}: {accepted}")
         return int(value) if whole else value
 
     return read
 
 
-def seconds(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+def seconds(option: str, text: str) -> float:
     """Reads a positive time, a quantity or a plain number, in s."""
-    if text is None:
-        return None
     value = plain_number(text)
     try:
         value = parse_quantity(text, TIME) if value is None else value
     except QuantityError as wrong:
-        message = f"{option.opts[0]}: {as_written(text)} {wrong.problem}; {wrong.accepted}; a plain number means seconds"
+        message = f"{option}: {as_written(text)} {wrong.problem}; {wrong.accepted}; a plain number means seconds"
         raise click.UsageError(message) from None
     if not 0.0 < value < math.inf:
-        raise click.UsageError(f'{option.opts[0]} {as_written(text)}: give a positive time, e.g. 600 or "10 min"')
+        raise click.UsageError(f'{option} {as_written(text)}: give a positive time, e.g. 600 or "10 min"')
     return value
 
 
-def _angles(context: click.Context, option: click.Parameter, text: str) -> list[float]:
-    """Degrees: one number, or all from the first to the second in steps of the third, both ends included."""
+def angles(option: str, text: str) -> list[float]:
+    """Reads degrees: one number, or all from the first to the second in steps of the third, both ends included."""
     values = [plain_number(part) for part in text.split(":")]
     known = [value for value in values if value is not None and abs(value) <= _LARGEST_ANGLE]
     if len(values) == len(known) == 1:
@@ -65,7 +61,7 @@ def _angles(context: click.Context, option: click.Parameter, text: str) -> list[
     if len(values) == len(known) == 3 and known[2] and 0.0 <= (steps := (known[1] - known[0]) / known[2]) < _MOST_ANGLES:
         return [known[0] + step * known[2] for step in range(math.floor(steps + 1e-9) + 1)]
     accepted = f"give a plain number of degrees, from -{_LARGEST_ANGLE} to {_LARGEST_ANGLE}, e.g. 180, or FROM:TO:STEP, e.g. 0:360:10"
-    raise click.UsageError(f"--crank-angle {as_written(text)}: {accepted}")
+    raise click.UsageError(f"{option} {as_written(text)}: {accepted}")
 
 
 LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's megabyte argument
@@ -75,25 +71,22 @@ QUIET: Final = "quickreturn.quiet"
 WORKSHOP: Final = "quickreturn.workshop"
 
 
-class SingleOption(click.Option):
-    """An option of which one value counts: UsageError with all that are given where there are more, of which click takes the last."""
+def single(*names: str, read: Reader = lambda _, text: text, default: str | None = None, **more: Any) -> Callable[[Any], Any]:
+    """An option of which one value counts; UsageError with all that are given where there are more, of which click would take the last.
 
-    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
-        """Have the parser keep every value."""
-        parser.add_option(obj=self, opts=self.opts, dest=self.name, action="append", nargs=self.nargs)
+    What the command does not get (`expose_value`) goes to the context's `meta`.
+    """
 
-    def handle_parse_result(self, ctx: click.Context, opts: Mapping[str, Any], args: list[str]) -> tuple[Any, list[str]]:
-        """The one value."""
-        given = opts.get(self.name or "")
-        if isinstance(given, list):
-            if len(given) > 1:
-                values = " and ".join(map(as_written, given))
-                raise click.UsageError(f"{self.opts[0]}: {values} are {'both' if len(given) == 2 else 'all'} given; give one of them")
-            opts = {**opts, str(self.name): given[0]}
-        return super().handle_parse_result(ctx, opts, args)
+    def one(context: click.Context, option: click.Parameter, given: Sequence[str]) -> Any:
+        if len(given) > 1:
+            values = " and ".join(map(as_written, given))
+            raise click.UsageError(f"{names[0]}: {values} are {'both' if len(given) == 2 else 'all'} given; give one of them")
+        value = read(names[0], given[0]) if given else None
+        if not option.expose_value:
+            context.meta[names[0]] = value
+        return value
 
-
-single: Final = functools.partial(click.option, cls=SingleOption)
+    return click.option(*names, multiple=True, callback=one, default=default and [default], **more)
 
 
 def output(told: str, metavar: str = "FILE") -> Callable[[Any], Any]:
@@ -101,7 +94,8 @@ def output(told: str, metavar: str = "FILE") -> Callable[[Any], Any]:
     return single("--output", metavar=metavar, required=True, help=told)
 
 
-def _complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
+def complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Names of the library that begin so, and files."""
     from cases.library import case_names
 
     return [*(CompletionItem(name) for name in case_names() if name.startswith(begun)), CompletionItem(begun, type="file")]
@@ -113,9 +107,8 @@ def _complete_engine(context: click.Context, option: click.Parameter, begun: str
     return [CompletionItem(name) for name in engine_names() if name.startswith(begun)]
 
 
-cases: Final[Callable[[Any], Any]] = click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=_complete_case)
-case: Final[Callable[[Any], Any]] = click.argument("case", metavar="CASE", shell_complete=_complete_case)
-plotted: Final[Callable[[Any], Any]] = click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=_complete_case)
+cases: Final[Callable[[Any], Any]] = click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=complete_case)
+case: Final[Callable[[Any], Any]] = click.argument("case", metavar="CASE", shell_complete=complete_case)
 tag: Final = single("--tag", metavar="TAG", help="Besides, all cases of the library with this tag.")
 engines_for: Final = functools.partial(
     click.option,
@@ -127,25 +120,16 @@ engines_for: Final = functools.partial(
     shell_complete=_complete_engine,
 )
 engines: Final = engines_for(required=True, help="Engine, see `quickreturn engines`; may be given again.")
-engines_if_any: Final = engines_for(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
 main_engines: Final = engines_for(help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines.")
 json: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 accuracy: Final = single(
     "--accuracy",
     metavar="REL",
-    callback=number(LOWEST, HIGHEST, 1e-3),
+    read=number(LOWEST, HIGHEST, 1e-3),
     help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.",
 )
 duration: Final = single(
-    "--duration", metavar="S", callback=seconds, help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.'
-)
-crank_angle: Final = single(
-    "--crank-angle",
-    "crank_angles",
-    metavar="DEG",
-    required=True,
-    callback=_angles,
-    help="Angle at which the crank is held, degrees; or FROM:TO:STEP, both ends included.",
+    "--duration", metavar="S", read=seconds, help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.'
 )
 assignments: Final[Callable[[Any], Any]] = click.option(
     "--set",
@@ -158,11 +142,7 @@ assignments: Final[Callable[[Any], Any]] = click.option(
 
 
 def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
-    """Split `--set` texts into overrides of the case by key, and settings by engine ("engine": whichever there is) and name.
-
-    Raises:
-        click.UsageError: not KEY=VALUE, or a key given twice.
-    """
+    """Split `--set` texts into overrides of the case by key, and settings by engine (see `questions.settings_of`) and name."""
     case: dict[str, str] = {}
     engines: dict[str, dict[str, str]] = {}
     for text in assignments:
@@ -181,13 +161,10 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
 
 def _is_engine(section: str) -> bool:
     from cases.keys import SECTIONS
+    from engines.registry import engine_names
     from quickreturn.questions import ANY_ENGINE
 
-    if section == ANY_ENGINE or section in SECTIONS:
-        return section == ANY_ENGINE
-    from engines.registry import engine_names
-
-    return section in engine_names()
+    return section == ANY_ENGINE or (section not in SECTIONS and section in engine_names())
 
 
 def refuse_missing(engines: Sequence[str]) -> None:
@@ -201,9 +178,8 @@ def refuse_missing(engines: Sequence[str]) -> None:
 def refuse_engine_settings(settings: Mapping[str, Mapping[str, str]]) -> None:
     """For subcommands without an engine: UsageError if a setting of one was given."""
     for engine, texts in settings.items():
-        key, value = next(iter(texts.items()))
-        given = f"{engine}.{shortened(key)}={shortened(value)}"
-        raise click.UsageError(f'--set {given}: engine settings have no meaning here; give values of the case, e.g. crank.length="5 in"')
+        given = f"--set {engine}.{shortened(next(iter(texts)))}"
+        raise click.UsageError(f'{given}: engine settings have no meaning here; give values of the case, e.g. crank.length="5 in"')
 
 
 def load_all(
@@ -212,30 +188,20 @@ def load_all(
     overrides: dict[str, str],
     duration: float | None = None,
     output_step: float | None = None,
-    otherwise: str | None = None,
+    otherwise: Sequence[str] = (),
 ) -> "list[Case]":
-    """The cases of some names and patterns, and those with a tag; if none are given those with the tag `otherwise`.
-
-    Raises:
-        CaseError: no such case, or a mistake in one; two of one name.
-        click.UsageError: none is given, or see `load`.
-    """
+    """The cases of some names and patterns, and those with a tag; if none are given those of the names `otherwise`."""
     from quickreturn.catalogue import cases, loaded
 
-    tags = [tag] if tag is not None else [otherwise] if otherwise and not names else []
-    wanted = [*names, *(line.name for each in tags for line in cases(each))]
+    tagged = [] if tag is None else [line.name for line in cases(tag)]
+    wanted = [*names, *tagged] or otherwise
     if not wanted:
         raise click.UsageError("Missing argument 'CASE'", click.get_current_context())
     return loaded(wanted, lambda name: load(name, overrides, duration, output_step))
 
 
 def load(case: str, overrides: dict[str, str], duration: float | None = None, output_step: float | None = None) -> "Case":
-    """The case with overrides and other simulation times, s.
-
-    Raises:
-        CaseError: see `cases.case_file.load_case` and `with_times`.
-        click.UsageError: a time is given both as an option and by `--set`.
-    """
+    """The case with overrides and other simulation times, s."""
     from cases.case_file import load_case, with_times
     from cases.errors import CaseError
 
@@ -258,10 +224,10 @@ def quiet() -> bool:
     return bool(click.get_current_context().meta.get(QUIET))
 
 
-def opened_workshop() -> "Workshop":
-    """The store of results and the processes of this machine, as `of_workshop` or `limited` say.
+def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Workshop":
+    """The store of results, which tells at once what it has to, and the processes of this machine, as `of_workshop` or `limited` say.
 
-    What the store has to tell it tells on standard error at once. StoreError if its folder cannot be used.
+    What is going to run on what is told here, before the rest is imported, which takes a while.
     """
     from cases.jobs.processes import LocalProcesses
     from cases.jobs.store import Store
@@ -270,13 +236,10 @@ def opened_workshop() -> "Workshop":
     meta = click.get_current_context().meta
     workshop = Workshop(Store(tell=tell), LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
     meta[WORKSHOP] = workshop
+    if cases:
+        what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
+        begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
     return workshop
-
-
-def announce(cases: "Sequence[Case]", engines: Sequence[str], workshop: "Workshop") -> None:
-    """Say what begins, before what takes a while is imported."""
-    what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
-    begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
 
 
 def begin(what: str) -> None:
@@ -309,23 +272,15 @@ def limits() -> "Limits":
     return Limits(meta.get("--time-limit") or usual.seconds, round(gibibytes * 2**30) if gibibytes else usual.memory)
 
 
-def _kept(name: str, metavar: str, read: Reader, told: str) -> Callable[[Any], Any]:
-    """An option whose value goes to the context's `meta` and not to the command."""
-
-    def keep(context: click.Context, option: click.Parameter, text: str | None) -> None:
-        context.meta[name] = read(context, option, text)
-
-    return single(name, metavar=metavar, callback=keep, expose_value=False, help=told)
-
-
 def limited(command: Callable[..., Any]) -> Callable[..., Any]:
     """Options on what an engine may take; the command asks `limits` or `opened_workshop` for them."""
     time = 'Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.'
     memory = "Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less."
-    command = _kept("--memory-limit", "GIB", number(1e-3, 1e6, 4, of=" of GiB"), memory)(command)
-    return _kept("--time-limit", "S", seconds, time)(command)
+    command = single("--memory-limit", metavar="GIB", read=number(1e-3, 1e6, 4, of=" of GiB"), expose_value=False, help=memory)(command)
+    return single("--time-limit", metavar="S", read=seconds, expose_value=False, help=time)(command)
 
 
 def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
     """These, and how many processes there may be at a time."""
-    return _kept("--jobs", "N", number(1, 1000, 2, whole=True), "Processes at a time; default: one per core.")(limited(command))
+    told = "Processes at a time; default: one per core."
+    return single("--jobs", metavar="N", read=number(1, 1000, 2, whole=True), expose_value=False, help=told)(limited(command))

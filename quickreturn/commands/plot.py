@@ -16,9 +16,9 @@ ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 @click.command(name="plot")
-@options.plotted
+@click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=options.complete_case)
 @options.tag
-@options.engines_if_any
+@options.engines_for(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
 @click.option("--column", "columns", metavar="NAME", multiple=True, help="Column to show; may be given again. Default: four of them.")
 @options.duration
 @options.accuracy

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 _OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
 
 
-def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:
+def _folder(option: str, text: str) -> str:
     """The path as given; UsageError if it is none, or looks like that of a file and is no folder yet."""
     if not text.strip() or (text.lower().endswith(_OF_FILES) and not os.path.isdir(text)):
-        raise click.UsageError(f"--output {as_written(text)}: give a folder, the page in it is index.html")
+        raise click.UsageError(f"{option} {as_written(text)}: give a folder, the page in it is index.html")
     return text
 
 
@@ -35,7 +35,7 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
     metavar="DIR",
     default="reports/output",
     show_default=True,
-    callback=_folder_given,
+    read=_folder,
     help="Folder of the page and its tables.",
 )
 @options.of_workshop
@@ -49,11 +49,10 @@ def command(cases: Sequence[str], tag: str | None, engines: Sequence[str], outpu
     from quickreturn.catalogue import prepared
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
 
-    loaded = options.load_all(cases, tag, {}, otherwise="thesis")
+    loaded = options.load_all(cases, tag, {}, otherwise=("thesis-*",))
     names, _, tables = prepared(loaded, engines, {})
     options.refuse_missing(names if engines else ())
-    workshop = options.opened_workshop()
-    options.announce(loaded, names, workshop)
+    workshop = options.opened_workshop(loaded, names)
     from reports.report import write_report
 
     written = write_report(loaded, Path(output), workshop, names, tables)

@@ -43,8 +43,7 @@ def command(
     loaded = options.load_all(cases, tag, overrides)
     names, texts, tables = prepared(loaded, engines, settings)
     options.refuse_missing(names if engines else ())
-    workshop = options.opened_workshop()
-    options.announce(loaded, names, workshop)
+    workshop = options.opened_workshop(loaded, names)
     from cases.runs.comparison import cross_validate
     from cases.runs.request import REFUSED
     from quickreturn.verdict_text import text_of

@@ -48,7 +48,7 @@ _NOTHING: Final[dict[str, Any]] = {
 @options.tag
 @options.engines
 @options.duration
-@options.single("--output-step", metavar="S", callback=options.seconds, help='Time between rows, "1 ms" or a number of seconds.')
+@options.single("--output-step", metavar="S", read=options.seconds, help='Time between rows, "1 ms" or a number of seconds.')
 @options.accuracy
 @options.assignments
 @options.output("Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name.", "FILE.csv")
