@@ -64,7 +64,7 @@ class CrossValidation:
 
         rows = [
             {"case": result.case.name, "engine": name, "half": measure.half, "channel": measure.channel}
-            | {key: value for number in _NUMBERS for key, value in _with_estimate(measure, number)}
+            | {f"{name}{of}": value(name) for name in _NUMBERS for of, value in (("", measure.number), ("_estimate", measure.estimate))}
             | {"unit": COLUMNS[measure.channel].unit}
             for result in self.results
             for name, run in result.runs.items()
@@ -97,11 +97,6 @@ class CrossValidation:
         from quickreturn.verdict_text import text_of
 
         return "\n".join(text_of(result) for result in self.results)
-
-
-def _with_estimate(measure: Any, number: str) -> Iterable[tuple[str, float | None]]:
-    yield number, measure.number(number)
-    yield f"{number}_estimate", measure.estimate(number)
 
 
 def run(

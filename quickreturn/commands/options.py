@@ -178,8 +178,9 @@ def refuse_missing(engines: Sequence[str]) -> None:
 def refuse_engine_settings(settings: Mapping[str, Mapping[str, str]]) -> None:
     """For subcommands without an engine: UsageError if a setting of one was given."""
     for engine, texts in settings.items():
-        given = f"--set {engine}.{shortened(next(iter(texts)))}"
-        raise click.UsageError(f'{given}: engine settings have no meaning here; give values of the case, e.g. crank.length="5 in"')
+        given = "=".join(map(shortened, next(iter(texts.items()))))
+        accepted = 'give values of the case, e.g. crank.length="5 in"'
+        raise click.UsageError(f"--set {engine}.{given}: engine settings have no meaning here; {accepted}")
 
 
 def load_all(
@@ -207,7 +208,8 @@ def load(case: str, overrides: dict[str, str], duration: float | None = None, ou
 
     for key, seconds in (("duration", duration), ("output_step", output_step)):
         if seconds is not None and f"simulation.{key}" in overrides:
-            raise click.UsageError(f"{_option(key)} and --set simulation.{key} are both given; give one of them")
+            given = f"{_option(key)} ({seconds:g} s) and --set simulation.{key}={as_written(overrides[f'simulation.{key}'])}"
+            raise click.UsageError(f"{given} are both given; give one of them")
     loaded = load_case(case, overrides)
     try:
         return with_times(loaded, duration, output_step)

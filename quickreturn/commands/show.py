@@ -59,12 +59,7 @@ def _document(loaded: "Case") -> dict[str, Any]:
     from cases.document import values_in_si
     from cases.keys import SECTIONS
 
-    return {
-        "name": loaded.name,
-        "title": loaded.title,
-        "tags": loaded.tags,
-        "source": loaded.source,
-        "notes": loaded.notes,
+    return {name: getattr(loaded, name) for name in ("name", "title", "tags", "source", "notes")} | {
         "scene": values_in_si(loaded),
         "derived": _derived(loaded.scene),
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
