@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 class EngineDied(Exception):
     """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
 
-    def __init__(self, outcome: Outcome[Any]) -> None:
-        super().__init__(f"engine {outcome.job.name}: {outcome.explanation}")
-        self.outcome = outcome
-
 
 #: What processes import that tell of engines, those that compute.
 TELLING: Final = ("cases.jobs.worker", "engines.registry")
@@ -67,7 +63,7 @@ def value_of(outcome: Outcome[T]) -> T:
 
     if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure)):
         raise outcome.error
-    raise EngineDied(outcome)
+    raise EngineDied(f"engine {outcome.job.name}: {outcome.explanation}")
 
 
 def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str]) -> dict[str, dict[str, str]]:

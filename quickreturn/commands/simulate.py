@@ -86,19 +86,15 @@ def command(
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
     for case, name, outcome in _attempted(loaded, engines, settings, accuracy):
-        version: str | None = None
-        found: Found
         try:
-            version, found = questions.value_of(outcome)
-        except questions.EngineDied as death:
-            found = death
+            known, found = _written(outcome, places[case.name, name])
         except Exception as error:  # the others' results are written before it is told
             refusal = refusal or error
             continue
         if documents and not as_json:
             click.echo()
         document = {"case": case.name, "engine": name, "output": places[case.name, name], "notes": case.notes, "accuracy": accuracy}
-        documents.append(document | _NOTHING | {"version": version} | _written(found, places[case.name, name]))
+        documents.append(document | _NOTHING | known)
         if not as_json:
             _print(documents[-1], found)
     if as_json and documents:
@@ -170,25 +166,28 @@ def _places(output: str, cases: "Sequence[Case]", engines: Sequence[str]) -> dic
     return {(case.name, engine): output.replace("{engine}", engine).replace("{case}", case.name) for case in cases for engine in engines}
 
 
-def _written(found: "Found", path: str) -> dict[str, Any]:
-    """Write the trajectory, as far as there is one; what the JSON document says of it."""
+def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str) -> "tuple[dict[str, Any], Found]":
+    """Write the trajectory, as far as there is one: what the JSON document says of it, and what it is made of. Raises as `value_of`."""
     from engines.base import EngineFailure
-    from quickreturn.questions import EngineDied
+    from quickreturn.questions import EngineDied, value_of
     from quickreturn.solution import as_csv
     from reports.output import write_file
 
-    if isinstance(found, EngineDied):
-        cause = found.outcome.explanation
-        return {"remark": f"{cause}; {_ADVICE}", "failure": {"time": None, "cause": cause, "advice": _ADVICE}}
+    try:
+        version, found = value_of(outcome)
+    except EngineDied as death:
+        failure: dict[str, Any] = {"time": None, "cause": outcome.explanation, "advice": _ADVICE}
+        return {"remark": f"{outcome.explanation}; {_ADVICE}", "failure": failure}, death
+    known: dict[str, Any] = {"version": version}
     trajectory = found.partial if isinstance(found, EngineFailure) else found.trajectory
-    known: dict[str, Any] = {}
     if trajectory is not None:
         write_file(Path(path), as_csv(trajectory))
-        known = {"rows": len(trajectory), "solve_seconds": trajectory.solve_seconds, "statistics": dict(trajectory.statistics)}
+        known |= {"rows": len(trajectory), "solve_seconds": trajectory.solve_seconds, "statistics": dict(trajectory.statistics)}
     if isinstance(found, EngineFailure):
-        return known | {"remark": str(found), "failure": {"time": found.time, "cause": found.cause, "advice": found.advice}}
+        failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
+        return known | {"remark": str(found), "failure": failure}, found
     same = {name: getattr(found.result, name) for name in ("accuracy", *_NOTHING) if hasattr(found.result, name)}
-    return known | same | {"settings": found.settings, **vars(found.result.description)}
+    return known | same | {"settings": found.settings, **vars(found.result.description)}, found
 
 
 def _print(document: Mapping[str, Any], found: "Found") -> None:
