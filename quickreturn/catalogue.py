@@ -111,11 +111,7 @@ def engines() -> "Listing[About]":
 
 
 def matching(name: str) -> Sequence[str]:
-    """The cases that a name with *, ? or [...] stands for: those of the library, or else files; any other name stands for itself.
-
-    Raises:
-        CaseError: nothing matches.
-    """
+    """The cases that a name with *, ? or [...] stands for: those of the library, or else files (CaseError: none); others for themselves."""
     if not glob.has_magic(name) or os.path.lexists(name):
         return (name,)
     found = fnmatch.filter(case_names(), name) or sorted(path for path in glob.glob(name) if path.endswith(".toml"))
@@ -127,9 +123,7 @@ def matching(name: str) -> Sequence[str]:
 def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = load_case) -> list[Case]:
     """Cases by names, patterns or as objects, one or several, each once; `load` makes the case of a name.
 
-    Raises:
-        CaseError: see `load` and `matching`; none is given; or two different cases have one name, so that nobody could tell them apart in
-            what comes out.
+    CaseError: see `load` and `matching`; none is given; or two have one name, so that nobody could tell them apart in what comes out.
     """
     each = [found for one in _several(names) for found in ([one] if isinstance(one, Case) else matching(_name(one)))]
     chosen = [one if isinstance(one, Case) else load(one) for one in dict.fromkeys(each)]

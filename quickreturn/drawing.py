@@ -55,11 +55,7 @@ class Motion:
 
 
 def motion_of(scene: Scene, trajectory: Trajectory, times: Array) -> Motion:
-    """What a trajectory says of the places, at some of its times (s, shape (n,)).
-
-    Raises:
-        UnknownColumn: the engine does not tell the follower's shape.
-    """
+    """What a trajectory says of the places, at some of its times (s, shape (n,)). UnknownColumn: it does not tell the follower's shape."""
     if missing := [name for name in SHAPE if name not in trajectory.columns]:
         raise UnknownColumn(f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn')
     found = {name: np.interp(times, trajectory["time"], values) for name, values in trajectory.columns.items()}
