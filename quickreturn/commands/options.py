@@ -160,7 +160,7 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
 
 
 def _is_engine(section: str) -> bool:
-    from cases.keys import SECTIONS
+    from cases.case import SECTIONS
     from engines.registry import engine_names
     from quickreturn.questions import ANY_ENGINE
 
