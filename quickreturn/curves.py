@@ -42,15 +42,9 @@ def drawing(height: float, width: float = WIDTH) -> Drawing:
 
 
 def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
-    """Columns over time, one panel for each.
+    """Columns over time, one panel for each; without any `USUAL`, as far as they are there. UnknownColumn: no trajectory has it.
 
-    Args:
-        trajectories: columns by label: an engine's name, which is drawn in its colour, or any other text.
-        columns: None given: `USUAL`, as far as they are there.
-        title: above all.
-
-    Raises:
-        UnknownColumn: none of the trajectories has it.
+    `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
     """
     there = {name: None for trajectory in trajectories.values() for name in trajectory}
     chosen = [known_column(name, there) for name in columns] or [name for name in USUAL if name in there]

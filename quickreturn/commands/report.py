@@ -19,12 +19,10 @@ if TYPE_CHECKING:
 _OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
 
 
-def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:
-    """The path as given; UsageError if it looks like that of a file and is no folder yet."""
-    folder = Path(options.path_given(context, option, text))
-    if folder.suffix.lower() in _OF_FILES and not os.path.isdir(folder):
-        accepted = "give a folder, the page in it is index.html"
-        raise click.UsageError(f'--output {as_written(text)}: the ending "{folder.suffix}" is that of a file; {accepted}')
+def _folder(option: str, text: str) -> str:
+    """The path as given; UsageError if it is none, or looks like that of a file and is no folder yet."""
+    if not text.strip() or (text.lower().endswith(_OF_FILES) and not os.path.isdir(text)):
+        raise click.UsageError(f"{option} {as_written(text)}: give a folder, the page in it is index.html")
     return text
 
 
@@ -37,33 +35,24 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
     metavar="DIR",
     default="reports/output",
     show_default=True,
-    callback=_folder_given,
+    read=_folder,
     help="Folder of the page and its tables.",
 )
 @options.of_workshop
-def command(
-    cases: Sequence[str],
-    tag: str | None,
-    engines: Sequence[str],
-    output: str,
-) -> int:
+def command(cases: Sequence[str], tag: str | None, engines: Sequence[str], output: str) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
 
     Exit code 0 once the page is written and every engine completed: where engines disagree is shown in the page. Exit code 3: an engine
     failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
     as they come: an interrupted report continues where it stopped.
     """
-    from cases.recorded import tables_of
-    from engines.registry import MAIN
-    from quickreturn.catalogue import apart
+    from quickreturn.catalogue import prepared
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
-    from quickreturn.questions import check_engines
 
-    loaded, (names, paths) = options.load_all(cases, tag, {}, otherwise="thesis"), apart(engines or MAIN)
-    check_engines(names if engines else ())
-    tables = tables_of(paths, [case.name for case in loaded])
-    workshop = options.opened_workshop()
-    options.announce(loaded, names, workshop)
+    loaded = options.load_all(cases, tag, {}, otherwise=("thesis-*",))
+    names, _, tables = prepared(loaded, engines, {})
+    options.refuse_missing(names if engines else ())
+    workshop = options.opened_workshop(loaded, names)
     from reports.report import write_report
 
     written = write_report(loaded, Path(output), workshop, names, tables)
