@@ -56,16 +56,10 @@ def _print_for_others(cases: "Sequence[Case]", assignments: Sequence[str]) -> No
 
 
 def _document(loaded: "Case") -> dict[str, Any]:
-    from cases.document import values_in_si
-    from cases.keys import SECTIONS
+    from cases.case import SECTIONS
 
-    return {
-        "name": loaded.name,
-        "title": loaded.title,
-        "tags": loaded.tags,
-        "source": loaded.source,
-        "notes": loaded.notes,
-        "scene": values_in_si(loaded),
+    return {name: getattr(loaded, name) for name in ("name", "title", "tags", "source", "notes")} | {
+        "scene": loaded.values,
         "derived": _derived(loaded.scene),
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
         "engines": _models(loaded.scene),
@@ -85,8 +79,7 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
         "slenderness": (follower.slenderness, "", "length over thickness"),
     }
     if isinstance(scene, Mechanism) and not follower.is_rigid:
-        angles = np.linspace(0.0, np.pi, 25)
-        lowest = min(frozen_crank_modes(scene, angle, 1).frequencies[0] for angle in angles)
+        lowest = min(frozen_crank_modes(scene, angle, 1).frequencies[0] for angle in np.linspace(0.0, np.pi, 25))
         found["first_bending_frequency"] = (float(lowest), "Hz", "crank held, the least over its turn")
     elif not isinstance(scene, Mechanism):
         found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")
@@ -106,6 +99,7 @@ def _models(scene: Any) -> list[dict[str, Any]]:
 
 
 def _print(document: dict[str, Any]) -> None:
+    from cases.case import shown_value
     from reports.output import print_table
 
     click.echo(f"{document['name']}: {document['title']}")
@@ -114,9 +108,9 @@ def _print(document: dict[str, Any]) -> None:
     units = document["units"]
     for section, values in document["scene"].items():
         click.echo(f"\n{section}")
-        print_table([(f"  {key}", _text(value), units[section][key]) for key, value in values.items()])
+        print_table([(f"  {key}", shown_value(value), units[section][key]) for key, value in values.items()])
     click.echo("\nwhat follows")
-    print_table([(f"  {name}", _text(of["value"]), of["unit"], of["meaning"]) for name, of in document["derived"].items()])
+    print_table([(f"  {name}", shown_value(of["value"]), of["unit"], of["meaning"]) for name, of in document["derived"].items()])
     for model in document["engines"]:
         if model["refused"]:
             click.echo(f"\n{model['engine']}: {model['refused']}")
@@ -137,7 +131,3 @@ def grouped(texts: Sequence[str]) -> list[str]:
         else:
             lines += members
     return lines
-
-
-def _text(value: Any) -> str:
-    return ", ".join(map(_text, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"

@@ -13,18 +13,17 @@ from cases.frozen_crank import (
     FrozenCrank,
     JointEffect,
     Range,
-    converged_ranges,
-    excess_of_elements,
+    frozen_crank,
     joint_effects,
-    share_with_signs,
 )
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, CaseResult, Check, compare
 from cases.runs.estimates import EstimatedConsensus
 from cases.runs.request import Run
 from reports.findings.agreement import differences, spread
+from reports.findings.axes import axis_comparisons
 from reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
-from reports.findings.failures import troubles
+from reports.findings.failures import INCOMPLETE, troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
 from reports.page.answer import answer_of
@@ -109,8 +108,9 @@ def test_more_elements_are_a_way_only_if_they_lower_the_error() -> None:
 
 def test_the_single_cubic_is_as_stiff_as_is_known(run_24: CaseResult) -> None:
     # at 180, 90 and 0 degrees 22.94, 19.76 and 12.71 Hz against 20.354, 17.779 and 10.925 Hz: the largest excess is the last
-    assert excess_of_elements(run_24.case.mechanism, 1) == pytest.approx(12.71 / 10.925 - 1.0, abs=1e-3)  # four digits known
-    assert excess_of_elements(run_24.case.mechanism, 2) < 0.05
+    one, two, _ = frozen_crank(run_24.case.mechanism, {}).elements
+    assert one == pytest.approx(12.71 / 10.925 - 1.0, abs=1e-3)  # four digits known
+    assert two < 0.05
 
 
 def test_frequencies_depend_on_the_crank_length_only_if_they_change_with_it_alone() -> None:
@@ -153,8 +153,9 @@ def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
     others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
     before, after = Content(results=[run_24]), Content(results=[others])
     assert after.conclusions == before.conclusions
-    assert after.axes
-    assert all(axis.ratio("tool.csv") is None for axis in after.axes)
+    axes = axis_comparisons(after.results)
+    assert axes
+    assert not any("tool.csv" in axis.ratios for axis in axes)
     facts_before, facts_after = ({chapter.id: chapter.facts for chapter in chapters_of(content)} for content in (before, after))
     assert facts_after["experiment"]["ratios"] == facts_before["experiment"]["ratios"]
     assert facts_after["recorded"]["names"] == ["tool.csv"]
@@ -180,7 +181,7 @@ def test_differences_are_relative_to_the_other_engine_and_extremes_to_its_peak()
 
 def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
-    found = {trouble.engine: trouble.is_failure for trouble in troubles([reported_result("thesis-24", statuses)])}
+    found = {run.engine: run.status in INCOMPLETE for _, run in troubles([reported_result("thesis-24", statuses)])}
     assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
 
 
@@ -213,17 +214,16 @@ def test_the_excess_counted_off_plots_is_that_of_the_frequencies_where_there_is_
 
 def test_ranges_of_the_crank_held_still_hold_the_known_frequencies_of_run_24(run_24: CaseResult) -> None:
     known = np.array([[20.354, 62.287, 112.95], [17.779, 45.604, 135.26], [10.925, 63.787, 123.83]])  # at 180, 90, 0 degrees
-    for found, frequencies in zip(converged_ranges(run_24.case.mechanism), known.T, strict=True):
+    converged = frozen_crank(run_24.case.mechanism, {}).converged
+    for found, frequencies in zip(converged, known.T, strict=True):
         # five digits are known; the least of the first mode is the value at 0 degrees
         assert all(found.low * (1 - 1e-4) <= frequency <= found.high * (1 + 1e-4) for frequency in frequencies)
-    assert converged_ranges(run_24.case.mechanism)[0].low == pytest.approx(10.925, rel=1e-4)
+    assert converged[0].low == pytest.approx(10.925, rel=1e-4)
 
 
 def test_the_third_mode_bends_gauges_1_and_3_against_gauge_2_and_the_first_all_alike(run_24: CaseResult) -> None:
-    mechanism = run_24.case.mechanism
-    assert share_with_signs(mechanism, 2, (1, -1, 1)) == 1.0
-    assert share_with_signs(mechanism, 0, (1, 1, 1)) == 1.0
-    assert share_with_signs(mechanism, 1, (1, -1, 1)) == 0.0
+    found = frozen_crank(run_24.case.mechanism, {})
+    assert (found.alternating[2], found.alike[0], found.alternating[1]) == (1.0, 1.0, 0.0)
 
 
 def test_a_soft_joint_lowers_both_halves_alike(run_24: CaseResult) -> None:
@@ -260,14 +260,13 @@ def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Chec
 def test_a_departure_is_told_with_what_both_claim() -> None:
     result, check = departing(reported_result("thesis-24"))
     assert check in result.missed
-    rows = [row for row in departures([result]).rows if row[4].value == "pre" and row[5].value == "strain_3" and row[3].value == "maximum"]
-    (row,) = (row for row in rows if row[1].value == "exudyn")
-    numbers = dict(zip([column.key for column in departures([result]).columns], row, strict=True))
+    wanted = {"engine": "exudyn", "quantity": "maximum", "half": "pre", "channel": "strain_3"}
+    (numbers,) = (row for row in departures([result]).rows if all(row[key].value == value for key, value in wanted.items()))
     # made up: estimates of 1 % of the peak, settling errors of 5e-4 of it
     assert numbers["claim"].value == pytest.approx(0.01 + 5e-4)
     assert numbers["tolerance"].value == pytest.approx(2.0 * (0.01 + 5e-4))
     assert numbers["difference"].value == pytest.approx(3.0 * numbers["tolerance"].value)  # type: ignore[operator]
-    beyond = {(row[0].value, row[1].value, row[2].value): row[4].value for row in summary([result]).rows}
+    beyond = {(row["engine"].value, row["other"].value, row["quantity"].value): row["beyond"].value for row in summary([result]).rows}
     assert beyond["exudyn", "reference", "maximum"] == sum(c.engine == "exudyn" and c.quantity == "maximum" for c in result.missed) >= 1
 
 
@@ -297,7 +296,7 @@ def test_a_strain_extreme_while_the_slider_is_at_the_gauge_is_told() -> None:
 
 def test_classes_count_runs() -> None:
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
-    rows = {row[0].value: [cell.value for cell in row[1:]] for row in classes(results).rows}
+    rows = {row["engine"].value: [cell.value for key, cell in row.items() if key != "engine"] for row in classes(results).rows}
     assert {engine: sum(counts) for engine, counts in rows.items()} == dict.fromkeys(("thesis", "reference", "exudyn", "mujoco"), 2)  # type: ignore[arg-type]
     # the cubic is 13 % off in these made-up results, the reference claims 1 % of the peaks, and what failed has no class
     assert rows["thesis"][-2:] == [2, 0]
