@@ -240,7 +240,7 @@ class PlainBeam:
         return self.scene.crank.length * cmath.exp(1j * q1) - self.scene.pivot_distance
 
     def at_place(self, s: float, eta: Array) -> Configuration:
-        """The follower with the slider at s, not yet hung into the loop; the last one is kept, for shapes that stay are the same at any s."""
+        """The follower with the slider at s, not yet hung into the loop. The last one is kept: shapes that stay are the same at any s."""
         key = s if isinstance(self.shapes, Following) else self.near, eta.tobytes()
         if key not in self._placed:
             edges = self.shapes.edges(s)
