@@ -12,9 +12,9 @@ import inspect
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from types import CodeType, FunctionType, ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 
 @dataclass(frozen=True)
@@ -255,3 +255,47 @@ def _all_sites(source: Source) -> Iterator[Site]:
             marker.visit(ast.parse(text))
             for number, (function, line, flip) in enumerate(marker.sites):
                 yield Site(name, statement, function, number, line, flip)
+
+
+class Check(Protocol):
+    """A state and what is known of it."""
+
+    def difference(self, functions: Any) -> float:
+        """How far the functions are from what is known, infinite where they cannot be evaluated."""
+
+
+@dataclass(frozen=True)
+class Hunt:
+    """Equations, and checks of which every mutant must miss one.
+
+    Attributes:
+        source: the equations.
+        checks: makes the checks.
+        tolerance: within which they hold.
+        equivalent: function and flip of mutants that change nothing, and why.
+        least: number of signs that the equations have at least, or the search for them is broken.
+    """
+
+    source: Source
+    checks: Callable[[], tuple[Check, ...]]
+    tolerance: float
+    equivalent: Mapping[tuple[str, str], str]
+    least: int
+
+    @cached_property
+    def sites(self) -> tuple[list[Site], list[Site]]:
+        """See `sites`."""
+        return sites(self.source, self.exercise)
+
+    def exercise(self, functions: Any) -> list[float]:
+        """The differences of all checks."""
+        return [check.difference(functions) for check in self.checks()]
+
+    def survivors(self) -> list[str]:
+        """Mutants that no check notices."""
+        return [
+            str(site)
+            for site in self.sites[0]
+            if (site.function, site.flip) not in self.equivalent
+            and all(check.difference(mutated) <= self.tolerance for mutated in [mutant(self.source, site)] for check in self.checks())
+        ]
