@@ -1,11 +1,16 @@
-"""A case: one scene, and what to simulate of it."""
+"""A case: one scene, and what to simulate of it; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final
 
 from cases.errors import CaseError
+from cases.units import DIMENSIONS, Dimension
 from reference_model.mechanism import Mechanism, Scene
-from reference_model.quantities import quantity
-from reference_model.scene_values import SECTIONS, Value, values_of
+from reference_model.quantities import Quantity, quantities_of, quantity
+from reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
+from reference_model.scene_values import values_of
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -34,14 +39,14 @@ class Case:
 
     def __repr__(self) -> str:
         """Name, title and the values in SI, one to a line."""
-        rows = [
-            (f"{section}.{key}", value, SECTIONS[section][key].unit)
-            for section, keys in values_of(self.scene).items()
-            for key, value in keys.items()
-        ]
-        rows += [(f"simulation.{key}", getattr(self, key), "s") for key in ("duration", "output_step")]
-        lines = [f"  {path:30} {_text(value)} {unit}".rstrip() for path, value, unit in rows]
+        rows = [(f"{section}.{key}", value) for section, keys in self.values.items() for key, value in keys.items()]
+        lines = [f"  {path:30} {shown_value(value)} {PATHS[path].unit}".rstrip() for path, value in rows]
         return "\n".join([f"{self.name}: {self.title}", *lines])
+
+    @property
+    def values(self) -> dict[str, dict[str, Any]]:
+        """Values in SI by section and key of the case file; sections and keys that the scene lacks are left out."""
+        return {**values_of(self.scene), "simulation": {"duration": self.duration, "output_step": self.output_step}}
 
     @property
     def mechanism(self) -> Mechanism:
@@ -57,5 +62,21 @@ class Case:
         )
 
 
-def _text(value: Value) -> str:
-    return ", ".join(map(_text, value)) if isinstance(value, tuple) else f"{value:.9g}"
+def shown_value(value: Any) -> str:
+    """A number, or several, to nine digits."""
+    return ", ".join(map(shown_value, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"
+
+
+#: Section -> key -> quantity.
+SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
+    {**SECTIONS_OF_SCENE, "simulation": {key: found for _, key, found in quantities_of(Case)}}
+)
+#: Keys outside all sections.
+HEADER: Final = ("name", "title", "tags")
+#: Dotted path -> quantity, in the order of the file.
+PATHS: Final = MappingProxyType({f"{section}.{name}": found for section, keys in SECTIONS.items() for name, found in keys.items()})
+
+
+def dimension_of(path: str) -> Dimension:
+    """What the quantity at a dotted path must measure."""
+    return DIMENSIONS[PATHS[path].unit]

@@ -8,7 +8,8 @@ from numbers import Real
 
 from cases.case import Case
 from cases.errors import CaseError, as_written, nearest, path_shown
-from cases.library import case_names, impossible_names, library_case, library_document
+from cases.library import case_names, library_case, library_document
+from cases.library.hard import IMPOSSIBLE
 from cases.reading import case_of, misfit, parse_case
 from cases.text_file import read_text
 
@@ -25,7 +26,7 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
     Raises:
         CaseError: no such case, an unreadable file, or a mistake in the file or the overrides.
     """
-    if name_or_path in case_names() or name_or_path in impossible_names():
+    if name_or_path in case_names() or name_or_path in IMPOSSIBLE:
         case = library_case(name_or_path)
         if not overrides:
             return case

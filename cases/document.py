@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from cases.broken_toml import broken_toml
-from cases.case import Case
-from cases.errors import CaseError, as_written, nearest, nearest_or_all, shortened
-from cases.keys import HEADER, PATHS, SECTIONS, dimension_of
-from cases.text_file import CASE_FILE
-from reference_model.scene_values import ALTERNATIVES, values_of
+from cases.case import HEADER, PATHS, SECTIONS, Case, dimension_of, shown_value
+from cases.errors import CaseError, as_written, nearest_or_all, shortened
+from reference_model.scene_values import ALTERNATIVES
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000
@@ -25,35 +23,42 @@ OVERRIDE: Final = "--set"
 
 @dataclass(frozen=True)
 class Document:
-    """Raw values of a case.
+    """Raw values of a case."""
 
-    Attributes:
-        source: file or case name, for messages.
-        header: name, title and tags as read.
-        values: dotted key -> string or list as read, or numbers in SI of a case that was no text.
-        sections: those present.
-        overridden: dotted keys that `--set` gave.
-    """
+    source: str  # file or case name, for messages
+    header: Mapping[str, Any]  # name, title and tags as read
+    values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI of a case that was no text
+    overridden: frozenset[str] = frozenset()  # dotted keys that `--set` gave
 
-    source: str
-    header: Mapping[str, Any]
-    values: Mapping[str, Any]
-    sections: frozenset[str]
-    overridden: frozenset[str] = frozenset()
+    def at(self, path: str) -> Any:
+        """The value at a dotted key, or at one of the header; None where there is none."""
+        section, _, key = path.partition(".")
+        return self.values.get(section, {}).get(key) if key else self.header.get(path)
 
     def error(self, path: str, problem: str, accepted: str = "", *, value: Any = None) -> CaseError:
         """The mistake at a dotted key, with its value as written (or a part of it, `value`) if there is one."""
-        given = value if value is not None else self.values.get(path, self.header.get(path))
-        source = OVERRIDE if path in self.overridden else self.source
-        if given is None:
-            return CaseError(source, path, None, problem, accepted)
-        in_si = isinstance(given, (float, tuple))
-        shown = f"{given:.9g} {PATHS[path].unit}" if isinstance(given, float) else str(given) if in_si else as_written(given)
-        return CaseError(source, path, shown, problem, accepted)
+        given = self.at(path) if value is None else value
+        shown = None if given is None else as_written(given)
+        if isinstance(given, (float, tuple)):
+            shown = f"{shown_value(given)} {PATHS[path].unit}"
+        return CaseError(OVERRIDE if path in self.overridden else self.source, path, shown, problem, accepted)
 
     def blame(self, *paths: str) -> str:
         """Of keys that do not fit together the one to name: the first that `--set` gave, else the first."""
         return next((path for path in paths if path in self.overridden), paths[0])
+
+    def changed(self, values: Mapping[str, Any]) -> "Document":
+        """The document with other raw values by dotted key; None leaves out a key, or a section that is named alone."""
+        changed = {section: dict(keys) for section, keys in self.values.items()}
+        for path, value in values.items():
+            section, _, key = path.partition(".")
+            if value is not None:
+                changed.setdefault(section, {})[key] = value
+            elif key:
+                changed.get(section, {}).pop(key, None)
+            else:
+                changed.pop(section, None)
+        return replace(self, values=changed)
 
     def overridden_by(self, texts: Mapping[str, str]) -> "Document":
         """The document with values replaced as on the command line: dotted key -> text as in the file, or as TOML reads it.
@@ -64,34 +69,23 @@ class Document:
         Raises:
             CaseError: a key that cannot be set, or a value of the wrong kind.
         """
-        values = dict(self.values)
+        values: dict[str, Any] = {}
         for first, others in ALTERNATIVES:
             if first in texts:
-                for path in others:
-                    values.pop(path, None)
+                values |= dict.fromkeys(others)
             elif any(path in texts for path in others):
-                values.pop(first, None)
+                values[first] = None
         for path, text in texts.items():
             if path in HEADER:
                 raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")
-            if path not in PATHS:
-                raise unknown_key(OVERRIDE, path, text)
             values[path] = _value_of(text) if isinstance(text, str) else list(text) if isinstance(text, tuple) else text
-            _check_kind(OVERRIDE, path, values[path])
-        sections = self.sections | {path.partition(".")[0] for path in texts}
-        return replace(self, values=values, sections=sections, overridden=frozenset(texts))
-
-
-def values_in_si(case: Case) -> dict[str, dict[str, Any]]:
-    """Values of a case by section and key of the case file; sections and keys that the scene lacks are left out."""
-    return {**values_of(case.scene), "simulation": {"duration": case.duration, "output_step": case.output_step}}
+            _check(OVERRIDE, path, values[path])
+        return replace(self.changed(values), overridden=frozenset(texts))
 
 
 def document_of(case: Case) -> Document:
     """A case as a document, its values in SI."""
-    sections = values_in_si(case)
-    values = {f"{section}.{key}": value for section, keys in sections.items() for key, value in keys.items()}
-    return Document(case.name, {"name": case.name, "title": case.title, "tags": list(case.tags)}, values, frozenset(sections))
+    return Document(case.name, {"name": case.name, "title": case.title, "tags": list(case.tags)}, case.values)
 
 
 def read_document(text: str, source: str) -> Document:
@@ -100,8 +94,6 @@ def read_document(text: str, source: str) -> Document:
     Raises:
         CaseError: broken TOML, an unknown or misplaced key, a value that is no string.
     """
-    if len(text) > CASE_FILE.largest:
-        raise CaseError(source, None, None, f"the text has {len(text)} characters", f"at most {CASE_FILE.largest} are accepted")
     for number, line in enumerate(text.split("\n"), start=1):
         if len(line) > LONGEST_LINE:
             raise CaseError(source, None, None, f"line {number} has {len(line)} characters", f"at most {LONGEST_LINE} are accepted")
@@ -112,66 +104,45 @@ def read_document(text: str, source: str) -> Document:
     except ValueError as broken:
         raise broken_toml(source, text, str(broken)) from None
 
-    values: dict[str, Any] = {}
+    header: dict[str, Any] = {key: content.pop(key) for key in HEADER if key in content}
     for name, section in content.items():
-        if name in HEADER:
-            continue
-        _check_section(source, name, section)
+        if name not in SECTIONS:
+            raise _unknown(source, name, section)
+        if not isinstance(section, dict):
+            raise CaseError(source, name, as_written(section), "is no section", f"write [{name}] with its keys below")
         for key, value in section.items():
-            path = f"{name}.{key}"
-            if path not in PATHS:
-                raise unknown_key(source, path, value)
-            _check_kind(source, path, value)
-            values[path] = value
-    header = {key: value for key, value in content.items() if key in HEADER}
-    return Document(source, header, values, frozenset(content) & frozenset(SECTIONS))
+            _check(source, f"{name}.{key}", value)
+    return Document(source, header, content)
 
 
-def _check_section(source: str, name: str, section: Any) -> None:
-    if name not in SECTIONS:
-        shown = shortened(name)
-        if isinstance(section, dict):
-            raise CaseError(source, shown, None, "unknown section", nearest_or_all(name, tuple(SECTIONS)))
-        if homes := [path for path in PATHS if path.endswith(f".{name}")]:
-            raise CaseError(source, shown, as_written(section), "stands outside its section", f"accepted as {' or '.join(homes)}")
-        raise CaseError(source, shown, as_written(section), "belongs to an unknown key", nearest_or_all(name, (*HEADER, *SECTIONS)))
-    if not isinstance(section, dict):
-        raise CaseError(source, name, as_written(section), "is no section", f"write [{name}] with its keys below")
-
-
-def _check_kind(source: str, path: str, value: Any) -> None:
-    """Raise CaseError for what is no string or, where several are wanted, no list of so many."""
+def _check(source: str, path: str, value: Any) -> None:
+    """Raise CaseError for an unknown key, for what is no string or, where several are wanted, for what is no list of so many."""
+    if path not in PATHS:
+        raise _unknown(source, path, value)
     wanted, example = PATHS[path], dimension_of(path).example
     if wanted.count is None:
-        if not isinstance(value, str):
-            number = isinstance(value, (int, float)) and not isinstance(value, bool)
-            also = ', or "inf"' if wanted.infinity else ""
-            accepted = f"write a string with number and unit, such as {example}{also}"
-            raise CaseError(source, path, as_written(value), "is a bare number" if number else "is no string", accepted)
-    elif not isinstance(value, list) or len(value) != wanted.count or not all(isinstance(item, str) for item in value):
-        problem = "is no list of strings"
-        if isinstance(value, list) and len(value) != wanted.count:
-            problem = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
-        raise CaseError(source, path, as_written(value), problem, f"a list of exactly {wanted.count} strings such as {example} is accepted")
+        fits, problem = isinstance(value, str), "is a bare number" if type(value) in (int, float) else "is no string"
+        accepted = f"write a string with number and unit, such as {example}" + (', or "inf"' if wanted.infinity else "")
+    else:
+        fits = isinstance(value, list) and len(value) == wanted.count and all(isinstance(item, str) for item in value)
+        problem, accepted = f"is no list of {wanted.count} strings", f"write one such as [{', '.join([example] * wanted.count)}]"
+    if not fits:
+        raise CaseError(source, path, as_written(value), problem, accepted)
 
 
-def unknown_key(source: str, path: str, value: Any) -> CaseError:
-    """The message for a dotted key that no case file has."""
-    section, _, key = path.partition(".")
-    if isinstance(value, dict):
-        accepted = f"the keys of [{shortened(section)}] stand directly below it"
-        return CaseError(source, shortened(path), None, "is a section inside a section", accepted)
-    return CaseError(source, shortened(path), as_written(value), "belongs to an unknown key", _known_instead(section, key))
-
-
-def _known_instead(section: str, key: str) -> str:
-    """What to write instead of an unknown key: where it belongs, a near one, or all of its section."""
-    if homes := [known for known in PATHS if known.endswith(f".{key}")]:
-        return f"the nearest known one is {' or '.join(homes)}"
-    if section not in SECTIONS:
-        return f"the nearest known one is {nearest(f'{section}.{key}', PATHS)}"
-    answer = nearest_or_all(key, tuple(SECTIONS[section]))
-    return answer.replace("one is ", f"one is {section}.") if "one is " in answer else f"{answer.replace('known', f'known in [{section}]')}"
+def _unknown(source: str, path: str, value: Any) -> CaseError:
+    """The message for a section or a key that no case file has: where such a key belongs, else what is known there."""
+    section, _, key = path.rpartition(".")
+    section = section or path
+    alike = [f"{section}.{name}" for name in SECTIONS.get(section, ()) if name.endswith(f"_{key}")]
+    if homes := [*alike, *(known for known in PATHS if known.endswith(f".{key}"))]:
+        accepted = f"the nearest known one is {' or '.join(homes)}"
+    elif section in SECTIONS:
+        accepted = nearest_or_all(key, tuple(SECTIONS[section]), f"{section}.")
+    else:
+        accepted = nearest_or_all(key, (*HEADER, *SECTIONS))
+    problem = "is an unknown section" if isinstance(value, dict) else "belongs to an unknown key"
+    return CaseError(source, shortened(path), as_written(value), problem, accepted)
 
 
 def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:

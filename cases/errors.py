@@ -40,9 +40,7 @@ def as_written(value: Any) -> str:
         return "[" + ", ".join([as_written(item) for item in value[:4]] + ["..."] * (len(value) > 4)) + "]"
     if isinstance(value, dict):
         return "{ ... }" if value else "{}"
-    if isinstance(value, int) and abs(value) >= 10**_LONGEST_VALUE:
-        return "a huge whole number"
-    return str(value)
+    return shortened(str(value))
 
 
 def shortened(text: str) -> str:
@@ -71,10 +69,13 @@ def nearest(given: str, known: Iterable[str]) -> str:
     return max(known, key=lambda name: _resemblance(given, name))
 
 
-def nearest_or_all(given: str, known: Sequence[str]) -> str:
-    """What to write instead of a name that is unknown: the nearest one where one is near, else all of `known` (not empty)."""
+def nearest_or_all(given: str, known: Sequence[str], within: str = "") -> str:
+    """What to write instead of a name that is unknown: the nearest one where one is near, else all of `known` (not empty).
+
+    `within`: what stands before all of them.
+    """
     near = nearest(given, known)
-    return f"the nearest known one is {near}" if _resemblance(given, near) >= _NEAR else f"known are {', '.join(known)}"
+    return f"the nearest known one is {within}{near}" if _resemblance(given, near) >= _NEAR else f"known are {', '.join(known)}"
 
 
 def _resemblance(given: str, name: str) -> float:

@@ -1,15 +1,14 @@
 """From a document to a `Case` in SI units, or to one sentence about what is wrong with it."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from cases.case import Case
+from cases.case import PATHS, SECTIONS, Case, dimension_of
 from cases.document import Document, header_of, read_document
 from cases.errors import CaseError
-from cases.keys import PATHS, SECTIONS, dimension_of
 from cases.units import QuantityError, parse_quantity
-from reference_model.mechanism import ImpossibleMechanism, Scene, doubts
+from reference_model.mechanism import ImpossibleMechanism, doubts
 from reference_model.scene_values import MissingQuantity, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # a table of a gigabyte
@@ -38,17 +37,24 @@ def case_of(document: Document) -> Case:
         CaseError: any mistake in it.
     """
     name, title, tags = header_of(document)
-    values = {section: _section(document, section) for section in SECTIONS if section in document.sections}
-    scene = _scene(document, {section: keys for section, keys in values.items() if section != "simulation"})
-    times = values.get("simulation", {})
-    for key in SECTIONS["simulation"]:
-        if "simulation" not in values:
-            problem, accepted = "this section is missing", f"its keys are {', '.join(SECTIONS['simulation'])}"
-            raise CaseError(document.source, "[simulation]", None, problem, accepted)
-        if key not in times:
-            raise _missing(document, f"simulation.{key}", "this key is missing")
-    if problem_of_times := misfit(times["duration"], times["output_step"]):
-        raise document.error(document.blame("simulation.duration", "simulation.output_step"), *problem_of_times)
+    values = {
+        section: {key: _quantity(document, f"{section}.{key}", written) for key, written in keys.items()}
+        for section, keys in document.values.items()
+    }
+    times = values.pop("simulation", None)
+    untimed = ["[simulation]"] if times is None else [f"simulation.{key}" for key in SECTIONS["simulation"] if key not in times]
+    if abs(values.get("crank", {}).get("initial_angle", 0.0)) > _LARGEST_ANGLE:
+        raise document.error("crank.initial_angle", "is beyond a million degrees", "angles from -1e6 deg to 1e6 deg are accepted")
+    try:
+        scene = scene_of(values)
+    except MissingQuantity as missing:
+        raise _missing(document, [*missing.keys, *untimed], missing.accepted) from None
+    except ImpossibleMechanism as impossible:
+        raise document.error(document.blame(impossible.key, *impossible.others), impossible.problem, impossible.accepted) from None
+    if times is None or untimed:
+        raise _missing(document, untimed)
+    if problem := misfit(times["duration"], times["output_step"]):
+        raise document.error(document.blame("simulation.duration", "simulation.output_step"), *problem)
     return Case(name=name, title=title, tags=tags, scene=scene, source=document.source, notes=tuple(doubts(scene)), **times)
 
 
@@ -63,30 +69,15 @@ def misfit(duration: float, output_step: float) -> tuple[str, str] | None:
     return None
 
 
-def _scene(document: Document, values: Mapping[str, Mapping[str, Any]]) -> Scene:
-    if abs(values.get("crank", {}).get("initial_angle", 0.0)) > _LARGEST_ANGLE:
-        raise document.error("crank.initial_angle", "is beyond a million degrees", "angles from -1e6 deg to 1e6 deg are accepted")
-    try:
-        return scene_of(values)
-    except MissingQuantity as lacking:
-        if lacking.key in PATHS:
-            raise _missing(document, lacking.key, lacking.problem) from None
-        raise CaseError(document.source, lacking.key, None, lacking.problem, lacking.accepted) from None
-    except ImpossibleMechanism as impossible:
-        key = document.blame(impossible.key, *impossible.others)
-        raise document.error(key, impossible.problem, impossible.accepted) from None
-
-
-def _missing(document: Document, path: str, problem: str) -> CaseError:
-    """The message for a key that must be there."""
-    dimension = dimension_of(path)
-    return document.error(path, problem, f"write {dimension.name}, such as {dimension.example}")
-
-
-def _section(document: Document, section: str) -> dict[str, Any]:
-    """SI values of a section's keys that are written there."""
-    paths = {name: f"{section}.{name}" for name in SECTIONS[section]}
-    return {name: _quantity(document, path, document.values[path]) for name, path in paths.items() if path in document.values}
+def _missing(document: Document, keys: Sequence[str], accepted: str = "") -> CaseError:
+    """The message for keys, and sections as `[name]`, that must be there."""
+    first, *others = keys
+    also = ", ".join(others[:-1]) + " and " * (len(others) > 1) + "".join(others[-1:])
+    told = "is missing" + (f", and so {'are' if len(others) > 1 else 'is'} {also}" if others else "")
+    if first in PATHS:
+        dimension = dimension_of(first)
+        return document.error(first, f"this key {told}", accepted or f"write {dimension.name}, such as {dimension.example}")
+    return document.error(first, f"this section {told}", accepted or f"its keys are {', '.join(SECTIONS[first.strip('[]')])}")
 
 
 def _quantity(document: Document, path: str, written: Any) -> Any:

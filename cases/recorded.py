@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, shortened
-from cases.text_file import Kind, read_text
+from cases.text_file import read_text
 from cases.units import DIMENSIONS, QuantityError, plain_number, unit_size
 from reference_model.columns import COLUMNS
 
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 #: The folder that holds recordings of the experiment, to be read instead of the project's own.
 FOLDER_VARIABLE: Final = "QUICKRETURN_CURVES"
 MOST_ROWS: Final = 1_000_000
-_KIND: Final = Kind("a recorded table", "a CSV text", 100_000_000, f"at most 100 MB and {MOST_ROWS} rows")
+_LARGEST: Final = 100_000_000  # bytes
 
 #: What may stand above the heading, with the values accepted; free texts where there are none.
 DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -82,7 +82,7 @@ def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
     Raises:
         CaseError: the file cannot be read, or is no such table.
     """
-    shown, text = path_shown(path), read_text(path, _KIND)
+    shown, text = path_shown(path), read_text(path, "a recorded table", _LARGEST)
     lines = text.splitlines()
     declared, at = _declarations(shown, lines)
     if at == len(lines):

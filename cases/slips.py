@@ -4,8 +4,17 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-#: Of a number that is none; the first pattern that the text begins with names the slip.
-_IN_NUMBERS: Final = (
+#: A plain decimal number.
+NUMBER: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+
+#: The first pattern that the text begins with names the slip; "" of a plain number, a space and something for a unit.
+_IN_QUANTITIES: Final = (
+    (r"$", "is empty"),
+    (r".{101}", "is longer than 100 characters"),
+    (r"\s|.*\s$", "begins or ends with white space"),
+    (rf"{NUMBER}$", "has no unit"),
+    (rf"{NUMBER} \s", "has more than one space between number and unit"),
+    (rf"{NUMBER} ", ""),
     (r"[+-]?\s*inf", "is infinite"),
     (r"[+-]?\s*nan", "is not a number"),
     (r"\S*[^\D0-9]", "has other digits than 0 to 9"),
@@ -16,6 +25,7 @@ _IN_NUMBERS: Final = (
     (r"0x|[+-]?[0-9.]+(?:_|e[^0-9+-]|e$)", "does not begin with a plain decimal number"),
     (r"[+-]?[0-9.]+(?:e[+-]?[0-9]+)?[^\W\d]|[+-]?[0-9.]+[°\"'′″%]", "has no space between number and unit"),
     (r"[+-]?[0-9.]", "does not begin with a plain decimal number and a space"),
+    (r"", "does not begin with a number"),
 )
 
 #: How a unit may look on paper, and how it is written here.
@@ -34,11 +44,9 @@ _ON_PAPER: Final = (
 _TURNS_IN: Final = re.compile(r"(?:1|[ru]|tr|revs?|revolutions?|rot|rotations?)?\s*(?:/|\bper\b)\s*([a-z]+)", re.IGNORECASE)
 
 
-def in_number(text: str) -> str:
-    """What is wrong with a quantity that does not begin with a plain number and a space, as a clause."""
-    if not text:
-        return "is empty"
-    return next((problem for slip, problem in _IN_NUMBERS if re.match(slip, text, re.IGNORECASE)), "does not begin with a number")
+def in_quantity(text: str) -> str:
+    """What is wrong with a quantity that is not one plain number, one space and a unit, as a clause; "" if nothing is."""
+    return next(problem for slip, problem in _IN_QUANTITIES if re.match(slip, text, re.IGNORECASE | re.DOTALL))
 
 
 def frequency_meant(unit: str) -> str:
@@ -52,6 +60,6 @@ def units_meant(unit: str) -> Iterator[str]:
     plain = unit
     for on_paper, here in _ON_PAPER:
         plain = re.sub(on_paper, here, plain)
-    for meant in (plain, plain.lower()):
+    for meant in (plain, plain.lower(), re.sub(r"\b(lb|pound)s?\b", "lbf", plain)):
         if meant != unit:
             yield meant

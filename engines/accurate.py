@@ -16,17 +16,15 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines import progress
-from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal, Simulation
+from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal, SceneT, Simulation, Solver, StartT, first_line
 from engines.relative import rms
 from engines.settings import SettingError, Settings
-from engines.solver import S, Solver
-from engines.start import Start
 from engines.trajectory import Trajectory
 
 R = TypeVar("R")
@@ -97,9 +95,9 @@ class Result:
 
 
 def simulate(
-    engine: Solver[S],
-    scene: S,
-    start: Start | None,
+    engine: Solver[SceneT, StartT, Any],
+    scene: SceneT,
+    start: StartT,
     duration: float,
     output_step: float,
     settings: Mapping[str, str] | None = None,
@@ -125,18 +123,18 @@ def simulate(
         EngineFailure: the run broke down; carries what was computed up to then.
     """
     engine.check(scene)
-    first = engine.settings_for(accuracy or engine.default_accuracy, scene)
+    target = accuracy or engine.default_accuracy
+    first = engine.settings_for(target, scene)
     if settings:
         first = first.with_texts(dict(settings))
     runs = _Runs(engine, scene, start, duration, output_step)
     if settings:
         return runs.result(runs.judged(first), accuracy, asked=accuracy is not None)
-    target = accuracy or engine.default_accuracy
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
 
 
 def run_once(
-    engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float, settings: Settings
+    engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float, settings: Settings
 ) -> tuple[Trajectory, float]:
     """One run as it comes; see `make_run`.
 
@@ -147,7 +145,9 @@ def run_once(
     return made.trajectory, made.simulation.setup_seconds
 
 
-def make_run(engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
+def make_run(
+    engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float, settings: Settings
+) -> Made:
     """One run as it comes, checked for completeness and for values that are no numbers.
 
     Raises:
@@ -161,7 +161,7 @@ def make_run(engine: Solver[S], scene: S, start: Start | None, duration: float, 
     except (Refusal, SettingError, EngineFailure, MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything
-        cause = f"the engine raised {type(error).__name__}{raised_at(error)}: {(str(error).splitlines() or ['no message'])[0]}"
+        cause = f"the engine raised {type(error).__name__}{raised_at(error)}: {first_line(error)}"
         raise EngineFailure(0.0, cause, "report this to the author of the engine") from error
     check_trajectory(trajectory, duration, output_step)
     return Made(trajectory, simulation)
@@ -187,7 +187,8 @@ def check_trajectory(trajectory: Trajectory, duration: float, output_step: float
         bad = int(np.argmin(finite))
         name = next(name for name, values in trajectory.columns.items() if not np.isfinite(values[bad]))
         good = float(trajectory["time"][bad - 1]) if bad else 0.0
-        partial = _head(trajectory, bad) if bad else None
+        head = {name: values[:bad] for name, values in trajectory.columns.items()}
+        partial = replace(trajectory, columns=head) if bad else None
         raise EngineFailure(good, f"{name} is no longer a finite number", "try finer settings", partial)
     times, rows = trajectory["time"], round(duration / output_step) + 1
     # A grid built by repeated addition may drift by some rounding errors, never by a thousandth of a step.
@@ -203,13 +204,10 @@ def check_trajectory(trajectory: Trajectory, duration: float, output_step: float
 
 def _of_time(times: NDArray[np.float64], output_step: float) -> str:
     """What is wrong with a column of times, as far as that can be said."""
-    if len(times) < 2:
-        return ""
-    step = float(np.median(np.diff(times)))
-    milliseconds = "; the time column is in milliseconds, not in s" if math.isclose(step, 1e3 * output_step, rel_tol=1e-3) else ""
-    return milliseconds or (
-        "" if math.isclose(step, output_step, rel_tol=1e-3) else f"; its time steps are {step:.4g}, not {output_step:.4g} s"
-    )
+    step = float(np.median(np.diff(times))) if len(times) > 1 else output_step
+    if math.isclose(step, 1e3 * output_step, rel_tol=1e-3):
+        return "; the time column is in milliseconds, not in s"
+    return "" if math.isclose(step, output_step, rel_tol=1e-3) else f"; its time steps are {step:.4g}, not {output_step:.4g} s"
 
 
 @dataclass(frozen=True)
@@ -274,11 +272,12 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
     Returns:
         The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
     """
-    each: dict[str, float | None] = {
-        name: _relative(runs.part(lambda a, b, name=name: rms(a[name] - b[name])), rms(delivered[name]))  # type: ignore[misc]
-        for name in ESTIMATED
-        if name in delivered.columns
-    }
+
+    def part(name: str) -> float:
+        return runs.part(lambda a, b: rms(a[name] - b[name]))
+
+    known: list[str] = [name for name in ESTIMATED if name in delivered.columns]
+    each = {name: _relative(part(name), rms(delivered[name])) for name in known}
     deflection = each["tip_deflection"]
     if deflection is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
         return runs.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))) / length, each
@@ -299,13 +298,16 @@ def shown_factor(factor: float, factor_before: float, difference: float, differe
     return max(min(factor, shown), min(factor, LEAST_FACTOR))
 
 
+class _NoEstimate(Exception):
+    """There is nothing to estimate an error with; the text is a clause that says why."""
+
+
 @dataclass(frozen=True)
 class _Judged:
     """A run with its estimate and the parts of it; `remark` says why there is none."""
 
     settings: Settings
-    trajectory: Trajectory
-    setup_seconds: float
+    made: Made
     parts: tuple[float, ...] = ()
     estimates: dict[str, float | None] = field(default_factory=lambda: dict.fromkeys(ESTIMATED))
     remark: str = ""
@@ -314,11 +316,14 @@ class _Judged:
     def estimate(self) -> float | None:
         return sum(self.parts) if self.parts else None
 
+    def remarked(self, remark: str) -> "_Judged":
+        return replace(self, remark="; ".join(filter(None, (self.remark, remark))))
 
-class _Runs(Generic[S]):
+
+class _Runs(Generic[SceneT, StartT]):
     """Runs of one scene by settings: what was computed for the estimate of one rung serves the next."""
 
-    def __init__(self, engine: Solver[S], scene: S, start: Start | None, duration: float, output_step: float) -> None:
+    def __init__(self, engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float) -> None:
         self.engine, self.scene = engine, scene
         self._run = (start, duration, output_step)
         self._done: dict[Settings, Made] = {}
@@ -355,58 +360,59 @@ class _Runs(Generic[S]):
         self._rung += 1
         progress.tell(engine=self.engine.name, phase="simulating", rung=self._rung)
         made = self.run(settings)
-        trajectory, setup_seconds = made.trajectory, made.simulation.setup_seconds
-        length, parts = self.scene.follower.length, []
-        pairs = self.engine.comparisons(settings, self.scene, self._run[-1])
-        if any(pair.run == pair.other for pair in pairs):
-            remark = "the error is unknown: these settings leave no others to compare with"
-            return _Judged(settings, trajectory, setup_seconds, remark=remark)
         progress.tell(phase="estimating the error", rung=self._rung)
         try:
-            for pair in pairs:
-                runs = compared(pair, lambda other: self.run(other).trajectory)
-                if not self.scene.follower.is_rigid and same_motion(runs.run.columns, runs.other.columns):
-                    remark = "the error is unknown: the run to compare with is the same to the last digit"
-                    return _Judged(settings, trajectory, setup_seconds, remark=remark)
-                parts.append(estimated_part(trajectory, runs, length))
-        except EngineFailure as failure:
-            remark = f"the error is unknown: the run for its estimate {failure}"
-            return _Judged(settings, trajectory, setup_seconds, remark=remark)
+            parts = self._parts(settings, made.trajectory)
+        except (_NoEstimate, EngineFailure) as reason:
+            told = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
+            return _Judged(settings, made, remark=f"the error is unknown: {told}")
         columns = {name: _sum([each.get(name) for _, each in parts]) for name in ESTIMATED}
-        return _Judged(settings, trajectory, setup_seconds, tuple(tip for tip, _ in parts), columns)
+        return _Judged(settings, made, tuple(tip for tip, _ in parts), columns)
+
+    def _parts(self, settings: Settings, trajectory: Trajectory) -> list[tuple[float, dict[str, float | None]]]:
+        pairs, follower = self.engine.comparisons(settings, self.scene, self._run[-1]), self.scene.follower
+        if any(pair.run == pair.other for pair in pairs):
+            raise _NoEstimate("these settings leave no others to compare with")
+        parts = []
+        for pair in pairs:
+            runs = compared(pair, lambda other: self.run(other).trajectory)
+            if not follower.is_rigid and same_motion(runs.run.columns, runs.other.columns):
+                raise _NoEstimate("the run to compare with is the same to the last digit")
+            parts.append(estimated_part(trajectory, runs, follower.length))
+        return parts
 
     def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
         excess = tuple(part / target for part in judged.parts) if judged is not None and judged.settings == rung else ()
         return self.engine.finer(rung, excess, self._run[-1])
 
     def result(self, judged: _Judged, target: float | None, *, asked: bool) -> Result:
-        remark, reached = judged.remark, True
-        if target is not None and judged.estimate is None:
+        estimate, remark, reached = judged.estimate, judged.remark, True
+        if estimate is None:
             reached = not asked
-        elif target is not None and judged.estimate is not None and judged.estimate > target:
+        elif target is not None and estimate > target:
             reached = False
             error = "integration error" if self.engine.estimates == "integration" else "error"
-            missed = f"the estimated {error} {judged.estimate:.2g} misses the accuracy {target:g}"
+            missed = f"the estimated {error} {estimate:.2g} misses the accuracy {target:g}"
             remark = f"{missed}; {remark}" if remark else missed
         elif asked and self.engine.estimates == "unverified":
             reached = False
-            within = f"the estimated error {judged.estimate:.2g} is within the accuracy {target:g}, but estimates of {self.engine.name}"
+            within = f"the estimated error {estimate:.2g} is within the accuracy {target:g}, but estimates of {self.engine.name}"
             remark = f"{within} are not verified; ask an engine whose estimates are, such as reference"
-        total = time.perf_counter() - self._begin
-        delivered = judged.setup_seconds + judged.trajectory.solve_seconds
+        trajectory, setup_seconds = judged.made.trajectory, judged.made.simulation.setup_seconds
+        others = time.perf_counter() - self._begin - setup_seconds - trajectory.solve_seconds
         return Result(
-            trajectory=judged.trajectory,
+            trajectory=trajectory,
             settings=judged.settings,
             accuracy=target,
-            error_estimate=judged.estimate,
+            error_estimate=estimate,
             error_estimates=judged.estimates,
             estimate_of=self.engine.estimates,
             reached=reached,
             remark=remark,
-            setup_seconds=judged.setup_seconds,
-            solve_seconds=judged.trajectory.solve_seconds,
+            setup_seconds=setup_seconds,
+            solve_seconds=trajectory.solve_seconds,
             compile_seconds=self.compile_seconds,
-            estimate_seconds=max(0.0, total - delivered),
+            estimate_seconds=max(0.0, others),
             description=self.engine.describe(self.scene, judged.settings),
             runs=self._done,
         )
@@ -418,7 +424,7 @@ def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDAr
     return bool(np.any(deflection) and np.array_equal(deflection, other["tip_deflection"]))
 
 
-def _climbed(runs: _Runs[S], first: Settings, target: float) -> _Judged:
+def _climbed(runs: _Runs[Any, Any], first: Settings, target: float) -> _Judged:
     """The first rung from `first` on whose estimate is within `target`, else the finest one that ran."""
     best: _Judged | None = None
     failure: EngineFailure | None = None
@@ -428,7 +434,7 @@ def _climbed(runs: _Runs[S], first: Settings, target: float) -> _Judged:
             best = runs.judged(rung)
         except EngineFailure as error:
             if best is not None:
-                return _with_remark(best, f"the next finer settings {error}")
+                return best.remarked(f"the next finer settings {error}")
             if failure is not None:
                 raise error from failure
             failure = error
@@ -436,7 +442,7 @@ def _climbed(runs: _Runs[S], first: Settings, target: float) -> _Judged:
             return best
         rung = runs.finer(best, rung, target)
     if best is not None:
-        return _with_remark(best, "these are the finest settings of the engine's ladder")
+        return best.remarked("these are the finest settings of the engine's ladder")
     raise failure if failure is not None else AssertionError("a ladder has at least one rung")
 
 
@@ -452,21 +458,10 @@ def _no_garbage_collection() -> Iterator[None]:
             gc.enable()
 
 
-def _with_remark(judged: _Judged, remark: str) -> _Judged:
-    return replace(judged, remark=f"{judged.remark}; {remark}" if judged.remark else remark)
-
-
-def _head(trajectory: Trajectory, rows: int) -> Trajectory:
-    columns = {name: values[:rows] for name, values in trajectory.columns.items()}
-    return replace(trajectory, columns=columns)
-
-
 def _sum(values: Sequence[float | None]) -> float | None:
     known = [value for value in values if value is not None]
     return sum(known) if known and len(known) == len(values) else None
 
 
 def _relative(difference: float, size: float) -> float | None:
-    if size == 0.0 or not math.isfinite(difference / size):
-        return None
-    return difference / size
+    return difference / size if size != 0.0 and math.isfinite(difference / size) else None

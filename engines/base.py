@@ -7,8 +7,10 @@ time, the cause and what to try, and carries what was computed up to then.
 """
 
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, Literal, TypeVar, get_args
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any, ClassVar, Final, Generic, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +18,17 @@ from numpy.typing import NDArray
 from engines.settings import Settings as AnySettings
 from engines.start import Start
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 
 S = TypeVar("S", bound=AnySettings)
+SceneT = TypeVar("SceneT", bound=Scene)
+StartT = TypeVar("StartT", bound=Start | None)
 
 #: Version of what is asked of an engine; it changes where an engine written for the one before would no longer do.
 INTERFACE: Final = 1
 
 #: Accuracies whose settings make up an engine's ladder, each once: ten in a decade, so that no rung is passed over.
 LADDER_ACCURACIES: Final = tuple(float(accuracy) for accuracy in np.geomspace(0.5, 2e-5, 45))
-if TYPE_CHECKING:
-    from engines.follower import FollowerEngine
 
 #: What an engine's error estimate is an estimate of. "total": of the whole distance from the solution of the scene, so that it can be
 #: held against other engines. "integration": of the distance from the solution of the engine's own equations, whose discretization is
@@ -145,15 +147,56 @@ class SteadyState:
     solve_seconds: float
 
 
-class Engine(ABC, Generic[S]):
-    """One way of simulating the mechanism. Instances carry no state; everything about a run is in its settings, a class of its own."""
+class Solver(ABC, Generic[SceneT, StartT, S]):
+    """What a run to an accuracy asks of an engine, whichever kind of scene it simulates; settings are a class of its own."""
 
-    interface: ClassVar[int] = INTERFACE  # version that the engine is written for; state it as a number
     name: ClassVar[str]  # as typed on the command line
-    method: ClassVar[str]  # one line, for `quickreturn engines` and the report
     compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
     default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
     estimates: ClassVar[EstimateOf] = "total"  # what the error estimate is an estimate of
+
+    @abstractmethod
+    def check(self, scene: SceneT, /) -> None:
+        """Raise `Refusal` if a feature of the scene cannot be modelled. Called before anything is built."""
+
+    @abstractmethod
+    def describe(self, scene: SceneT, settings: S, /) -> ModelDescription:
+        """Bodies, joints and degrees of freedom that `prepare` builds for this scene with these settings."""
+
+    @abstractmethod
+    def settings_for(self, accuracy: float, scene: SceneT, /) -> S:
+        """Where to start for an error of the tip deflection of `accuracy` (measured table; the run's own estimate decides)."""
+
+    @abstractmethod
+    def comparisons(self, settings: S, scene: SceneT, output_step: float, /) -> tuple[Comparison, ...]:
+        """Pairs of runs that show the parts of the error of `settings`, one pair per part; the estimate is the parts' sum.
+
+        Parts must be shown apart where they may have opposite signs (space and time, say): the difference of runs that are coarser
+        in both would let them cancel. `output_step` (s) bounds the time steps of most engines.
+        """
+
+    @abstractmethod
+    def finer(self, settings: S, excess: tuple[float, ...], output_step: float, /) -> S | None:
+        """The next finer rung, taken when the estimate misses the accuracy asked; None at the end of the ladder.
+
+        `excess` holds the parts of the estimate over the accuracy asked, in the order of `comparisons`; it is empty if unknown.
+        """
+
+    @abstractmethod
+    def prepare(self, scene: SceneT, start: StartT, settings: S, /) -> Simulation:
+        """Build the model in the state `start` (see `Start` for its meaning).
+
+        Raises:
+            Refusal: a feature or setting that cannot be modelled.
+            EngineFailure: the start cannot be reached (time 0).
+        """
+
+
+class Engine(Solver[Mechanism, Start, S]):
+    """One way of simulating the mechanism. Instances carry no state; everything about a run is in its settings."""
+
+    interface: ClassVar[int] = INTERFACE  # version that the engine is written for; state it as a number
+    method: ClassVar[str]  # one line, for `quickreturn engines` and the report
     settings_type: type[S]
 
     def __repr__(self) -> str:
@@ -167,45 +210,9 @@ class Engine(ABC, Generic[S]):
         """Why the engine cannot be used on this machine (a sentence), or None if it can."""
         return None
 
-    @abstractmethod
-    def check(self, mechanism: Mechanism) -> None:
-        """Raise `Refusal` if a feature of the scene cannot be modelled. Called before anything is built."""
-
-    @abstractmethod
-    def describe(self, mechanism: Mechanism, settings: S) -> ModelDescription:
-        """Bodies, joints and degrees of freedom that `prepare` builds for this scene with these settings."""
-
-    @abstractmethod
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> S:
-        """Where to start for an error of the tip deflection of `accuracy` (measured table; the run's own estimate decides)."""
-
     def ladder(self, mechanism: Mechanism) -> tuple[S, ...]:
         """Settings from coarse to fine over which speed is shown against error: those picked for `LADDER_ACCURACIES`."""
         return tuple(dict.fromkeys(self.settings_for(accuracy, mechanism) for accuracy in LADDER_ACCURACIES))
-
-    @abstractmethod
-    def comparisons(self, settings: S, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Pairs of runs that show the parts of the error of `settings`, one pair per part; the estimate is the parts' sum.
-
-        Parts must be shown apart where they may have opposite signs (space and time, say): the difference of runs that are coarser
-        in both would let them cancel. `output_step` (s) bounds the time steps of most engines.
-        """
-
-    @abstractmethod
-    def finer(self, settings: S, excess: tuple[float, ...], output_step: float) -> S | None:
-        """The next finer rung, taken when the estimate misses the accuracy asked; None at the end of the ladder.
-
-        `excess` holds the parts of the estimate over the accuracy asked, in the order of `comparisons`; it is empty if unknown.
-        """
-
-    @abstractmethod
-    def prepare(self, mechanism: Mechanism, start: Start, settings: S) -> Simulation:
-        """Build the model in the state `start` (see `Start` for its meaning).
-
-        Raises:
-            Refusal: a feature or setting that cannot be modelled.
-            EngineFailure: the start cannot be reached (time 0).
-        """
 
     def steady_state(self, mechanism: Mechanism, start: Start, settings: S) -> SteadyState | None:
         """The periodic steady state, by a direct search that begins in `start`; None (the default) if the engine has no such search.
@@ -234,6 +241,46 @@ class Engine(ABC, Generic[S]):
             f"[crank]: this scene has none, and engine {self.name} models the closed mechanism alone; accepted: a scene with [crank]"
             " and without base.spin_up_speed"
         )
+
+
+class FollowerEngine(Solver[FollowerAlone, None, S]):
+    """An engine's second model: the follower alone, straight and at rest at the start, on a base that turns as prescribed.
+
+    There are trajectories to compare, no cycles. Settings are the engine's; so is, unless overridden, what is said of them.
+
+    Args:
+        engine: the engine whose model it is.
+    """
+
+    def __init__(self, engine: Engine[S]) -> None:
+        self.engine = engine
+        for fact in ("name", "compiles", "default_accuracy", "estimates"):
+            setattr(self, fact, getattr(engine, fact))
+
+    def check(self, scene: FollowerAlone) -> None:
+        """Accept all there are."""
+
+    def settings_for(self, accuracy: float, scene: FollowerAlone) -> S:
+        return self.engine.settings_for(accuracy, scene)  # type: ignore[arg-type]
+
+    def comparisons(self, settings: S, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
+        return self.engine.comparisons(settings, scene, output_step)  # type: ignore[arg-type]
+
+    def finer(self, settings: S, excess: tuple[float, ...], output_step: float) -> S | None:
+        return self.engine.finer(settings, excess, output_step)
+
+
+def first_line(error: BaseException) -> str:
+    """Of what an exception says."""
+    return (str(error).splitlines() or ["no message"])[0]
+
+
+def installed(*distributions: str) -> str | None:
+    """Version of the first of these distributions that is there; None if there is none."""
+    for distribution in distributions:
+        with suppress(PackageNotFoundError):
+            return version(distribution)
+    return None
 
 
 #: An engine of which only the interface is known.

@@ -20,24 +20,21 @@ def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: fl
         EngineFailure: the engine returned something else; the cause says what.
     """
     found: Any = engine.natural_frequencies(mechanism, crank_angle, count, settings)
-    wrong = _wrong(found)
+    try:
+        values = np.asarray(found)
+    except ValueError:  # lists of different lengths
+        values = np.empty((0, 0))
+    wrong = ""
+    if values.ndim != 1 or (values.size and values.dtype.kind not in "iuf"):
+        wrong = "that are no list of numbers"
+    elif not np.isfinite(values).all():
+        wrong = "that are not finite"
+    elif (values < 0.0).any():
+        wrong = "below zero"
+    elif (np.diff(values.astype(np.float64)) < 0.0).any():
+        wrong = "that do not ascend"
     if wrong:
         shown = " ".join(str(found).split())
         cause = f"the engine returned natural frequencies {wrong}: {shown if len(shown) <= _SHOWN else f'{shown[:_SHOWN]}...'}"
         raise EngineFailure(0.0, cause, "report this to the author of the engine")
-    return np.asarray(found, dtype=np.float64)[:count]
-
-
-def _wrong(found: Any) -> str:
-    """What is wrong with natural frequencies, as a clause; "" if nothing is."""
-    try:
-        values = np.asarray(found)
-    except ValueError:  # lists of different lengths
-        return "that are no list of numbers"
-    if values.ndim != 1 or (values.size and values.dtype.kind not in "iuf"):
-        return "that are no list of numbers"
-    if not np.isfinite(values).all():
-        return "that are not finite"
-    if (values < 0.0).any():
-        return "below zero"
-    return "" if (np.diff(values.astype(np.float64)) >= 0.0).all() else "that do not ascend"
+    return np.asarray(values, dtype=np.float64)[:count]

@@ -13,22 +13,11 @@ def of_slider_inertia(name: str, mechanism: Mechanism) -> None:
         raise Refusal(f"slider.inertia: {inertia:g} kg*m^2 cannot be modelled by {name}, its joint passes no moment; accepted: 0")
 
 
-def of_damper_alone(mechanism: Mechanism) -> None:
-    """A damper beside a rigid joint."""
-    slider = mechanism.slider
-    if slider.joint_damping > 0.0 and math.isinf(slider.joint_stiffness):
-        told = f"slider.joint_damping: {slider.joint_damping:g} N*s/m does nothing in a rigid joint"
-        raise Refusal(f"{told}; accepted: 0, or a finite slider.joint_stiffness")
-
-
-def of_compliance(name: str, mechanism: Mechanism, closes: str) -> None:
+def of_compliance(name: str, mechanism: Mechanism) -> None:
     """For methods that leave no gap."""
-    slider = mechanism.slider
-    if math.isfinite(slider.joint_stiffness) or slider.joint_damping > 0.0:
-        raise Refusal(
-            f"slider.joint_stiffness: {slider.joint_stiffness:g} N/m with joint_damping {slider.joint_damping:g} N*s/m cannot be"
-            f' modelled by {name}, which closes the {closes} exactly; accepted: "inf" and "0 N*s/m"'
-        )
+    if math.isfinite(stiffness := mechanism.slider.joint_stiffness):
+        told = f"slider.joint_stiffness: {stiffness:g} N/m cannot be modelled by {name}, which closes the loop exactly"
+        raise Refusal(f'{told}; accepted: "inf"')
 
 
 def of_massless_parts(name: str, mechanism: Mechanism, why: str) -> None:

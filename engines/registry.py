@@ -13,7 +13,7 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, ClassVar, Final, NoReturn, cast
 
-from engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal
+from engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
 from engines.settings import Settings as AnySettings
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
@@ -100,12 +100,8 @@ def _loaded(name: str, load: Callable[[], object]) -> AnyEngine:
         if found.estimates not in ESTIMATES:
             return _missing(name, f'its class states estimates = "{found.estimates}"; accepted: {", ".join(ESTIMATES)}')
     except Exception as error:  # whatever a foreign module does on import must not disable the other engines
-        return _missing(name, f"it cannot be loaded ({type(error).__name__}: {_first_line(error)})")
+        return _missing(name, f"it cannot be loaded ({type(error).__name__}: {first_line(error)})")
     return found
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or ["no message"])[0]
 
 
 def _origin(entry: EntryPoint) -> str:
@@ -139,9 +135,5 @@ class _Missing(Engine[AnySettings]):
     check = describe = settings_for = comparisons = finer = prepare = natural_frequencies = cast(Any, _refuse)
 
 
-def _missing(engine_name: str, sentence: str) -> AnyEngine:
-    class Missing(_Missing):
-        name = engine_name
-        reason = sentence
-
-    return Missing()
+def _missing(name: str, reason: str) -> AnyEngine:
+    return cast(AnyEngine, type("Missing", (_Missing,), {"name": name, "reason": reason})())

@@ -1,11 +1,12 @@
 """Simulating a scene of either kind from its standard start, and what an engine builds for it."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from engines import accurate
 from engines.accurate import Result
-from engines.base import AnyEngine, ModelDescription
-from engines.start import standard_start
+from engines.base import AnyEngine, ModelDescription, Solver
+from engines.start import Start, standard_start
 from reference_model.mechanism import FollowerAlone, Scene
 
 
@@ -22,9 +23,8 @@ def simulate_scene(
     Raises:
         Refusal, SettingError, EngineFailure: as `accurate.simulate`; Refusal also where the engine has no model of a follower alone.
     """
-    if isinstance(scene, FollowerAlone):
-        return accurate.simulate(engine.follower_alone(), scene, None, duration, output_step, settings, accuracy)
-    return accurate.simulate(engine, scene, standard_start(scene), duration, output_step, settings, accuracy)
+    solver, start = _solver(engine, scene)
+    return accurate.simulate(solver, scene, start, duration, output_step, settings, accuracy)
 
 
 def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:
@@ -33,9 +33,11 @@ def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:
     Raises:
         Refusal: it cannot.
     """
-    if isinstance(scene, FollowerAlone):
-        follower = engine.follower_alone()
-        follower.check(scene)
-        return follower.describe(scene, follower.settings_for(follower.default_accuracy, scene))
-    engine.check(scene)
-    return engine.describe(scene, engine.settings_for(engine.default_accuracy, scene))
+    solver, _ = _solver(engine, scene)
+    solver.check(scene)
+    return solver.describe(scene, solver.settings_for(solver.default_accuracy, scene))
+
+
+def _solver(engine: AnyEngine, scene: Scene) -> tuple[Solver[Any, Any, Any], Start | None]:
+    """The engine's model for the scene's kind, and the standard start."""
+    return (engine.follower_alone(), None) if isinstance(scene, FollowerAlone) else (engine, standard_start(scene))

@@ -80,13 +80,8 @@ def _parse(field: dataclasses.Field[Any], text: str, kind: type) -> Any:
     if kind in _NUMBERS and len(text) <= _LONGEST and re.fullmatch(_NUMBERS[kind], text):
         return kind(text)
     given = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
-    raise SettingError(f'engine.{field.name}: "{given}" is not accepted; give {_accepted(field, kind)}')
-
-
-def _accepted(field: dataclasses.Field[Any], kind: type) -> str:
-    if kind is bool:
-        return "true or false"
-    return f"{'a whole number' if kind is int else 'a plain number'} from {_range(field)}"
+    number = f"{'a whole number' if kind is int else 'a plain number'} from {_range(field)}"
+    raise SettingError(f'engine.{field.name}: "{given}" is not accepted; give {"true or false" if kind is bool else number}')
 
 
 def _range(field: dataclasses.Field[Any]) -> str:

@@ -11,14 +11,13 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import Radau
 
-from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
+from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, installed
 from engines.ladder import Ladder
 from engines.settings import SettingError, Settings, setting
 from engines.start import Start, standard_start
@@ -143,12 +142,10 @@ class SimpleEngine(Engine[SimpleSettings]):
             raise TypeError(f"{cls.__name__}.quantities: {', '.join(unknown)}: not known; accepted: {', '.join(QUANTITIES)}")
 
     def version(self) -> str:
-        """See `Engine.version`."""
-        return f"{self.library} {_installed(self.library) or 'not installed'}"
+        return f"{self.library} {installed(self.library) or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        """See `Engine.unavailable`."""
-        return None if _installed(self.library) else f"the package {self.library} is not installed"
+        return None if installed(self.library) else f"the package {self.library} is not installed"
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse what is not among `quantities`, and a rigid follower."""
@@ -177,7 +174,6 @@ class SimpleEngine(Engine[SimpleSettings]):
         return Ladder(tuple(rungs), "resolution", "tolerance", self.order)
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> SimpleSettings:
-        """See `Engine.settings_for`."""
         return self._ladder().pick(accuracy)
 
     def comparisons(self, settings: SimpleSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
@@ -187,7 +183,6 @@ class SimpleEngine(Engine[SimpleSettings]):
         return (Comparison(settings, SimpleSettings(resolution=more, tolerance=max(_TIGHTEST, factor * settings.tolerance)), factor),)
 
     def finer(self, settings: SimpleSettings, excess: tuple[float, ...], output_step: float) -> SimpleSettings | None:
-        """See `Engine.finer`."""
         return self._ladder().finer(settings, excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: SimpleSettings) -> Simulation:
@@ -225,7 +220,6 @@ class _SimpleSimulation(Simulation):
         self.state = np.asarray(model.state, dtype=np.float64)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
-        """See `Simulation.advance`."""
         began, rows, cause = time.perf_counter(), list[dict[str, float]](), ""
         times: Array = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
         for at, state in zip(times, self.model.states(times, self.state, self.tolerance), strict=False):
@@ -257,10 +251,3 @@ class _SimpleSimulation(Simulation):
             if np.ndim(value) or np.iscomplexobj(value):
                 raise EngineFailure(at, f"{name} in {who} is {value!r}", "give one real number")
         return {name: float(value) for name, value in row.items()}
-
-
-def _installed(distribution: str) -> str | None:
-    try:
-        return version(distribution)
-    except PackageNotFoundError:
-        return None

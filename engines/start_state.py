@@ -111,9 +111,11 @@ class _Shape:
     """The bent centre line in frame B: p(x) and its rate (-Ḟ, Ẇ)."""
 
     def __init__(self, deflection: Field | None, deflection_rate: Field | None, length: float) -> None:
-        self._deflection = deflection
-        self._deflection_rate = deflection_rate
-        self._edges = _panel_edges(deflection, deflection_rate, length)
+        self._deflection, self._deflection_rate = (_zero if field is None else field for field in (deflection, deflection_rate))
+        # split at the knots of piecewise polynomials too, so that every integrand is smooth within a panel
+        knots = [np.asarray(getattr(field, "x", ())) for field in (deflection, deflection_rate)]
+        edges = np.unique(np.concatenate([np.linspace(0.0, length, _PANELS + 1), *knots]))
+        self._edges = edges[(edges >= 0.0) & (edges <= length)]
         steepest = float(np.max(np.abs(self.slope(np.union1d(self._edges, _gauss_points(self._edges))))))
         if not steepest < 1.0:
             raise EngineFailure(0.0, f"the follower's slope W' reaches {steepest:.3g} at the start", "start with a slope below 1")
@@ -121,18 +123,18 @@ class _Shape:
         self._foreshortening_rate = _cumulative(self._foreshortening_rate_density, self._edges)
 
     def slope(self, x: Array) -> Array:
-        return _evaluate(self._deflection, x, 1)
+        return self._deflection(x, 1)
 
     def slope_rate(self, x: Array) -> Array:
-        return _evaluate(self._deflection_rate, x, 1)
+        return self._deflection_rate(x, 1)
 
     def position(self, x: Array) -> Array:
         shortened = self._integral(self._foreshortening, self._foreshortening_density, x)
-        return np.column_stack([x - shortened, _evaluate(self._deflection, x, 0)])
+        return np.column_stack([x - shortened, self._deflection(x)])
 
     def velocity(self, x: Array) -> Array:
         shortened_rate = self._integral(self._foreshortening_rate, self._foreshortening_rate_density, x)
-        return np.column_stack([-shortened_rate, _evaluate(self._deflection_rate, x, 0)])
+        return np.column_stack([-shortened_rate, self._deflection_rate(x)])
 
     def _foreshortening_density(self, x: Array) -> Array:
         slope_squared = self.slope(x) ** 2
@@ -145,13 +147,6 @@ class _Shape:
     def _integral(self, at_edges: Array, density: Callable[[Array], Array], x: Array) -> Array:
         panel = np.clip(np.searchsorted(self._edges, x, side="right") - 1, 0, len(self._edges) - 2)
         return at_edges[panel] + _integrals(density, self._edges[panel], x)
-
-
-def _panel_edges(deflection: Field | None, deflection_rate: Field | None, length: float) -> Array:
-    """Split the follower at the knots of piecewise polynomials too, so that every integrand is smooth within a panel."""
-    knots = [np.asarray(getattr(field, "x", ())) for field in (deflection, deflection_rate)]
-    edges = np.unique(np.concatenate([np.linspace(0.0, length, _PANELS + 1), *knots]))
-    return edges[(edges >= 0.0) & (edges <= length)]
 
 
 def _gauss_points(edges: Array) -> Array:
@@ -170,8 +165,8 @@ def _cumulative(density: Callable[[Array], Array], edges: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(_integrals(density, edges[:-1], edges[1:]))])
 
 
-def _evaluate(field: Field | None, x: Array, nu: int) -> Array:
-    return np.zeros_like(x) if field is None else field(x, nu)
+def _zero(x: Array, nu: int = 0, /) -> Array:
+    return np.zeros_like(x)
 
 
 def _rotation(angle: float) -> Array:

@@ -14,16 +14,28 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from reference_model.quantities import ImpossibleMechanism, quantity
-
-__all__ = [
-    "Base", "Crank", "Follower", "FollowerAlone", "ImpossibleMechanism", "Material", "Mechanism", "PrescribedSpeed", "Scene", "Slider",
-    "SpinUp", "Tip", "TorqueDrive", "changed",
-]  # fmt: skip
-
+from reference_model.quantities import quantity
 
 #: By how much (rad) two angles may miss a turn that is meant: they may be written with few digits.
 ROUNDING: Final = 1e-6
+
+
+class ImpossibleMechanism(ValueError):
+    """The parts do not fit together.
+
+    Attributes:
+        key: the quantity to blame, as `part.quantity`.
+        problem: a clause that follows the quantity's value.
+        accepted: what is accepted instead; may be empty.
+        others: quantities that may be to blame as well.
+    """
+
+    def __init__(self, key: str, problem: str, accepted: str = "", others: tuple[str, ...] = ()) -> None:
+        super().__init__(f"{key} {problem}" + (f"; {accepted}" if accepted else ""))
+        self.key = key
+        self.problem = problem
+        self.accepted = accepted
+        self.others = others
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +145,16 @@ class Follower:
     def mass(self) -> float:
         """Of the beam, kg."""
         return self.mass_per_length * self.length
+
+    @property
+    def density(self) -> float:
+        """That the mass per length and the section make, kg/m^3."""
+        return self.mass_per_length / (self.width * self.thickness)
+
+    @property
+    def elastic_modulus(self) -> float:
+        """That the bending stiffness and the section make, Pa."""
+        return self.bending_stiffness / (self.width * self.thickness**3 / 12.0)
 
     @property
     def slenderness(self) -> float:
@@ -310,11 +332,9 @@ def doubts(scene: Scene) -> Iterator[str]:
             f"follower.thickness is {follower.thickness:.6g} m, more than a quarter of the length ({follower.length:.6g} m): that is no"
             " slender beam, and shear is not modelled"
         )
-    section = follower.width * follower.thickness
-    density = follower.mass_per_length / section
-    if not 20.0 <= density <= 25e3:
-        yield f"follower.mass_per_length (or density) and the section make a density of {density:.3g} kg/m^3: is that meant?"
-    modulus = 12.0 * follower.bending_stiffness / (section * follower.thickness**2)
+    if not 20.0 <= follower.density <= 25e3:
+        yield f"follower.mass_per_length (or density) and the section make a density of {follower.density:.3g} kg/m^3: is that meant?"
+    modulus = follower.elastic_modulus
     if not follower.is_rigid and not 5e8 <= modulus <= 1.5e12:  # polyethylene's to diamond's; below lie metals' with MPa for GPa
         yield f"follower.bending_stiffness (or elastic_modulus) and the section make a modulus of {modulus:.3g} Pa: is that meant?"
     tip = scene.tip

@@ -58,10 +58,10 @@ class BeamModel:
         constants: of the equations.
         shapes: tangent angle and its derivative by the slider's place, of every shape at arc lengths, for a place of the slider.
         size: what errors of an amplitude are relative to, kg^(1/2) m.
-        made_before: see below.
+        made_before: wall time (s) that parts took which were kept from an earlier model.
 
     Attributes:
-        made_before: wall time (s) that parts took which were kept from an earlier model.
+        made_before: as given.
         parameters: the constants.
         workspace: what the state evaluated last left behind.
     """

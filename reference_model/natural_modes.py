@@ -215,7 +215,8 @@ def _add_tip(M: Array, tip: Tip | None, numbering: tuple[NDArray[np.intp], ...])
 def _element(span: tuple[float, float], interior: int) -> tuple[Array, Array]:
     """Mass matrix for unit mass per length and stiffness matrix for unit bending stiffness of one span."""
     h = span[1] - span[0]
-    scale = np.multiply.outer(*[_slope_scaling(interior, h)] * 2)
+    scaling = _slope_scaling(interior, h)
+    scale = np.outer(scaling, scaling)
     return _reference_matrix(interior, 0) * scale * (h / 2.0), _reference_matrix(interior, 2) * scale * (2.0 / h) ** 3
 
 

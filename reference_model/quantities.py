@@ -1,7 +1,7 @@
 """What a field of a scene measures, declared once, on the field: unit, sign, and what may be left out."""
 
 from collections.abc import Iterator
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, Final, Literal
 
 Sign = Literal["any", "not negative", "positive"]
@@ -11,25 +11,15 @@ _KEY: Final = "quantity"
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with a unit, or a list of `count` of them.
+    """A number with a unit, or a list of `count` of them."""
 
-    Attributes:
-        unit: SI unit, as written in a case file.
-        meaning: in words.
-        sign: which signs make sense.
-        key: name in a case file.
-        optional: whether a case file may leave it out.
-        count: length of the list; None for a single number.
-        infinity: whether it may be infinite, for a rigid part.
-    """
-
-    unit: str
-    meaning: str
-    sign: Sign
-    key: str
-    optional: bool
-    count: int | None
-    infinity: bool
+    unit: str  # SI unit, as written in a case file
+    meaning: str  # in words
+    sign: Sign  # which signs make sense
+    key: str  # name in a case file, where it is not that of the field
+    optional: bool  # whether a case file may leave it out
+    count: int | None  # length of the list; None for a single number
+    infinity: bool  # whether it may be infinite, for a rigid part
 
 
 def quantity(
@@ -51,31 +41,8 @@ def quantity(
     return field(default=default, metadata={_KEY: known})
 
 
-def quantities_of(part: Any) -> Iterator[tuple[Field[Any], Quantity]]:
-    """The fields of a part (a dataclass or its instance) that are quantities."""
+def quantities_of(part: Any) -> Iterator[tuple[str, str, Quantity]]:
+    """Of a part (a dataclass or its instance) each field that is a quantity: its name, and its key in a case file."""
     for declared in fields(part):
         if (found := declared.metadata.get(_KEY)) is not None:
-            yield declared, found
-
-
-def key_of(declared: Field[Any], found: Quantity) -> str:
-    """Name of a field's quantity in a case file."""
-    return found.key or declared.name
-
-
-class ImpossibleMechanism(ValueError):
-    """The parts do not fit together.
-
-    Attributes:
-        key: the quantity to blame, as `part.quantity`.
-        problem: a clause that follows the quantity's value.
-        accepted: what is accepted instead; may be empty.
-        others: quantities that may be to blame as well.
-    """
-
-    def __init__(self, key: str, problem: str, accepted: str = "", others: tuple[str, ...] = ()) -> None:
-        super().__init__(f"{key} {problem}" + (f"; {accepted}" if accepted else ""))
-        self.key = key
-        self.problem = problem
-        self.accepted = accepted
-        self.others = others
+            yield declared.name, found.key or declared.name, found

@@ -1,6 +1,7 @@
 """A scene as numbers by section and key, as a case file has them, and back: everything follows from what `mechanism` declares."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -19,7 +20,7 @@ from reference_model.mechanism import (
     Tip,
     TorqueDrive,
 )
-from reference_model.quantities import Quantity, key_of, quantities_of
+from reference_model.quantities import Quantity, quantities_of
 
 Value = float | tuple[float, ...]
 #: Section -> key -> SI value.
@@ -38,12 +39,10 @@ _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
 )
 
 
-def _keys_of(parts: tuple[type, ...]) -> dict[str, Quantity]:
-    return {key_of(declared, found): found for part in parts for declared, found in quantities_of(part)}
-
-
 #: Section -> key -> what it measures.
-SECTIONS: Final = MappingProxyType({name: MappingProxyType(_keys_of(parts)) for name, parts in _PARTS.items()})
+SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
+    {name: MappingProxyType({key: found for part in parts for _, key, found in quantities_of(part)}) for name, parts in _PARTS.items()}
+)
 #: Keys that replace each other: the first of a pair excludes the others, and one of them must be there.
 ALTERNATIVES: Final = (
     ("crank.prescribed_speed", ("crank.torque", "crank.damping", "crank.initial_speed")),
@@ -52,11 +51,16 @@ ALTERNATIVES: Final = (
 )
 #: Keys that turn the base of a follower alone; a scene with a crank must not have them.
 SPIN_UP: Final = ("base.spin_up_speed", "base.spin_up_time")
+CRANK_OR_NOT: Final = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
 DRIVE_CHOICE: Final = "give either prescribed_speed alone, or torque and damping (and, if the start is not torque / damping, initial_speed)"
 
 
 class MissingQuantity(ImpossibleMechanism):
-    """A quantity, or a section `[name]`, that cannot be left out."""
+    """Quantities, or sections `[name]`, that cannot be left out; `keys` has them all, in the order of a case file."""
+
+    def __init__(self, keys: Sequence[str]) -> None:
+        super().__init__(keys[0], "is missing", CRANK_OR_NOT if "[crank]" in keys else "")
+        self.keys = keys
 
 
 def scene_of(values: Values) -> Scene:
@@ -70,16 +74,27 @@ def scene_of(values: Values) -> Scene:
     """
     alone = _is_alone(values)
     _check_alternatives(values)
-    _check_complete(values, alone)
-    given = {name: dict(values.get(name, {})) for name in SECTIONS}
-    base, tip = given["base"], Tip(**given["tip"]) if "tip" in values else None  # type: ignore[arg-type]
-    of_base: dict[str, Any] = {name: base[name] for name in ("inertia", "damping")}
-    parts: dict[str, Any] = {"base": Base(**of_base), "follower": _follower(given["follower"]), "tip": tip, **given["mechanism"]}
-    if alone:
-        return FollowerAlone(spin_up=SpinUp(speed=base["spin_up_speed"], time=base["spin_up_time"]), **parts)  # type: ignore[arg-type]
-    slider: dict[str, Any] = given["slider"]
-    scene = Mechanism(crank=_crank(given["crank"]), slider=Slider(**slider), **parts)
-    _check_joint(scene.slider)
+    if missing := tuple(_missing(values, alone)):
+        raise MissingQuantity(missing)
+    given: dict[str, dict[str, Any]] = {name: dict(values.get(name, {})) for name in SECTIONS}
+    base = given["base"]
+    spin_up = SpinUp(speed=base.pop("spin_up_speed"), time=base.pop("spin_up_time")) if alone else None
+    parts: dict[str, Any] = {
+        "base": Base(**base),
+        "follower": _follower(given["follower"]),
+        "tip": Tip(**given["tip"]) if "tip" in values else None,
+        **given["mechanism"],
+    }
+    if spin_up:
+        return FollowerAlone(spin_up=spin_up, **parts)
+    scene = Mechanism(crank=_crank(given["crank"]), slider=Slider(**given["slider"]), **parts)
+    if scene.slider.joint_damping > 0.0 and math.isinf(scene.slider.joint_stiffness):
+        raise ImpossibleMechanism(
+            "slider.joint_damping",
+            "makes a rigid joint with damping, which has nothing to act on",
+            'give a finite slider.joint_stiffness such as "2e4 N/m", or no slider.joint_damping',
+            ("slider.joint_stiffness",),
+        )
     if scene.crank_is_free and scene.crank_inertia == 0.0:
         raise ImpossibleMechanism(
             "crank.inertia",
@@ -101,27 +116,19 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
     else:
         parts["base"].append(scene.spin_up)
     return {
-        name: {key_of(declared, found): getattr(part, declared.name) for part in members for declared, found in quantities_of(part)}
-        for name, members in parts.items()
+        name: {key: getattr(part, field) for part in members for field, key, _ in quantities_of(part)} for name, members in parts.items()
     }
 
 
 def _is_alone(values: Values) -> bool:
     """Whether the scene is a follower alone: no crank, and a base that is spun up."""
-    given = [path for path in SPIN_UP if path.removeprefix("base.") in values.get("base", {})]
-    choice = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
-    if "crank" in values:
-        if given:
-            raise ImpossibleMechanism(given[0], "conflicts with [crank], which turns the follower", choice)
-        return False
-    if not given:
-        raise MissingQuantity("[crank]", "this section is missing", choice)
-    if "slider" in values:
-        raise ImpossibleMechanism("[slider]", "conflicts with the missing [crank], on whose tip it would sit", choice)
-    if "pivot_distance" in values.get("mechanism", {}):
-        problem = "conflicts with the missing [crank], from whose axis it is measured"
-        raise ImpossibleMechanism("mechanism.pivot_distance", problem, "leave it out, or give [crank]")
-    return True
+    given = [path for path in SPIN_UP if _has(values, path)]
+    if given and "crank" in values:
+        raise ImpossibleMechanism(given[0], "conflicts with [crank], which turns the follower", CRANK_OR_NOT)
+    for key, there in (("[slider]", "slider" in values), ("mechanism.pivot_distance", _has(values, "mechanism.pivot_distance"))):
+        if given and there:
+            raise ImpossibleMechanism(key, "conflicts with the missing [crank]", "leave it out, or give [crank]")
+    return bool(given)
 
 
 def _check_alternatives(values: Values) -> None:
@@ -134,23 +141,17 @@ def _check_alternatives(values: Values) -> None:
         raise ImpossibleMechanism("crank", "nothing drives the crank", DRIVE_CHOICE)
 
 
-def _check_complete(values: Values, alone: bool) -> None:
+def _missing(values: Values, alone: bool) -> Iterator[str]:
+    """Keys, and sections as `[name]`, that are not there and cannot be left out."""
+    needless = {"mechanism.pivot_distance"} if alone else {*SPIN_UP}
+    for first, others in ALTERNATIVES:
+        needless |= {first, *others} if _has(values, first) else {first}
     for section, keys in SECTIONS.items():
-        if section not in values:
-            if section in ("tip", "slider") or (alone and section in ("mechanism", "crank")):
-                continue
-            raise MissingQuantity(f"[{section}]", "this section is missing", f"its keys are {', '.join(keys)}")
-        for name, found in keys.items():
-            path = f"{section}.{name}"
-            if found.optional or name in values[section] or _is_replaced(values, path) or (path in SPIN_UP and not alone):
-                continue
-            if not (alone and path == "mechanism.pivot_distance"):
-                raise MissingQuantity(path, "this key is missing")
-
-
-def _is_replaced(values: Values, path: str) -> bool:
-    """Whether another key stands in for this one; the first of a pair of alternatives is never asked for by itself."""
-    return any(path == first or (path in others and _has(values, first)) for first, others in ALTERNATIVES)
+        if section in values:
+            paths = {f"{section}.{name}": found for name, found in keys.items() if name not in values[section]}
+            yield from (path for path, found in paths.items() if not found.optional and path not in needless)
+        elif section not in ("tip", "slider") and not (alone and section in ("mechanism", "crank")):
+            yield f"[{section}]"
 
 
 def _has(values: Values, path: str) -> bool:
@@ -172,17 +173,7 @@ def _crank(given: dict[str, Any]) -> Crank:
         return Crank(drive=PrescribedSpeed(speed=given.pop("prescribed_speed")), **given)
     torque, damping, speed = given.pop("torque"), given.pop("damping"), given.pop("initial_speed", None)
     if speed is None and damping == 0.0:
-        problem = "this key is missing, and without damping there is no speed torque / damping"
-        raise MissingQuantity("crank.initial_speed", problem)
+        problem = "is missing, and without damping there is no speed torque / damping"
+        raise ImpossibleMechanism("crank.initial_speed", problem, 'give one, such as "16 rad/s"')
     speed = torque / damping if speed is None else speed
     return Crank(drive=TorqueDrive(torque=torque, damping=damping, initial_speed=speed), **given)
-
-
-def _check_joint(slider: Slider) -> None:
-    if slider.joint_damping > 0.0 and slider.joint_stiffness == float("inf"):
-        raise ImpossibleMechanism(
-            "slider.joint_damping",
-            "makes a rigid joint with damping, which has nothing to act on",
-            'give a finite slider.joint_stiffness such as "2e4 N/m", or no slider.joint_damping',
-            ("slider.joint_stiffness",),
-        )

@@ -7,9 +7,7 @@ from typing import Any, Final
 
 import jinja2
 
-from cases.case import Case
-from cases.document import values_in_si
-from cases.keys import SECTIONS
+from cases.case import SECTIONS, Case
 from cases.measures import time_scale
 from cases.measures.time_scale import TURN
 from cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
@@ -81,7 +79,7 @@ def _wrapped(line: str) -> str:
 def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
     """Section -> name, value, unit and meaning of each quantity that is not left at nothing."""
     found: dict[str, list[tuple[str, str, str, str]]] = {}
-    for section, values in values_in_si(case).items():
+    for section, values in case.values.items():
         if section == "simulation" or (section == "slider" and not _differs(values)):
             continue
         known = SECTIONS[section]

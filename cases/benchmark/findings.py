@@ -84,28 +84,25 @@ def pareto_front(points: Sequence[Point], column: str = "tip_deflection") -> lis
     return front
 
 
-def fastest_at(points: Sequence[Point], level: float, column: str = "tip_deflection") -> dict[str, tuple[Point, Measured]]:
-    """Of each method that reaches an error of at most `level`, its fastest point that does; fastest method first."""
+def fastest_at(points: Sequence[Point], level: float) -> dict[str, tuple[Point, Measured]]:
+    """Of each method that reaches an error of the tip deflection of at most `level`, its fastest point that does; fastest first."""
     best: dict[str, tuple[Point, Measured]] = {}
-    for point, measured in completed(points):
-        error = point.error(column)
-        if error is None or error > level:
-            continue
-        held = best.get(point.method)
-        if held is None or measured.solve_seconds < held[1].solve_seconds:
-            best[point.method] = (point, measured)
-    return dict(sorted(best.items(), key=lambda item: item[1][1].solve_seconds))
+    for point, measured in sorted(completed(points), key=lambda found: found[1].solve_seconds):
+        error = point.error()
+        if error is not None and error <= level:
+            best.setdefault(point.method, (point, measured))
+    return best
 
 
-def observed_order(points: Sequence[Point], method: str, column: str = "tip_deflection") -> float | None:
-    """Slope of -log(error) over log(degrees of freedom) of a method, by least squares over its completed points.
+def observed_order(points: Sequence[Point], method: str) -> float | None:
+    """Slope of -log(error) of the tip deflection over log(degrees of freedom), by least squares over a method's completed points.
 
     None where fewer than three numbers of degrees of freedom completed. Of several points with the same number, that of the least error
     counts: the others differ in the time step.
     """
     least: dict[int, float] = {}
     for point, measured in completed(points):
-        error, free = point.error(column), measured.degrees_of_freedom
+        error, free = point.error(), measured.degrees_of_freedom
         if point.method == method and error:
             least[free] = min(error, least.get(free, np.inf))
     if len(least) < 3:

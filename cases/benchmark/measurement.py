@@ -46,30 +46,18 @@ _AT_WORK: Final = "at work: "
 
 @dataclass(frozen=True)
 class Benchmark:
-    """The table of one scene.
+    """The table of one scene."""
 
-    Attributes:
-        case: its name.
-        title: its title.
-        duration: s.
-        truth: what errors are measured against.
-        confirmation: how far that can be trusted.
-        points: one for each method and settings.
-        repetitions: of a point at most.
-        longest: solve time (s) beyond which the finer settings of a method were not tried.
-        machine: processor, system and versions.
-        failures: engine -> why it was left out: it died, was stopped at a limit or cannot be used here.
-    """
-
-    case: str
-    title: str
-    duration: float
-    truth: Converged
-    confirmation: Confirmation
-    points: tuple[Point, ...]
-    repetitions: int
-    longest: float
-    machine: dict[str, str]
+    case: str  # its name
+    title: str  # its title
+    duration: float  # s
+    truth: Converged  # what errors are measured against
+    confirmation: Confirmation  # how far that can be trusted
+    points: tuple[Point, ...]  # one for each method and settings
+    repetitions: int  # of a point at most
+    longest: float  # solve time (s) beyond which the finer settings of a method were not tried
+    machine: dict[str, str]  # processor, system and versions
+    # engine -> why it was left out: it died, was stopped at a limit or cannot be used here
     failures: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -128,7 +116,7 @@ def benchmark(
     )
 
 
-def pinned(case: Case, names: Sequence[str], repetitions: int, longest: float) -> Benchmark:
+def pinned(case: Case, names: Sequence[str], repetitions: int) -> Benchmark:
     """The same, with the process held on one processor from now on; its output tells who is at work, see `last_at_work`."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
@@ -137,7 +125,7 @@ def pinned(case: Case, names: Sequence[str], repetitions: int, longest: float) -
     def announce(name: str) -> None:
         print(f"\n{_AT_WORK}{time.monotonic() - began:.3f} {name}", flush=True)
 
-    return benchmark(case, names, repetitions, longest, announce)
+    return benchmark(case, names, repetitions, announce=announce)
 
 
 def last_at_work(output: str) -> tuple[str | None, float]:
@@ -235,28 +223,26 @@ class _Attempt:
             solve_seconds_largest=max(self.times),
             repetitions=len(self.times),
             setup_seconds=min(self.setup),
-            statistics=dict(self.trajectory.statistics) | self._joint(),
-            calls_per_period=self._calls_per_period(case),
+            statistics=dict(self.trajectory.statistics) | _joint(self.trajectory),
+            calls_per_period=self._calls_per_period(case, self.trajectory.statistics),
         )
 
-    def _joint(self) -> dict[str, float]:
-        """What the joint lets through: the largest gap in m, and spurious work over the drive's, where there are such columns."""
-        assert self.trajectory is not None
-        found: dict[str, float] = {}
-        columns = self.trajectory.columns
-        if "constraint_gap" in columns:
-            found["largest_gap"] = float(np.max(np.abs(columns["constraint_gap"])))
-        moved = self.trajectory.statistics.get("spurious_energy_moved")
-        if moved is not None and "drive_work" in columns and columns["drive_work"][-1] != 0.0:
-            found["spurious_share"] = moved / abs(float(columns["drive_work"][-1]))
-        return found
-
-    def _calls_per_period(self, case: Case) -> float | None:
+    def _calls_per_period(self, case: Case, statistics: Mapping[str, float]) -> float | None:
         """Right-hand sides per period of the highest mode that `reference` keeps, at the start's crank angle; None of other methods."""
-        assert self.trajectory is not None
-        modes = self.settings.as_dict().get("modes")
-        calls = self.trajectory.statistics.get("right_hand_side_calls")
+        modes, calls = self.settings.as_dict().get("modes"), statistics.get("right_hand_side_calls")
         if self.method.engine.name != "reference" or modes is None or calls is None or case.mechanism.follower.is_rigid:
             return None
         highest = frozen_crank_modes(case.mechanism, case.mechanism.crank.initial_angle, modes).frequencies[-1]
         return calls / (case.duration * float(highest))
+
+
+def _joint(trajectory: Trajectory) -> dict[str, float]:
+    """What the joint lets through: the largest gap in m, and spurious work over the drive's, where there are such columns."""
+    found: dict[str, float] = {}
+    columns = trajectory.columns
+    if "constraint_gap" in columns:
+        found["largest_gap"] = float(np.max(np.abs(columns["constraint_gap"])))
+    moved = trajectory.statistics.get("spurious_energy_moved")
+    if moved is not None and "drive_work" in columns and columns["drive_work"][-1] != 0.0:
+        found["spurious_share"] = moved / abs(float(columns["drive_work"][-1]))
+    return found

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.benchmark.measurement import LONG, REPETITIONS, Benchmark, last_at_work, pinned
+from cases.benchmark.measurement import REPETITIONS, Benchmark, last_at_work, pinned
 from cases.benchmark.methods import methods
 from cases.case import Case
 from cases.jobs.display import answers
@@ -28,13 +28,7 @@ def stored(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES) -> Be
     return None if found is None else found.value
 
 
-def measure(
-    case: Case,
-    workshop: Workshop,
-    names: Sequence[str] = ENGINES,
-    repetitions: int = REPETITIONS,
-    longest: float = LONG,
-) -> Benchmark:
+def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repetitions: int = REPETITIONS) -> Benchmark:
     """Measure anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
 
     An engine that dies, or is stopped at the executor's limits, is left out and the others are measured once more; such a result is not
@@ -45,7 +39,6 @@ def measure(
         workshop: where.
         names: of engines.
         repetitions: of each run; the least time counts.
-        longest: see there.
 
     Raises:
         EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.
@@ -55,7 +48,7 @@ def measure(
     while True:
         sound = tuple(name for name in names if name not in failures)
         allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
-        job = dataclasses.replace(_job(case, names, (case, sound, repetitions, longest)), limits=allowed)
+        job = dataclasses.replace(_job(case, names, (case, sound, repetitions)), limits=allowed)
         (outcome,) = answers(workshop.executor, [job], case.name)
         if outcome.value is not None:
             break

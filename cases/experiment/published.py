@@ -13,21 +13,13 @@ PERCENT: Final = 0.01  # the unit of printed strain, see cases.library.inconsist
 
 @dataclass(frozen=True)
 class AxisLabels:
-    """Legible labels of one figure's axis, in SI units.
+    """Legible labels of one figure's axis, in SI units."""
 
-    Attributes:
-        figure: e.g. "A.24".
-        run: number of the run.
-        channel: "tip_acceleration" (m/s^2) or "strain" (1; one axis for the three gauges).
-        values: in the order printed.
-        has_experiment: whether the figure shows measured curves.
-    """
-
-    figure: str
-    run: int
-    channel: str
-    values: tuple[float, ...]
-    has_experiment: bool
+    figure: str  # e.g. "A.24".
+    run: int  # number of the run
+    channel: str  # "tip_acceleration" (m/s^2) or "strain" (1; one axis for the three gauges)
+    values: tuple[float, ...]  # in the order printed
+    has_experiment: bool  # whether the figure shows measured curves
 
     @property
     def largest(self) -> float:

@@ -14,29 +14,17 @@ Kind = Literal["relation", "frequency", "observation", "cause"]
 
 @dataclass(frozen=True)
 class Statement:
-    """One statement and how it is read.
+    """One statement and how it is read."""
 
-    Attributes:
-        id: short name.
-        section: of the thesis.
-        words: the statement in our words.
-        kind: "relation" (a ratio per run), "frequency" (a range in Hz), "observation" or "cause" (words only).
-        quantity: what is compared.
-        runs: numbers of the runs that it speaks of.
-        low: smallest value that the words mean, -inf if there is none.
-        high: largest value that the words mean, inf if there is none.
-        share: of the runs that must show it.
-    """
-
-    id: str
-    section: str
-    words: str
-    kind: Kind
-    quantity: str
-    runs: tuple[int, ...]
-    low: float = -math.inf
-    high: float = math.inf
-    share: float = 1.0
+    id: str  # short name
+    section: str  # of the thesis
+    words: str  # the statement in our words
+    kind: Kind  # "relation" (a ratio per run), "frequency" (a range in Hz), "observation" or "cause" (words only)
+    quantity: str  # what is compared
+    runs: tuple[int, ...]  # numbers of the runs that it speaks of
+    low: float = -math.inf  # smallest value that the words mean, -inf if there is none
+    high: float = math.inf  # largest value that the words mean, inf if there is none
+    share: float = 1.0  # of the runs that must show it
 
     def share_of(self, values: Mapping[int, float]) -> float | None:
         """Which share of the runs shows it, counting runs with a value only; None if no run has one.
@@ -56,8 +44,8 @@ class Statement:
 @functools.cache
 def statements() -> tuple[Statement, ...]:
     """All statements in the order of the thesis."""
-    return tuple(Statement(**entry | {"runs": _runs(entry["runs"])}) for entry in read_toml("thesis_statements.toml")["statement"])
-
-
-def _runs(written: str | list[int]) -> tuple[int, ...]:
-    return tuple(RUNS) if isinstance(written, str) else tuple(range(written[0], written[1] + 1))
+    found = []
+    for entry in read_toml("thesis_statements.toml")["statement"]:
+        runs = tuple(RUNS) if entry["runs"] == "all" else tuple(range(entry["runs"][0], entry["runs"][1] + 1))
+        found.append(Statement(**entry | {"runs": runs}))
+    return tuple(found)

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from cases.data import read_toml
-from cases.units import BENDING_STIFFNESS, LENGTH, parse_quantity
+from cases.library.thesis import run_case
 
 PSI: Final = 6894.757293168361  # Pa
 #: Young's modulus of common wrought aluminium alloys, Pa: 6061 and 2024, 10.0 and 10.6 million psi.
@@ -16,27 +16,18 @@ ALUMINIUM: Final = (10.0e6 * PSI, 10.6e6 * PSI)
 
 @dataclass(frozen=True)
 class StiffnessReading:
-    """The published stiffness over the nominal section.
+    """The published stiffness over the nominal section."""
 
-    Attributes:
-        published: as printed.
-        modulus: Young's modulus that follows, Pa.
-        below: by which parts it lies below ordinary aluminium, least and greatest.
-        needed: part by which EI would have to be lower to undo the median excess of a frequency (which grows with its root); None
-            without one.
-    """
-
-    published: str
-    modulus: float
-    below: tuple[float, float]
+    published: str  # as printed
+    modulus: float  # Young's modulus that follows, Pa
+    below: tuple[float, float]  # by which parts it lies below ordinary aluminium, least and greatest
+    # part by which EI would have to be lower to undo the median excess of a frequency (which grows with its root); None without one
     needed: float | None
 
 
 def stiffness_reading(excesses: Sequence[float]) -> StiffnessReading:
     """The reading; `excesses`: relative excess of the single cubic's frequency, one per half cycle."""
-    follower = read_toml("thesis_scene.toml")["follower"]
-    thickness, width = (parse_quantity(follower[key], LENGTH) for key in ("thickness", "width"))
-    modulus = parse_quantity(follower["bending_stiffness"], BENDING_STIFFNESS) / (width * thickness**3 / 12.0)
+    modulus = run_case(24).scene.follower.elastic_modulus
     below = sorted(1.0 - modulus / ordinary for ordinary in ALUMINIUM)
     needed = 1.0 - (1.0 + float(np.median(excesses))) ** -2.0 if excesses else None
-    return StiffnessReading(follower["bending_stiffness"], modulus, (below[0], below[1]), needed)
+    return StiffnessReading(read_toml("thesis_scene.toml")["follower"]["bending_stiffness"], modulus, (below[0], below[1]), needed)

@@ -36,17 +36,14 @@ _ACCURACY: Final = 1e-3
 
 @dataclass(frozen=True)
 class Conditioning:
-    """Of one scene.
+    """Of one scene."""
 
-    Attributes:
-        changes: parameter ("stiffness", "damping", "speed", "speed at the same crank angle") -> RMS change of the tip deflection over
-            its RMS, for `CHANGE` of the parameter, over the duration or until the scene ends.
-        horizon: length (s) of the longest stretch from the start on which no change exceeds `ILL`: the duration in a well-conditioned
-            scene, and where fewer than `FEWEST_LATER` rows are beyond it. A change of speed counts at the same crank angle: an answer
-            that only comes sooner is not another answer.
-    """
-
+    # parameter ("stiffness", "damping", "speed", "speed at the same crank angle") -> RMS change of the tip deflection over its RMS, for
+    # `CHANGE` of the parameter, over the duration or until the scene ends
     changes: Mapping[str, float]
+    # length (s) of the longest stretch from the start on which no change exceeds `ILL`: the duration in a well-conditioned scene, and
+    # where fewer than `FEWEST_LATER` rows are beyond it. A change of speed counts at the same crank angle: an answer that only comes
+    # sooner is not another answer.
     horizon: float
 
 

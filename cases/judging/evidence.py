@@ -44,20 +44,18 @@ class TrialScene:
     output_step: float
     horizon: float
 
+    def evidence(self, requested: float, **known: Any) -> Evidence:
+        """What is known of a run, judged on no stretch yet."""
+        return Evidence(requested=requested, duration=self.duration, stretch=0.0, row=self.output_step, **known)
+
 
 @dataclass(frozen=True)
 class Trial:
-    """An engine tried in a scene: what the climb ended with.
+    """An engine tried in a scene: what the climb ended with."""
 
-    Attributes:
-        evidence: for `cases.judging.verdicts.judge`.
-        settings: of the run judged; {} where none ran.
-        columns: its trajectory, as far as it goes.
-    """
-
-    evidence: Evidence
-    settings: dict[str, Any]
-    columns: Columns
+    evidence: Evidence  # for `cases.judging.verdicts.judge`
+    settings: dict[str, Any]  # of the run judged; {} where none ran
+    columns: Columns  # its trajectory, as far as it goes
 
 
 def gather(
@@ -72,8 +70,7 @@ def gather(
         usable: finds an engine by its name.
         asked: see `ASKED`.
     """
-    nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
-    found = Trial(nothing, {}, {})
+    found = Trial(scene.evidence(requested), {}, {})
     try:
         chosen = usable(engine)
         for share in asked:
@@ -85,7 +82,7 @@ def gather(
             if judge(run.evidence).claimed_error is not None or estimate is None or estimate > share * requested:
                 break  # no doubt left, or the ladder ends here
     except (Refusal, SettingError) as refusal:
-        return Trial(replace(nothing, refused=str(refusal)), {}, {})
+        return Trial(scene.evidence(requested, refused=str(refusal)), {}, {})
     return found
 
 
@@ -95,7 +92,7 @@ class _Request:
     def __init__(self, engine: AnyEngine, scene: TrialScene, requested: float, accuracy: float) -> None:
         self._engine, self._scene, self._accuracy = engine, scene, accuracy
         self._start = standard_start(scene.mechanism)
-        self._nothing = Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step)
+        self._nothing = scene.evidence(requested)
 
     def run(self) -> Trial:
         """All runs that the evidence needs.
@@ -153,6 +150,8 @@ class _Request:
             breakdown = replace(breakdown, finer_time=finer_failure.time)
         if breakdown is None and finer is not None and rows < len(whole["time"]) == len(finer):
             later = later_differences(whole, dict(finer.columns), evidence.stretch)
+        rigid = math.isinf(self._scene.mechanism.slider.joint_stiffness)  # a soft joint has a gap by its nature
+        gap = float(np.max(np.abs(shown["constraint_gap"]))) if rigid and "constraint_gap" in shown else None
         return replace(
             evidence,
             breakdown=breakdown,
@@ -160,14 +159,9 @@ class _Request:
             finer_failure=broken,
             later=later,
             energy_residual=energy_residual(whole if breakdown is None else shown),
-            constraint_gap=self._gap(shown),
+            constraint_gap=gap,
             crank_jump=crank_jump(whole),
         )
-
-    def _gap(self, columns: Columns) -> float | None:
-        """Largest distance of the slider from the centre line; a soft joint has one by its nature."""
-        rigid = math.isinf(self._scene.mechanism.slider.joint_stiffness)
-        return float(np.max(np.abs(columns["constraint_gap"]))) if rigid and "constraint_gap" in columns else None
 
     def _once(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:
         """A run over the whole duration, or what there is of it and why there is no more."""

@@ -13,7 +13,7 @@ from cases.jobs.job import Job, Outcome, T
 from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning, conditioning, later_differences
 from cases.judging.evidence import Columns, Trial, TrialScene, gather
-from cases.judging.verdicts import ACCURATE, ENDED, LATER, Breakdown, Evidence, Verdict, contradicted, judge
+from cases.judging.verdicts import ACCURATE, ENDED, LATER, Breakdown, Verdict, contradicted, judge
 from engines.registry import MAIN
 from engines.relative import relative_error
 
@@ -33,28 +33,20 @@ _CODE: Final = ("cases.judging",)
 
 @dataclass(frozen=True, kw_only=True)
 class Judged:
-    """An engine in a scene.
+    """An engine in a scene."""
 
-    Attributes:
-        scene: name of the case.
-        engine: name.
-        verdict: after the comparison with the other engines.
-        settings: of the run judged.
-        true_error: of the tip deflection over the stretch, against the converged solution; None where nothing is claimed or known.
-        true_later: likewise beyond the stretch (`cases.judging.conditioning.later_differences`); None where there is no such part.
-        holds: whether the claim (error, time, what is said of the part beyond the stretch) holds against the converged solution, whose
-            own claimed error is allowed for; None where nothing is claimed or the scene has no converged solution.
-        model_error: of an engine that is held against its own equations: the distance of these to the converged solution.
-    """
-
-    scene: str
-    engine: str
-    verdict: Verdict
-    settings: Mapping[str, Any]
+    scene: str  # name of the case
+    engine: str  # name
+    verdict: Verdict  # after the comparison with the other engines
+    settings: Mapping[str, Any]  # of the run judged
+    # of the tip deflection over the stretch, against the converged solution; None where nothing is claimed or known
     true_error: float | None = None
+    # likewise beyond the stretch (`cases.judging.conditioning.later_differences`); None where there is no such part
     true_later: Mapping[str, float] | None = None
+    # whether the claim (error, time, what is said of the part beyond the stretch) holds against the converged solution, whose own
+    # claimed error is allowed for; None where nothing is claimed or the scene has no converged solution
     holds: bool | None = None
-    model_error: float | None = None
+    model_error: float | None = None  # of an engine that is held against its own equations: the distance of these to the converged solution
 
     @property
     def silently_wrong(self) -> bool:
@@ -64,21 +56,13 @@ class Judged:
 
 @dataclass(frozen=True)
 class Matrix:
-    """All of it.
+    """All of it."""
 
-    Attributes:
-        cases: the scenes, in order.
-        engines: names.
-        cells: (scene, engine) -> cell; those that have been computed.
-        conditionings: scene -> its conditioning, where it could be computed.
-        converged: scene -> claimed error of its converged solution; None where there is none.
-    """
-
-    cases: tuple[Case, ...]
-    engines: tuple[str, ...]
-    cells: Mapping[tuple[str, str], Judged]
-    conditionings: Mapping[str, Conditioning]
-    converged: Mapping[str, float | None]
+    cases: tuple[Case, ...]  # the scenes, in order
+    engines: tuple[str, ...]  # names
+    cells: Mapping[tuple[str, str], Judged]  # (scene, engine) -> cell; those that have been computed
+    conditionings: Mapping[str, Conditioning]  # scene -> its conditioning, where it could be computed
+    converged: Mapping[str, float | None]  # scene -> claimed error of its converged solution; None where there is none
 
     @property
     def silently_wrong(self) -> tuple[Judged, ...]:
@@ -105,8 +89,8 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
 
     known = outcomes([_conditioning_job(case) for case in cases])
     conditionings = {case.name: found.value for case, found in zip(cases, known, strict=True) if found is not None and found.value}
-    scenes = {case.name: _scene(case, conditionings.get(case.name)) for case in cases}
-    jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(scenes[case.name], engines).items()}
+    horizons = {case.name: case.duration for case in cases} | {name: found.horizon for name, found in conditionings.items()}
+    jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(case, horizons[case.name], engines).items()}
     trials: dict[tuple[str, str], Trial] = {}
     for (what, name), found in zip(jobs, outcomes(list(jobs.values())), strict=True):
         if found is not None:
@@ -121,18 +105,14 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
     return Matrix(tuple(cases), tuple(engines), cells, conditionings, converged)
 
 
-def _scene(case: Case, conditioning: Conditioning | None) -> TrialScene:
-    horizon = conditioning.horizon if conditioning else case.duration
-    return TrialScene(mechanism=case.mechanism, duration=case.duration, output_step=case.output_step, horizon=horizon)
-
-
 def _conditioning_job(case: Case) -> Job[Conditioning]:
     arguments = (case.mechanism, case.duration, case.output_step)
     return Job(f"conditioning of {case.name}", conditioning, arguments, kind=_KIND, engines=("reference",), code=_CODE)
 
 
-def _trial_jobs(scene: TrialScene, engines: Sequence[str]) -> dict[str, Job[Trial]]:
+def _trial_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[str, Job[Trial]]:
     """The converged solution, that of `MODEL`'s own equations if it is among the engines, and each engine."""
+    scene = TrialScene(mechanism=case.mechanism, duration=case.duration, output_step=case.output_step, horizon=horizon)
     wanted = {"converged": CONVERGED} | ({"model": (MODEL, MODEL_CONVERGED)} if MODEL in engines else {})
     wanted |= {name: (name, REQUESTED) for name in engines}
     return {
@@ -153,8 +133,7 @@ def trial(engine: str, scene: TrialScene, requested: float) -> Trial:
 def _broken(job: Job[Trial], outcome: Outcome[Trial]) -> Trial:
     """Of a process that ended without a result, that it did."""
     _, scene, requested = job.arguments
-    broken = Breakdown(time=0.0, cause=outcome.explanation)
-    return Trial(Evidence(requested=requested, duration=scene.duration, stretch=0.0, row=scene.output_step, breakdown=broken), {}, {})
+    return Trial(scene.evidence(requested, breakdown=Breakdown(time=0.0, cause=outcome.explanation)), {}, {})
 
 
 def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Trial | None) -> list[Judged]:
@@ -205,15 +184,10 @@ def _checked(verdict: Verdict, run: Trial, truth: Trial) -> dict[str, Any]:
     holds = error <= claimed + right.claimed_error
     later = None
     if ENDED in (verdict.kind, right.kind):
-        holds = holds and verdict.kind == right.kind and _same_time(verdict, right)
+        apart = abs((verdict.time or 0.0) - (right.time or 0.0))  # an end has a time
+        within = (verdict.time_uncertainty or 0.0) + (right.time_uncertainty or 0.0)
+        holds = holds and verdict.kind == right.kind and apart <= within
     elif stretch < run.evidence.duration:
         later = later_differences(run.columns, truth.columns, stretch)
         holds = holds and max(later.values()) <= 2.0 * LATER  # the converged solution may be off by as much
     return {"true_error": error, "true_later": later, "holds": holds}
-
-
-def _same_time(verdict: Verdict, right: Verdict) -> bool:
-    """Whether two ends of a scene are the same within what both say of their own."""
-    assert verdict.time is not None  # an end has both
-    assert right.time is not None
-    return abs(verdict.time - right.time) <= (verdict.time_uncertainty or 0.0) + (right.time_uncertainty or 0.0)

@@ -42,57 +42,36 @@ LARGEST_JUMP: Final = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class Breakdown:
-    """A run that did not reach its end, and how it goes with finer settings.
+    """A run that did not reach its end, and how it goes with finer settings."""
 
-    Attributes:
-        time: s, last instant known to be good; zero where there is none.
-        cause: a clause.
-        at_the_end: whether the slider stood within a row of the follower's end.
-        finer_time: the same run with finer settings; None where it reached its end, failed elsewhere or there are none.
-    """
-
-    time: float
-    cause: str
-    at_the_end: bool = False
-    finer_time: float | None = None
+    time: float  # s, last instant known to be good; zero where there is none
+    cause: str  # a clause
+    at_the_end: bool = False  # whether the slider stood within a row of the follower's end
+    finer_time: float | None = None  # the same run with finer settings; None where it reached its end, failed elsewhere or there are none
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """What a run shows about itself.
+    """What a run shows about itself."""
 
-    Attributes:
-        requested: error of the tip deflection asked for.
-        duration: s, of the scene.
-        stretch: s from the start on which the error is judged: the whole duration, the horizon of an ill-conditioned scene, or most
-            of the time until the run broke down. Zero where there is no such run.
-        row: s, between two rows of the trajectory.
-        refused: the engine's sentence, or "".
-        breakdown: if the run did not reach the duration.
-        error_estimate: of the tip deflection over `stretch`, from coarser settings; None where unknown.
-        finer_difference: RMS difference to finer settings over `stretch`, relative; None where there are none that ran.
-        finer_failure: why finer settings broke down within the stretch, or "".
-        remark: what the engine's run says about its estimate, or "".
-        energy_residual: largest violation of the energy balance over the largest strain energy, in `stretch`; None where the engine
-            has not all the columns.
-        constraint_gap: m, largest; None where the engine has no such column or the joint is soft.
-        crank_jump: see `LARGEST_JUMP`.
-        later: what is compared beyond the stretch -> relative difference to finer settings; None where there is no such part or run.
-    """
-
-    requested: float
-    duration: float
+    requested: float  # error of the tip deflection asked for
+    duration: float  # s, of the scene
+    # s from the start on which the error is judged: the whole duration, the horizon of an ill-conditioned scene, or most of the time
+    # until the run broke down. Zero where there is no such run.
     stretch: float
-    row: float
-    refused: str = ""
-    breakdown: Breakdown | None = None
-    error_estimate: float | None = None
-    finer_difference: float | None = None
-    finer_failure: str = ""
-    remark: str = ""
+    row: float  # s, between two rows of the trajectory
+    refused: str = ""  # the engine's sentence, or ""
+    breakdown: Breakdown | None = None  # if the run did not reach the duration
+    error_estimate: float | None = None  # of the tip deflection over `stretch`, from coarser settings; None where unknown
+    finer_difference: float | None = None  # RMS difference to finer settings over `stretch`, relative; None where there are none that ran
+    finer_failure: str = ""  # why finer settings broke down within the stretch, or ""
+    remark: str = ""  # what the engine's run says about its estimate, or ""
+    # largest violation of the energy balance over the largest strain energy, in `stretch`; None where the engine has not all the
+    # columns
     energy_residual: float | None = None
-    constraint_gap: float | None = None
-    crank_jump: float = 0.0
+    constraint_gap: float | None = None  # m, largest; None where the engine has no such column or the joint is soft
+    crank_jump: float = 0.0  # see `LARGEST_JUMP`
+    # what is compared beyond the stretch -> relative difference to finer settings; None where there is no such part or run
     later: Mapping[str, float] | None = None
 
     @property
@@ -105,23 +84,14 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A cell of the matrix.
+    """A cell of the matrix."""
 
-    Attributes:
-        kind: one of the constants of this module.
-        reason: one sentence.
-        claimed_error: of the tip deflection, relative, over `stretch`; None where nothing is claimed.
-        stretch: s; None where nothing is claimed.
-        time: s, when the run broke down or the scene ended; None where it reached its end.
-        time_uncertainty: s, of the end of a scene.
-    """
-
-    kind: str
-    reason: str
-    claimed_error: float | None = None
-    stretch: float | None = None
-    time: float | None = None
-    time_uncertainty: float | None = None
+    kind: str  # one of the constants of this module
+    reason: str  # one sentence
+    claimed_error: float | None = None  # of the tip deflection, relative, over `stretch`; None where nothing is claimed
+    stretch: float | None = None  # s; None where nothing is claimed
+    time: float | None = None  # s, when the run broke down or the scene ended; None where it reached its end
+    time_uncertainty: float | None = None  # s, of the end of a scene
 
 
 def judge(evidence: Evidence) -> Verdict:
@@ -136,13 +106,16 @@ def judge(evidence: Evidence) -> Verdict:
         return Verdict(DIVERGED, broken.cause)
     if not broken.at_the_end:
         return Verdict(DIVERGED, f"failed at t = {broken.time:.4g} s: {broken.cause}", time=broken.time)
-    if broken.finer_time is None or abs(broken.finer_time - broken.time) > evidence.requested * broken.time + evidence.row:
-        finer = "finer settings do not confirm it" if broken.finer_time is None else f"with finer settings at {broken.finer_time:.4g} s"
-        return Verdict(NOT_CONVERGED, f"the slider leaves the follower at t = {broken.time:.4g} s, {finer}", time=broken.time)
+    left = f"the slider leaves the follower at t = {broken.time:.4g} s"
+    if broken.finer_time is None:
+        return Verdict(NOT_CONVERGED, f"{left}, finer settings do not confirm it", time=broken.time)
+    apart = abs(broken.finer_time - broken.time)
+    if apart > evidence.requested * broken.time + evidence.row:
+        return Verdict(NOT_CONVERGED, f"{left}, with finer settings at {broken.finer_time:.4g} s", time=broken.time)
     if doubt:
-        return Verdict(NOT_CONVERGED, f"the slider leaves the follower at t = {broken.time:.4g} s; before that {doubt}", time=broken.time)
-    uncertainty = abs(broken.finer_time - broken.time) + evidence.row
-    reason = f"the slider leaves the follower at t = {broken.time:.4g} s (± {uncertainty:.1g} s)"
+        return Verdict(NOT_CONVERGED, f"{left}; before that {doubt}", time=broken.time)
+    uncertainty = apart + evidence.row
+    reason = f"{left} (± {uncertainty:.1g} s)"
     return replace(_accurate(evidence), kind=ENDED, reason=reason, time=broken.time, time_uncertainty=uncertainty)
 
 

@@ -22,13 +22,14 @@ __all__ = [
     "Inconsistency",
     "case_names",
     "catalogue",
-    "impossible_names",
     "inconsistencies",
     "library_case",
     "library_document",
 ]
 
 _FOLDER: Final = Path(__file__).parent
+#: Name of a case -> number of its run.
+_RUNS: Final = {run_name(run): run for run in RUNS}
 
 
 @dataclass(frozen=True)
@@ -43,12 +44,7 @@ class CatalogueLine:
 @functools.cache
 def case_names() -> tuple[str, ...]:
     """Names of all cases: the thesis' runs, then the files in alphabetical order, then the hard scenes."""
-    return (*(run_name(run) for run in RUNS), *_file_names(), *(name for name in hard.SCENES if name not in hard.IMPOSSIBLE))
-
-
-def impossible_names() -> tuple[str, ...]:
-    """Names of scenes that cannot be: loading one is refused with a sentence that is known beforehand."""
-    return tuple(hard.IMPOSSIBLE)
+    return (*_RUNS, *_file_names(), *(name for name in hard.SCENES if name not in hard.IMPOSSIBLE))
 
 
 @functools.cache
@@ -56,17 +52,16 @@ def library_case(name: str) -> Case:
     """A case of the library, with what a reader of its results must know of published inconsistencies among its notes.
 
     Raises:
-        KeyError: a name that is neither in `case_names` nor in `impossible_names`.
-        CaseError: a broken file, or a scene that cannot be.
+        CaseError: a name that is neither in `case_names` nor in `hard.IMPOSSIBLE`, a broken file, or a scene that cannot be.
     """
-    if name in _file_names():
-        case = parse_case(_file_text(name), name)
+    if name in _RUNS:
+        case = thesis.run_case(_RUNS[name])
     elif name in hard.SCENES:
         case = hard.scene_case(name)
     else:
-        case = thesis.run_case(_runs_by_name()[name])
-    run = _runs_by_name().get(name)
-    return replace(case, notes=(*(found.sentence for found in inconsistencies() if run in found.runs), *case.notes), source="library")
+        case = parse_case(_file_text(name), name)
+    notes = (found.sentence for found in inconsistencies() if _RUNS.get(name) in found.runs)
+    return replace(case, notes=(*notes, *case.notes), source="library")
 
 
 def library_document(name: str) -> Document:
@@ -89,17 +84,13 @@ def _file_text(name: str) -> str:
     return read_text(str(_FOLDER / f"{name}.toml"))
 
 
-def _runs_by_name() -> dict[str, int]:
-    return {run_name(run): run for run in RUNS}
-
-
 @functools.cache
 def _line(name: str) -> CatalogueLine:
     """Without making the case: reading units takes time."""
     if name in hard.SCENES:
         return CatalogueLine(name, (hard.TAG,), hard.scene_title(name))
-    if name not in _file_names():
-        return CatalogueLine(name, (thesis.TAG,), thesis.run_title(_runs_by_name()[name]))
+    if name in _RUNS:
+        return CatalogueLine(name, (thesis.TAG,), thesis.run_title(_RUNS[name]))
     written, title, tags = header_of(read_document(_file_text(name), name))
     if written != name:
         raise CaseError(f"{name}.toml", "name", f'"{written}"', "differs from the file's name", f'in this folder write name = "{name}"')

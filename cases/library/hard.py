@@ -6,12 +6,12 @@ loading it must be answered by the sentence given there.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
 from cases.case import Case
-from cases.document import Document, document_of
+from cases.document import document_of
 from cases.library.thesis import run_case, tip_body
 from cases.reading import case_of
 
@@ -24,17 +24,11 @@ Values = Mapping[str, str | list[str] | None]
 
 @dataclass(frozen=True)
 class Variation:
-    """A change of run 24.
+    """A change of run 24."""
 
-    Attributes:
-        title: one line for people: what differs from run 24.
-        scaled: dotted key -> factor on run 24's value.
-        given: dotted key -> new value. A section's name with None leaves the section out.
-    """
-
-    title: str
-    scaled: Mapping[str, float] = field(default_factory=dict)
-    given: Values = field(default_factory=dict)
+    title: str  # one line for people: what differs from run 24
+    scaled: Mapping[str, float] = field(default_factory=dict)  # dotted key -> factor on run 24's value
+    given: Values = field(default_factory=dict)  # dotted key -> new value. A section's name with None leaves the section out.
 
 
 _NO_PLATES: Final[Values] = tip_body(0)
@@ -126,16 +120,6 @@ def scene_case(name: str) -> Case:
         CaseError: a scene that cannot be.
     """
     scene, original = SCENES[name], document_of(run_case(_ORIGINAL))
-    values, sections = dict(original.values), set(original.sections)
-    for path, factor in scene.scaled.items():
-        values[path] *= factor
-    for path, value in scene.given.items():
-        if path in sections:
-            sections.remove(path)
-            values = {kept: found for kept, found in values.items() if not kept.startswith(f"{path}.")}
-        elif value is None:
-            values.pop(path)
-        else:
-            values[path] = value
+    scaled = {path: factor * original.at(path) for path, factor in scene.scaled.items()}
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
-    return case_of(Document(name, header, values, frozenset(sections)))
+    return case_of(replace(original.changed({**scaled, **scene.given}), source=name, header=header))

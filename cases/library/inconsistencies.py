@@ -4,13 +4,11 @@ Nothing is mended silently: every replacement and every unusable channel is list
 """
 
 import functools
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from cases.data import read_table, read_toml
-from cases.library.thesis import RUNS, ThesisRun
-from cases.units import BENDING_STIFFNESS, LENGTH, parse_quantity
+from cases.data import read_table
+from cases.library.thesis import RUNS, run_case
 
 #: Pa. No wrought aluminium alloy carries more before it yields (7075-T6: 0.50 GPa).
 _HIGHEST_YIELD_STRESS: Final = 0.55e9
@@ -18,21 +16,13 @@ _HIGHEST_YIELD_STRESS: Final = 0.55e9
 
 @dataclass(frozen=True)
 class Inconsistency:
-    """One finding.
+    """One finding."""
 
-    Attributes:
-        runs: numbers of the runs concerned.
-        what: the quantity.
-        published: what the thesis says.
-        used: what is used here.
-        reason: why.
-    """
-
-    runs: tuple[int, ...]
-    what: str
-    published: str
-    used: str
-    reason: str
+    runs: tuple[int, ...]  # numbers of the runs concerned
+    what: str  # the quantity
+    published: str  # what the thesis says
+    used: str  # what is used here
+    reason: str  # why
 
     @property
     def sentence(self) -> str:
@@ -44,18 +34,32 @@ class Inconsistency:
 def inconsistencies() -> tuple[Inconsistency, ...]:
     """All findings, in the order of the runs; those on every run last."""
     runs = RUNS.values()
-    return (
-        *_missing_speeds(runs),
-        *_lost_experiments(runs),
-        *_noisy_accelerations(runs),
-        *_contradicting_dampings(runs),
-        *_second_mode(),
-        *_strain_unit(),
+    no_speed = [
+        Inconsistency(
+            (run.number,),
+            "crank speed",
+            "no speed (tables 3.1 and 5.2 say N/A)",
+            f"{run.crank_speed} rad/s, torque over damping",
+            "that is where the published torque and damping settle; it is one turn a second",
+        )
+        for run in runs
+        if run.measured_speed is None
+    ]
+    lost = Inconsistency(
+        tuple(run.number for run in runs if not run.strain_usable and not run.acceleration_usable),
+        "experiment",
+        "no measurement",
+        "the simulation alone",
+        "the data were corrupted in transfer (section 3.5)",
     )
-
-
-def _contradicting_dampings(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
-    return [
+    noisy = Inconsistency(
+        tuple(run.number for run in runs if run.strain_usable and not run.acceleration_usable),
+        "measured tip acceleration",
+        "plotted",
+        "the strain alone",
+        "its electronic noise could not be filtered (section 3.5); the strain of these runs is valid",
+    )
+    other_damping = [
         Inconsistency(
             (run.number,),
             "crank damping",
@@ -68,63 +72,21 @@ def _contradicting_dampings(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
         for run in runs
         if not run.damping_is_consistent
     ]
-
-
-def _missing_speeds(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
-    return [
-        Inconsistency(
-            (run.number,),
-            "crank speed",
-            "no speed (tables 3.1 and 5.2 say N/A)",
-            f"{run.crank_speed} rad/s, torque over damping",
-            "that is where the published torque and damping settle; it is one turn a second",
-        )
-        for run in runs
-        if run.measured_speed is None
-    ]
-
-
-def _lost_experiments(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
-    lost = tuple(run.number for run in runs if not run.strain_usable and not run.acceleration_usable)
-    reason = "the data were corrupted in transfer (section 3.5)"
-    return [Inconsistency(lost, "experiment", "no measurement", "the simulation alone", reason)] if lost else []
-
-
-def _noisy_accelerations(runs: Iterable[ThesisRun]) -> list[Inconsistency]:
-    noisy = tuple(run.number for run in runs if run.strain_usable and not run.acceleration_usable)
-    reason = "its electronic noise could not be filtered (section 3.5); the strain of these runs is valid"
-    return [Inconsistency(noisy, "measured tip acceleration", "plotted", "the strain alone", reason)] if noisy else []
-
-
-def _second_mode() -> list[Inconsistency]:
-    return [
-        Inconsistency(
-            (24,),
-            "mode at 132 Hz",
-            "second mode, strains 1 and 3 in phase against strain 2 (section 3.4)",
-            "both readings",
-            "with the crank frozen the third converged mode lies at 113 to 135 Hz and has these signs, the second at 46 to 64 Hz",
-        )
-    ]
-
-
-def _strain_unit() -> list[Inconsistency]:
-    """Printed strain labels that, as plain strain, no aluminium strip could carry."""
-    follower = read_toml("thesis_scene.toml")["follower"]
-    thickness, width = (parse_quantity(follower[key], LENGTH) for key in ("thickness", "width"))
-    stiffness = parse_quantity(follower["bending_stiffness"], BENDING_STIFFNESS)
-    modulus = stiffness / (width * thickness**3 / 12.0)
+    second_mode = Inconsistency(
+        (24,),
+        "mode at 132 Hz",
+        "second mode, strains 1 and 3 in phase against strain 2 (section 3.4)",
+        "both readings",
+        "with the crank frozen the third converged mode lies at 113 to 135 Hz and has these signs, the second at 46 to 64 Hz",
+    )
     labels = [abs(float(label)) for row in read_table("thesis_figure_axes.csv") for label in row["strain_labels_as_printed"].split()]
-    stress = max(labels) * modulus
-    if stress <= _HIGHEST_YIELD_STRESS:
-        return []
-    return [
-        Inconsistency(
-            tuple(RUNS),
-            "unit of the printed strain",
-            f"strain, axes up to {max(labels)}",
-            "percent of surface strain",
-            f"as plain strain the largest label means {stress / 1e9:.2g} GPa in an aluminium strip that yields below"
-            f" {_HIGHEST_YIELD_STRESS / 1e9:g} GPa, while as percent it is what the simulations show",
-        )
-    ]
+    stress = max(labels) * run_case(24).scene.follower.elastic_modulus
+    strain_unit = Inconsistency(
+        tuple(RUNS),
+        "unit of the printed strain",
+        f"strain, axes up to {max(labels)}",
+        "percent of surface strain",
+        f"as plain strain the largest label means {stress / 1e9:.2g} GPa in an aluminium strip that yields below"
+        f" {_HIGHEST_YIELD_STRESS / 1e9:g} GPa, while as percent it is what the simulations show",
+    )
+    return (*no_speed, lost, noisy, *other_damping, second_mode, strain_unit)

@@ -87,7 +87,6 @@ def run_title(number: int) -> str:
 def run_case(number: int) -> Case:
     """The case of a run: what all share, and its row of the tables. Raises KeyError unless 1 <= number <= 24."""
     run = RUNS[number]
-    shared = {f"{section}.{key}": text for section, keys in read_toml("thesis_scene.toml").items() for key, text in keys.items()}
     of_run = {
         "crank.length": f"{run.crank_length} in",
         "crank.torque": f"{run.torque} lbf*in",
@@ -95,8 +94,8 @@ def run_case(number: int) -> Case:
         "crank.initial_speed": f"{run.crank_speed} rad/s",
     }
     header = {"name": run_name(number), "title": run_title(number), "tags": [TAG]}
-    values = {**shared, **of_run, **tip_body(run.plates)}
-    return case_of(Document(run_name(number), header, values, frozenset(path.partition(".")[0] for path in values)))
+    shared = Document(run_name(number), header, read_toml("thesis_scene.toml"))
+    return case_of(shared.changed({**of_run, **tip_body(run.plates)}))
 
 
 def tip_body(plates: int) -> dict[str, str]:

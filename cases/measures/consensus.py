@@ -12,17 +12,11 @@ CORRELATION = 0.5
 
 @dataclass(frozen=True)
 class Consensus:
-    """First-mode frequency of a half cycle over all channels; None where no channel resolves it.
+    """First-mode frequency of a half cycle over all channels; None where no channel resolves it."""
 
-    Attributes:
-        half: "pre" or "post".
-        first_mode_frequency: Hz.
-        uncertainty: Hz, one standard deviation.
-    """
-
-    half: str
-    first_mode_frequency: float | None
-    uncertainty: float | None
+    half: str  # "pre" or "post"
+    first_mode_frequency: float | None  # Hz
+    uncertainty: float | None  # Hz, one standard deviation
 
 
 def consensus(half: str, frequencies: Sequence[float], uncertainties: Sequence[float]) -> Consensus:

@@ -17,37 +17,24 @@ from cases.measures.time_scale import TimeScale
 Array = NDArray[np.float64]
 
 HALVES = ("pre", "post")
-NO_VIBRATION = (FirstMode(None, None, None, None, "the model has no vibration in this channel", None), None)
+NO_VIBRATION = (FirstMode("the model has no vibration in this channel"), None)
 END_TOLERANCE = np.radians(5.0)  # by which the first and the last sample may miss the farthest place of the slider
 
 
 @dataclass(frozen=True)
 class Measure:
-    """What is measured of one channel in one half cycle; None where not resolvable: frequency and amplitude each by itself.
+    """What is measured of one channel in one half cycle; None where not resolvable: frequency and amplitude each by itself."""
 
-    Attributes:
-        half: "pre" (slider from farthest to nearest) or "post".
-        channel: name of the channel.
-        first_mode_frequency: Hz, time mean over the half.
-        first_mode_frequency_uncertainty: Hz, one standard deviation.
-        first_mode_amplitude: RMS of the envelope over the half, in the channel's unit.
-        first_mode_amplitude_uncertainty: the same unit, one standard deviation.
-        second_mode_frequency: Hz, time mean over the half.
-        minimum: least value in the half, of the raw signal where simulated, of the low-passed where measured.
-        maximum: greatest value, likewise.
-        reason: why the first mode's frequency, its amplitude or both are not resolvable, empty where both are.
-    """
-
-    half: str
-    channel: str
-    first_mode_frequency: float | None
-    first_mode_frequency_uncertainty: float | None
-    first_mode_amplitude: float | None
-    first_mode_amplitude_uncertainty: float | None
-    second_mode_frequency: float | None
-    minimum: float
-    maximum: float
-    reason: str
+    half: str  # "pre" (slider from farthest to nearest) or "post"
+    channel: str  # name of the channel
+    first_mode_frequency: float | None  # Hz, time mean over the half
+    first_mode_frequency_uncertainty: float | None  # Hz, one standard deviation
+    first_mode_amplitude: float | None  # RMS of the envelope over the half, in the channel's unit
+    first_mode_amplitude_uncertainty: float | None  # the same unit, one standard deviation
+    second_mode_frequency: float | None  # Hz, time mean over the half
+    minimum: float  # least value in the half, of the raw signal where simulated, of the low-passed where measured
+    maximum: float  # greatest value, likewise
+    reason: str  # why the first mode's frequency, its amplitude or both are not resolvable, empty where both are
 
 
 @dataclass(frozen=True)

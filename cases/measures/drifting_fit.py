@@ -40,21 +40,13 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Fit:
-    """A minimum of the fit, in units of the signal's RMS.
+    """A minimum of the fit, in units of the signal's RMS."""
 
-    Attributes:
-        parameters: alpha, beta, kappa, rho, alpha2.
-        weights: coefficients of the oscillating columns: a, b, then the second mode's four.
-        residual: shape (240,).
-        cost: sum of squares of the residual and the priors.
-        jacobian: projected oscillating columns, then projected derivatives with respect to the five parameters, shape (240, 11).
-    """
-
-    parameters: Array
-    weights: Array
-    residual: Array
-    cost: float
-    jacobian: Array
+    parameters: Array  # alpha, beta, kappa, rho, alpha2
+    weights: Array  # coefficients of the oscillating columns: a, b, then the second mode's four
+    residual: Array  # shape (240,)
+    cost: float  # sum of squares of the residual and the priors
+    jacobian: Array  # projected oscillating columns, then projected derivatives with respect to the five parameters, shape (240, 11)
 
     def covariance(self, variance: float, bounds: Bounds) -> Array:
         """Of weights and parameters, from noise of the given variance at every instant, shape (11, 11); zero where a parameter is fixed.

@@ -37,46 +37,27 @@ GREATEST_AMPLITUDE_UNCERTAINTY = 1.0 / 3.0  # of the amplitude
 
 @dataclass(frozen=True)
 class FirstMode:
-    """The first mode of one channel in one half cycle; a number that is not resolvable is None, with its uncertainty.
+    """The first mode of one channel in one half cycle; a number that is not resolvable is None, with its uncertainty."""
 
-    Attributes:
-        frequency: Hz, time mean over the half.
-        frequency_uncertainty: Hz, one standard deviation.
-        amplitude: RMS of the envelope over the half, the channel's unit.
-        amplitude_uncertainty: the same unit, one standard deviation.
-        reason: which of the two is missing and which criteria failed, empty where both are there.
-        fit: the main fit; None where there is no signal at all.
-    """
-
-    frequency: float | None
-    frequency_uncertainty: float | None
-    amplitude: float | None
-    amplitude_uncertainty: float | None
-    reason: str
-    fit: Fit | None
+    reason: str  # which of the two is missing and which criteria failed, empty where both are there
+    fit: Fit | None = None  # the main fit; None where there is no signal at all
+    frequency: float | None = None  # Hz, time mean over the half
+    frequency_uncertainty: float | None = None  # Hz, one standard deviation
+    amplitude: float | None = None  # RMS of the envelope over the half, the channel's unit
+    amplitude_uncertainty: float | None = None  # the same unit, one standard deviation
 
 
 @dataclass(frozen=True)
 class _Estimate:
-    """What a channel says by itself; frequencies in units of alpha, amplitudes in units of the signal's RMS.
+    """What a channel says by itself; frequencies in units of alpha, amplitudes in units of the signal's RMS."""
 
-    Attributes:
-        alpha: factor on the mechanism's own frequency.
-        own: its relative uncertainty apart from the drift.
-        drifting: relative distance of the fit whose drift is free.
-        amplitude: RMS of the envelope.
-        amplitude_uncertainty: one standard deviation.
-        doubts: why there is no first mode at all.
-        fit: the main one.
-    """
-
-    alpha: float
-    own: float
-    drifting: float
-    amplitude: float
-    amplitude_uncertainty: float
-    doubts: tuple[str, ...]
-    fit: Fit
+    alpha: float  # factor on the mechanism's own frequency
+    own: float  # its relative uncertainty apart from the drift
+    drifting: float  # relative distance of the fit whose drift is free
+    amplitude: float  # RMS of the envelope
+    amplitude_uncertainty: float  # one standard deviation
+    doubts: tuple[str, ...]  # why there is no first mode at all
+    fit: Fit  # the main one
 
 
 def fit_first_modes(channels: Mapping[str, ChannelHalf]) -> dict[str, FirstMode]:
@@ -91,7 +72,7 @@ def fit_first_modes(channels: Mapping[str, ChannelHalf]) -> dict[str, FirstMode]
     seen = [each for each in estimates.values() if not each.doubts]
     weights = np.array([each.own**-2.0 for each in seen])
     shared = float(np.sqrt(weights @ np.array([each.drifting**2 for each in seen]) / weights.sum())) if seen else 0.0
-    constant = FirstMode(None, None, None, None, "the signal is constant", None)
+    constant = FirstMode("the signal is constant")
     return {
         name: _resolved(channel, estimates[name], float(np.hypot(estimates[name].own, DRIFT_HELD_BACK * shared)))
         if name in estimates
@@ -107,7 +88,10 @@ def _estimate(channel: ChannelHalf) -> _Estimate:
     statistical_alpha, statistical_amplitude = _statistical_uncertainty(channel, main, slow.shape[1])
 
     drifting = refine(channel, slow, main.parameters, FREE_DRIFT)
-    variants = [fit for fit in _variants(channel, main) if fit.residual_rms <= IGNORED_VARIANT * main.residual_rms]
+    less, more = (channel.half.polynomials(degree) for degree in (DEGREE - 1, DEGREE + 1))
+    other_slow_parts = (less, more, np.column_stack([less, channel.slow_shape]))
+    variants = [refine(channel, orthonormal(columns), main.parameters, MAIN) for columns in other_slow_parts]
+    variants = [fit for fit in variants if fit.residual_rms <= IGNORED_VARIANT * main.residual_rms]
     spread_alpha = _spread([fit.parameters[0] for fit in variants], alpha)
     spread_amplitude = _spread([_amplitude(channel, fit) for fit in (*variants, drifting)], amplitude)
     slow_peak = np.abs(slow @ (slow.T @ (channel.signal - _oscillation(channel, main)))).max()
@@ -126,25 +110,20 @@ def _estimate(channel: ChannelHalf) -> _Estimate:
 def _resolved(channel: ChannelHalf, estimate: _Estimate, uncertainty: float) -> FirstMode:
     """Judge frequency, with its relative uncertainty, and amplitude, each by itself."""
     if estimate.doubts:
-        return FirstMode(None, None, None, None, f"no frequency, no amplitude: {'; '.join(estimate.doubts)}", estimate.fit)
-    reasons, frequency, amplitude, limit = [], None, None, GREATEST_FREQUENCY_UNCERTAINTY
+        return FirstMode(f"no frequency, no amplitude: {'; '.join(estimate.doubts)}", estimate.fit)
+    reasons, limit = [], GREATEST_FREQUENCY_UNCERTAINTY
+    known: dict[str, float] = {}
     if estimate.amplitude_uncertainty < GREATEST_AMPLITUDE_UNCERTAINTY * estimate.amplitude:
-        amplitude = estimate.amplitude * channel.unit
+        known |= {"amplitude": estimate.amplitude * channel.unit, "amplitude_uncertainty": estimate.amplitude_uncertainty * channel.unit}
     else:
         limit = GREATEST_WITHOUT_AMPLITUDE
         reasons.append("no amplitude: uncertain by more than a third")
     if uncertainty < limit:
         frequency = float(estimate.alpha * channel.half.mean_frequencies[0])
+        known |= {"frequency": frequency, "frequency_uncertainty": uncertainty * frequency}
     else:
         reasons.insert(0, f"no frequency: uncertain by more than {limit:.0%}")
-    return FirstMode(
-        frequency,
-        None if frequency is None else uncertainty * frequency,
-        amplitude,
-        None if amplitude is None else estimate.amplitude_uncertainty * channel.unit,
-        "; ".join(reasons),
-        estimate.fit,
-    )
+    return FirstMode("; ".join(reasons), estimate.fit, **known)
 
 
 def _best(channel: ChannelHalf, slow: Array) -> Fit:
@@ -167,28 +146,16 @@ def _scan(channel: ChannelHalf, slow: Array) -> Array:
     return np.asarray(signal @ signal - np.sum(right * np.linalg.solve(gram, right[..., None])[..., 0], axis=1))
 
 
-def _variants(channel: ChannelHalf, main: Fit) -> list[Fit]:
-    half, start = channel.half, main.parameters
-    with_slow_shape = np.column_stack([half.polynomials(DEGREE - 1), channel.slow_shape])
-    return [
-        refine(channel, orthonormal(half.polynomials(DEGREE - 1)), start, MAIN),
-        refine(channel, orthonormal(half.polynomials(DEGREE + 1)), start, MAIN),
-        refine(channel, orthonormal(with_slow_shape), start, MAIN),
-    ]
-
-
 def _spread(values: list[float], main: float) -> float:
     """Greatest distance of a variant from the main fit."""
     return max((abs(value - main) for value in values), default=0.0)
 
 
-def _envelope(channel: ChannelHalf, fit: Fit) -> Array:
-    rho = fit.parameters[3]
-    return np.abs(channel.templates[0] * (1.0 + rho * channel.half.places[0])) * np.hypot(fit.weights[0], fit.weights[1])
-
-
 def _amplitude(channel: ChannelHalf, fit: Fit) -> float:
-    return float(np.sqrt(np.mean(_envelope(channel, fit) ** 2)))
+    """RMS of the envelope."""
+    rho = fit.parameters[3]
+    envelope = np.abs(channel.templates[0] * (1.0 + rho * channel.half.places[0])) * np.hypot(fit.weights[0], fit.weights[1])
+    return float(np.sqrt(np.mean(envelope**2)))
 
 
 def _oscillation(channel: ChannelHalf, fit: Fit) -> Array:

@@ -18,27 +18,16 @@ ROUND_OFF = 1e-12  # a signal that varies less than this, relative to its size, 
 
 @dataclass(frozen=True)
 class HalfCycle:
-    """One half of a cycle, shared by its channels; arrays of shape (240,) unless stated.
+    """One half of a cycle, shared by its channels; arrays of shape (240,) unless stated."""
 
-    Attributes:
-        time: s, uniform.
-        crank_angle: rad.
-        crank_speed: rad/s.
-        progress: time scaled to [-1, 1].
-        mean_frequencies: time means of f1, f2, f3 over the half, Hz, shape (3,).
-        phases: theta_i = 2 pi times the integral of f_i, zero at the middle of their ranges, rad, shape (3, 240).
-        drift: theta_1 less a phase of constant rate, zero at both ends, rad.
-        places: sigma_i = theta_i scaled to [-1, 1], shape (3, 240).
-    """
-
-    time: Array
-    crank_angle: Array
-    crank_speed: Array
-    progress: Array
-    mean_frequencies: Array
-    phases: Array
-    drift: Array
-    places: Array
+    time: Array  # s, uniform
+    crank_angle: Array  # rad
+    crank_speed: Array  # rad/s
+    progress: Array  # time scaled to [-1, 1]
+    mean_frequencies: Array  # time means of f1, f2, f3 over the half, Hz, shape (3,)
+    phases: Array  # theta_i = 2 pi times the integral of f_i, zero at the middle of their ranges, rad, shape (3, 240)
+    drift: Array  # theta_1 less a phase of constant rate, zero at both ends, rad
+    places: Array  # sigma_i = theta_i scaled to [-1, 1], shape (3, 240)
 
     def polynomials(self, degree: int) -> Array:
         """Legendre polynomials of time, degrees 0 to `degree`, shape (240, degree + 1)."""
@@ -47,23 +36,14 @@ class HalfCycle:
 
 @dataclass(frozen=True)
 class ChannelHalf:
-    """One channel in a half cycle.
+    """One channel in a half cycle."""
 
-    Attributes:
-        half: the half cycle.
-        signal: the channel less its mean, in units of `unit`, shape (240,).
-        unit: RMS of the channel's deviation from its mean, in its own unit; 0 where it does not vary.
-        templates: response to the modes at constant action, shape (3, 240).
-        quadrature: response to the first mode a quarter period late, in the template's unit, shape (240,).
-        slow_shape: quasi-static response to the crank's motion, shape (240,).
-    """
-
-    half: HalfCycle
-    signal: Array
-    unit: float
-    templates: Array
-    quadrature: Array
-    slow_shape: Array
+    half: HalfCycle  # the half cycle
+    signal: Array  # the channel less its mean, in units of `unit`, shape (240,)
+    unit: float  # RMS of the channel's deviation from its mean, in its own unit; 0 where it does not vary
+    templates: Array  # response to the modes at constant action, shape (3, 240)
+    quadrature: Array  # response to the first mode a quarter period late, in the template's unit, shape (240,)
+    slow_shape: Array  # quasi-static response to the crank's motion, shape (240,)
 
 
 def half_cycle(scale: TimeScale, start: float, end: float, crank_angle: CubicSpline) -> HalfCycle:
@@ -98,6 +78,6 @@ def channel_half(scale: TimeScale, half: HalfCycle, channel: str, signal: CubicS
         signal=np.zeros(SAMPLES) if constant else deviation / unit,
         unit=0.0 if constant else unit,
         templates=scale.templates[channel](half.crank_angle).T,
-        quadrature=scale.quadrature(channel, half.crank_angle, half.crank_speed),
+        quadrature=scale.quadratures[channel](half.crank_angle) * half.crank_speed,
         slow_shape=scale.slow_shapes[channel](half.crank_angle),
     )

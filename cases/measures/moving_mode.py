@@ -41,17 +41,11 @@ TINY = np.finfo(np.float64).tiny
 
 @dataclass(frozen=True)
 class MovingMode:
-    """What happens to the first mode, at the angles of the modes it is made from.
+    """What happens to the first mode, at the angles of the modes it is made from."""
 
-    Attributes:
-        dragged: amplitudes of the modes that A cos(phi) drags along as A q1' sin(phi), s/rad, shape (angles, modes); zero for itself.
-        free_crank: relative change of the frequency because the crank is free, shape (angles,).
-        motion: the same because the crank turns, per square of its speed, s^2/rad^2, shape (angles,).
-    """
-
-    dragged: Array
-    free_crank: Array
-    motion: Array
+    dragged: Array  # amplitudes of the modes that A cos(phi) drags along as A q1' sin(phi), s/rad, shape (angles, modes); zero for itself
+    free_crank: Array  # relative change of the frequency because the crank is free, shape (angles,)
+    motion: Array  # the same because the crank turns, per square of its speed, s^2/rad^2, shape (angles,)
 
 
 def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes], signs: Array) -> MovingMode:
@@ -80,47 +74,42 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
     squares = turned**2 * tension - inertia - np.sum((2.0 * coupling * along[:, None]) ** 2 / apart, axis=1) * first**2
     even = CubicSpline(np.concatenate([-angles[:0:-1], angles]), np.concatenate([first[:0:-1], first]))
     changing = 0.375 * even(angles, 1) ** 2 / first**4 - 0.25 * even(angles, 2) / first**3
-    crank = mechanism.crank
-    mass = crank.inertia + crank.mass * crank.center_of_mass**2 + mechanism.slider.mass * r**2
     yielding = (forces[:, 0] * s * turned) ** 2
-    free = yielding / np.maximum(2.0 * mass * first**4, yielding / LARGEST + TINY) if mechanism.crank_is_free else np.zeros(angles.size)
+    resisting = np.maximum(2.0 * mechanism.crank_inertia * first**4, yielding / LARGEST + TINY)
     return MovingMode(
         dragged=np.column_stack([np.zeros(angles.size), signs[:, :1] * signs[:, 1:] * dragged]),
-        free_crank=free,
+        free_crank=yielding / resisting if mechanism.crank_is_free else np.zeros(angles.size),
         motion=squares / (2.0 * first**2) + changing,
     )
 
 
 def _moments_of_momentum(mechanism: Mechanism, modes: FrozenModes) -> Array:
     """About P, for unit rates of the modes, kg^(1/2) m, shape (count,); the support's force balances their change."""
-    follower, tip = mechanism.follower, mechanism.tip
+    follower, tip = mechanism.follower, mechanism.tip_body
     moments = np.zeros(len(modes))
     for start, end in modes.spans:
         x = 0.5 * (start + end) + 0.5 * (end - start) * POINTS
         moments += modes.deflection(x) @ (0.5 * (end - start) * WEIGHTS * x) * follower.mass_per_length
     slopes = modes.deflection(np.array([0.0, modes.slider_position, follower.length]), 1)
-    moments += slopes @ np.array([mechanism.base.inertia, mechanism.slider.inertia, tip.inertia if tip else 0.0])
-    if tip:
-        at_center = modes.tip_displacement + tip.center_of_mass * slopes[:, 2]
-        moments += tip.mass * (follower.length + tip.center_of_mass) * at_center
-    return moments
+    moments += slopes @ np.array([mechanism.base.inertia, mechanism.slider.inertia, tip.inertia])
+    at_center = modes.tip_displacement + tip.center_of_mass * slopes[:, 2]
+    return np.asarray(moments + tip.mass * (follower.length + tip.center_of_mass) * at_center)
 
 
 def _changing_shape(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes], signs: Array) -> tuple[Array, Array]:
     """|d phi_1/d q1|^2 and the integral of N phi_1'^2 less <phi_1, phi_1> without rotary inertia, each of shape (angles,)."""
-    follower, tip = mechanism.follower, mechanism.tip
+    follower, tip = mechanism.follower, mechanism.tip_body
     length, density = follower.length, follower.mass_per_length
     x = np.linspace(0.0, length, 61)
     weights = np.full(x.size, x[1])
     weights[[0, -1]] *= 0.5
     shape = signs[:, None] * np.array([mode.deflection(x)[0] for mode in modes])
     slope = signs[:, None] * np.array([mode.deflection(x, 1)[0] for mode in modes])
-    mass, inertia, center = (tip.mass, tip.inertia, tip.center_of_mass) if tip else (0.0, 0.0, 0.0)
 
     def carried(deflection: Array, end_slope: Array) -> Array:
-        return np.asarray(density * deflection**2 @ weights + mass * (deflection[:, -1] + center * end_slope) ** 2)
+        return np.asarray(density * deflection**2 @ weights + tip.mass * (deflection[:, -1] + tip.center_of_mass * end_slope) ** 2)
 
     change, turn = (np.gradient(values, angles, axis=0, edge_order=2) for values in (shape, slope))
-    changing = carried(change, turn[:, -1]) + inertia * turn[:, -1] ** 2 + mechanism.base.inertia * turn[:, 0] ** 2
-    outboard = 0.5 * density * (length**2 - x**2) + mass * (length + center)
+    changing = carried(change, turn[:, -1]) + tip.inertia * turn[:, -1] ** 2 + mechanism.base.inertia * turn[:, 0] ** 2
+    outboard = 0.5 * density * (length**2 - x**2) + tip.mass * (length + tip.center_of_mass)
     return changing, np.asarray(slope**2 @ (weights * outboard) - carried(shape, slope[:, -1]))

@@ -43,15 +43,14 @@ def quasi_static_strain(mechanism: Mechanism, arc_length: float, crank_angle: Ar
         arc_length: m, the gauge's place.
         crank_angle: rad, shape (n,).
     """
-    follower, tip, x = mechanism.follower, mechanism.tip, arc_length
+    follower, tip, x = mechanism.follower, mechanism.tip_body, arc_length
     angular, s = follower_acceleration(mechanism, crank_angle)
     L, rho_a = follower.length, follower.mass_per_length
     moment_of_inertia = mechanism.base.inertia + rho_a * L**3 / 3.0
     outboard = rho_a * (L**3 / 3.0 - x * L**2 / 2.0 + x**3 / 6.0)  # integral of rho A xi (xi - x) from x to L
-    if tip is not None:
-        center = L + tip.center_of_mass
-        moment_of_inertia += tip.inertia + tip.mass * center**2
-        outboard += tip.inertia + tip.mass * center * (center - x)
+    center = L + tip.center_of_mass
+    moment_of_inertia += tip.inertia + tip.mass * center**2
+    outboard += tip.inertia + tip.mass * center * (center - x)
     slider_force = moment_of_inertia * angular / s
     moment = -outboard * angular + slider_force * np.maximum(s - x, 0.0)
     return moment / follower.bending_stiffness * follower.thickness / 2.0

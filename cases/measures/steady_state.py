@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,17 +23,11 @@ SCATTER = 2.0  # times the median of all later ones that a change may be once th
 
 @dataclass(frozen=True)
 class Cycle:
-    """One turn of the crank from the slider's farthest place to the next.
+    """One turn of the crank from the slider's farthest place to the next."""
 
-    Attributes:
-        time: s, shape (n,); the first and last instant are interpolated to the farthest place.
-        crank_angle: rad, shape (n,), continuous.
-        channels: name -> values, shape (n,).
-    """
-
-    time: Array
-    crank_angle: Array
-    channels: dict[str, Array]
+    time: Array  # s, shape (n,); the first and last instant are interpolated to the farthest place
+    crank_angle: Array  # rad, shape (n,), continuous
+    channels: dict[str, Array]  # name -> values, shape (n,)
 
 
 def cut_cycles(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -> list[Cycle]:
@@ -58,39 +52,33 @@ def cut_cycles(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -
     if passages.size < 2:
         return []
     instants = np.clip(CubicSpline(progress, time)(passages), time[0], time[-1])
-    at_ends = {name: CubicSpline(time, values)(instants) for name, values in {"crank_angle": crank_angle, **channels}.items()}
-
+    columns = {"crank_angle": crank_angle, **channels}
+    at_ends = {"time": instants} | {name: CubicSpline(time, values)(instants) for name, values in columns.items()}
     cycles = []
     step = (time[-1] - time[0]) / (time.size - 1)
     for i in range(passages.size - 1):
         # rows that all but coincide with an end would make steep interpolants of round-off
         inside = (time > instants[i] + 1e-6 * step) & (time < instants[i + 1] - 1e-6 * step)
         rows = {
-            name: np.concatenate([at_ends[name][i : i + 1], values[inside], at_ends[name][i + 1 : i + 2]])
-            for name, values in {"crank_angle": crank_angle, **channels}.items()
+            name: np.hstack([at_ends[name][i], values[inside], at_ends[name][i + 1]]) for name, values in {"time": time, **columns}.items()
         }
-        whole_time = np.concatenate([instants[i : i + 1], time[inside], instants[i + 1 : i + 2]])
-        cycles.append(Cycle(whole_time, rows.pop("crank_angle"), rows))
+        cycles.append(Cycle(rows.pop("time"), rows.pop("crank_angle"), rows))
     return cycles
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """What a sequence of cycles that has not settled showed.
+    """What a sequence of cycles that has not settled showed."""
 
-    Attributes:
-        change: RMS change of the last cycle, relative to the signals' RMS; None before the second cycle.
-        remaining_error: estimated distance from the steady state, likewise relative; None where the changes do not shrink.
-        ratio: of successive changes, by their trend; None where they do not shrink.
-        cycles_needed: in all, at this ratio; None where the changes do not shrink.
-        stalled_since: number of the cycle from which on the changes no longer shrink; None where they do, or are too few to tell.
-    """
-
-    change: float | None
-    remaining_error: float | None
-    ratio: float | None
-    cycles_needed: int | None
-    stalled_since: int | None
+    change: float | None = None  # RMS change of the last cycle, relative to the signals' RMS; None before the second cycle
+    remaining_error: float | None = (
+        None  # estimated distance from the steady state, likewise relative; None where the changes do not shrink
+    )
+    ratio: float | None = None  # of successive changes, by their trend; None where they do not shrink
+    cycles_needed: int | None = None  # in all, at this ratio; None where the changes do not shrink
+    stalled_since: int | None = (
+        None  # number of the cycle from which on the changes no longer shrink; None where they do, or are too few to tell
+    )
 
     def sentence(self) -> str:
         """The same in words, with what to try."""
@@ -110,6 +98,7 @@ class Outlook:
         )
 
 
+@dataclass
 class Settling:
     """Judges cycle after cycle whether a simulation has reached its steady state.
 
@@ -121,38 +110,25 @@ class Settling:
 
     Once the transient has died, the changes are the noise of the computation and shrink no more. Where the multiplier m is known, no
     more can be left than what noise keeps alive: the greatest of the last three changes over 1 - m.
-
-    Attributes:
-        tolerance: of the remaining error.
-        greatest_number: of cycles after which the search is given up.
-        multiplier: m, None where it is not known.
-        cycles: number of cycles seen.
-        changes: c between successive cycles, one fewer than cycles.
     """
 
-    def __init__(self, tolerance: float = TOLERANCE, greatest_number: int = GREATEST_NUMBER, multiplier: float | None = None) -> None:
-        self.tolerance = tolerance
-        self.greatest_number = greatest_number
-        self.multiplier = multiplier
-        self.cycles = 0
-        self.changes: list[float] = []
-        self._largest: list[dict[str, float]] = []  # change of each channel, in its own unit
-        self._last: dict[str, Array] = {}
-        self._end = 0.0
+    multiplier: float | None = None  # m, None where it is not known
+    cycles: int = field(default=0, init=False)  # number of cycles seen
+    changes: list[float] = field(default_factory=list, init=False)  # c between successive cycles, one fewer than cycles
+    _largest: list[dict[str, float]] = field(default_factory=list, init=False)  # change of each channel, in its own unit
+    _last: dict[str, Array] = field(default_factory=dict, init=False)
+    _end: float = field(default=0.0, init=False)
 
     def feed(self, cycle: Cycle) -> bool:
         """Take in the next cycle and answer whether it is settled.
 
         Raises:
-            ValueError: the cycle does not begin where the one before ended (the same cycle twice would look settled), or its
-                channels are other ones.
+            ValueError: the cycle does not begin where the one before ended (the same cycle twice would look settled).
         """
         if self.cycles and abs(cycle.time[0] - self._end) > SAME_INSTANT * (cycle.time[-1] - cycle.time[0]):
             raise ValueError(f"a cycle that begins at {cycle.time[0]:.6g} s does not follow one that ended at {self._end:.6g} s")
         present = on_common_grid(cycle)
         if self.cycles:
-            if present.keys() != self._last.keys():
-                raise ValueError(f"channels changed from {', '.join(self._last)} to {', '.join(present)}")
             self.changes.append(relative_change(self._last, present))
             self._largest.append({name: float(np.max(np.abs(present[name] - self._last[name]))) for name in present})
         self._last = present
@@ -193,30 +169,25 @@ class Settling:
     @property
     def settled(self) -> bool:
         """Whether the last cycle is settled."""
-        return self.error_estimate < self.tolerance
+        return self.error_estimate < TOLERANCE
 
     @property
     def outlook(self) -> Outlook:
         """What the changes seen so far promise. Their trend is a straight line through the logarithms of the last ones."""
         if not self.changes:
-            return Outlook(None, None, None, None, None)
+            return Outlook()
         change = self.changes[-1]
         logarithms = np.log(np.maximum(self.changes, np.finfo(float).tiny))[-min(TREND, max(4, len(self.changes) // 2)) :]
         if logarithms.size < 4:
-            return Outlook(change, None, None, None, None)
+            return Outlook(change)
         (slope, _), covariance = np.polyfit(np.arange(logarithms.size), logarithms, 1, cov=True)
         if slope < -CERTAIN * math.sqrt(covariance[0, 0]):
             ratio = max(math.exp(slope), self.multiplier or 0.0)
             left = change * ratio / (1.0 - ratio)
-            more = math.ceil(math.log(max(left / self.tolerance, 1.0)) / -math.log(ratio))
-            return Outlook(change, left, ratio, self.cycles + more, None)
+            more = math.ceil(math.log(max(left / TOLERANCE, 1.0)) / -math.log(ratio))
+            return Outlook(change, left, ratio, self.cycles + more)
         stalled = next(i for i, c in enumerate(self.changes) if c <= SCATTER * float(np.median(self.changes[i:])))
-        return Outlook(change, None, None, None, stalled + 2)
-
-    @property
-    def given_up(self) -> bool:
-        """Whether the greatest number of cycles has passed without settling."""
-        return self.cycles >= self.greatest_number and not self.settled
+        return Outlook(change, stalled_since=stalled + 2)
 
 
 def on_common_grid(cycle: Cycle) -> dict[str, Array]:

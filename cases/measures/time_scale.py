@@ -26,22 +26,16 @@ NOTHING = 1e-6  # of the curvature at the slider: a gauge that sees no more sits
 
 @dataclass(frozen=True)
 class TimeScale:
-    """Periodic functions of the crank angle, the same for both directions of rotation.
+    """Periodic functions of the crank angle, the same for both directions of rotation."""
 
-    Attributes:
-        frequencies: f1, f2, f3 in Hz of the crank held still, values of shape (..., 3).
-        free_crank: relative change of f1 where the crank is free to give way, values of shape (...).
-        motion: the same because the crank turns, per square of its speed, s^2/rad^2, values of shape (...).
-        templates: per channel the response to each mode at constant action, unit mean modulus over a turn, values (..., 3).
-        quadratures: per channel the response to the first mode a quarter period late, per crank speed, in its template's unit, s/rad.
-        slow_shapes: per channel its quasi-static response at constant crank speed, unit RMS over a turn, values of shape (...).
-    """
-
-    frequencies: CubicSpline
-    free_crank: CubicSpline
-    motion: CubicSpline
+    frequencies: CubicSpline  # f1, f2, f3 in Hz of the crank held still, values of shape (..., 3)
+    free_crank: CubicSpline  # relative change of f1 where the crank is free to give way, values of shape (...)
+    motion: CubicSpline  # the same because the crank turns, per square of its speed, s^2/rad^2, values of shape (...)
+    # per channel the response to each mode at constant action, unit mean modulus over a turn, values (..., 3)
     templates: dict[str, CubicSpline]
+    # per channel the response to the first mode a quarter period late, per crank speed, in its template's unit, s/rad
     quadratures: dict[str, CubicSpline]
+    # per channel its quasi-static response at constant crank speed, unit RMS over a turn, values of shape (...)
     slow_shapes: dict[str, CubicSpline]
 
     @property
@@ -59,16 +53,6 @@ class TimeScale:
         found = np.array(self.frequencies(crank_angle))
         found[:, 0] *= 1.0 + self.free_crank(crank_angle) + self.motion(crank_angle) * crank_speed**2
         return found
-
-    def quadrature(self, channel: str, crank_angle: Array, crank_speed: Array) -> Array:
-        """The channel's response in sin(phi) where the first mode is cos(phi), in the template's unit, shape (n,).
-
-        Args:
-            channel: one of the scale's channels.
-            crank_angle: rad, shape (n,).
-            crank_speed: rad/s, shape (n,).
-        """
-        return np.asarray(self.quadratures[channel](crank_angle) * crank_speed)
 
 
 @functools.lru_cache(maxsize=4)  # several recorded tables are measured in one scene, and so are their engines
@@ -94,7 +78,7 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
 
     tip = np.array([mode.tip_displacement for mode in modes])
     of_tip = omega[:, 0] ** 1.5 * (
-        2.0 * _even(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", dragged, signs * tip)
+        2.0 * _mirrored(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", dragged, signs * tip)
     )
     responses = {"tip_acceleration": (signs[:, :MODES] * omega**1.5 * tip[:, :MODES], of_tip)}
     slow_shapes = {"tip_acceleration": _slow_shape(quasi_static_tip_acceleration(mechanism, TURN))}
@@ -113,9 +97,9 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
         templates[name], unit = _template(angles, in_phase)
         quadratures[name] = _mirrored(angles, late / unit, -1.0)
     return TimeScale(
-        _even(angles, frequencies),
-        _even(angles[some], moving.free_crank),
-        _even(angles[some], moving.motion),
+        _mirrored(angles, frequencies),
+        _mirrored(angles[some], moving.free_crank),
+        _mirrored(angles[some], moving.motion),
         templates,
         quadratures,
         slow_shapes,
@@ -126,7 +110,7 @@ def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
     """Signs that make each mode resemble its neighbour at the next angle, shape (angles, modes)."""
     x = np.linspace(0.0, mechanism.follower.length, 41)
     weight = np.full(x.size, mechanism.follower.mass_per_length * x[1])
-    weight[-1] += mechanism.tip.mass if mechanism.tip else 0.0
+    weight[-1] += mechanism.tip_body.mass
     shapes = np.array([mode.deflection(x) for mode in modes])
     overlaps = np.einsum("amx,amx,x->am", shapes[1:], shapes[:-1], weight)
     return np.cumprod(np.vstack([np.ones(shapes.shape[1]), np.where(overlaps < 0.0, -1.0, 1.0)]), axis=0)
@@ -138,14 +122,10 @@ def _template(angles: Array, response: Array) -> tuple[CubicSpline, float]:
     floor = TEMPLATE_FLOOR * np.sqrt(np.mean(response**2, axis=0))
     floored = np.where(keeps_sign, np.sign(response) * np.maximum(np.abs(response), floor), response)
     unit = np.mean(np.abs(floored), axis=0)
-    return _even(angles, floored / unit), float(unit[0])
+    return _mirrored(angles, floored / unit), float(unit[0])
 
 
-def _even(angles: Array, values: Array) -> CubicSpline:
-    return _mirrored(angles, values, 1.0)
-
-
-def _mirrored(angles: Array, values: Array, sign: float) -> CubicSpline:
+def _mirrored(angles: Array, values: Array, sign: float = 1.0) -> CubicSpline:
     """Periodic spline through values on 0 .. pi that are mirrored about both ends, with the same or the other sign."""
     both_halves = np.concatenate([values, sign * values[-2::-1]])
     both_halves[-1] = both_halves[0]

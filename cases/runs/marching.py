@@ -77,7 +77,7 @@ def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> LastCycl
     for cycle in cycles:
         last = columns_of(cycle)
         progress.tell(cycle=settling.cycles + 1, most=GREATEST_NUMBER)
-        if settling.feed(channels_of(last)) or settling.given_up:
+        if settling.feed(channels_of(last)) or settling.cycles >= GREATEST_NUMBER:
             break
     error = settling.error_estimate
     known = math.isfinite(error)

@@ -1,5 +1,1 @@
 """The mechanism in Exudyn: ANCF cable elements on which the slider rides through a moving ALE joint."""
-
-from engines.exudyn.engine import ExudynEngine
-
-__all__ = ["ExudynEngine"]

@@ -57,6 +57,14 @@ class Cable:
         """Arc lengths of the nodes, m, shape (elements + 1,)."""
         return np.linspace(0.0, self.length, self.elements + 1)
 
+    @property
+    def quadrature(self) -> Array:
+        """Weights of the nodes in ∫ dx, m: the trapezoidal rule with Gregory's end correction, fourth order."""
+        weights = np.full(self.elements + 1, self.element_length)
+        for i, factor in enumerate((3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0)):
+            weights[[i, -1 - i]] = factor * self.element_length
+        return weights
+
     def evaluate(self, q: Array, x: Array, nu: int = 0) -> Array:
         """The `nu`-th derivative (0 to 2) of the centre line at one arc length per row; the second jumps at nodes.
 
@@ -117,19 +125,15 @@ class Cable:
     def kinetic_energy(self, rates: Array) -> Array:
         """Kinetic energy for nodal rates, J, shape (rows,)."""
         h = self.element_length
-        mass = (
-            self.mass_per_length
-            * h
-            / 420.0
-            * np.array(
-                [
-                    [156.0, 22.0 * h, 54.0, -13.0 * h],
-                    [22.0 * h, 4.0 * h**2, 13.0 * h, -3.0 * h**2],
-                    [54.0, 13.0 * h, 156.0, -22.0 * h],
-                    [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
-                ]
-            )
+        shares = np.array(
+            [
+                [156.0, 22.0 * h, 54.0, -13.0 * h],
+                [22.0 * h, 4.0 * h**2, 13.0 * h, -3.0 * h**2],
+                [54.0, 13.0 * h, 156.0, -22.0 * h],
+                [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
+            ]
         )
+        mass = self.mass_per_length * h / 420.0 * shares
         ends = self._ends(rates)
         return 0.5 * np.einsum("resc,st,retc->r", ends, mass, ends, optimize=True)
 
@@ -190,3 +194,21 @@ def _quintic_second_derivative(xi: float, h: float) -> Array:
 
 def _cross(a: Array, b: Array) -> Array:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def direction(slope: Array, slope_rate: Array, slope_acceleration: Array) -> tuple[Array, Array, Array]:
+    """Unit vector along `slope` (rows, 2), its angular rate and angular acceleration (rows,)."""
+    squared = np.sum(slope**2, axis=1)
+    rate = dot(turned(slope), slope_rate) / squared
+    acceleration = dot(turned(slope), slope_acceleration) / squared - 2.0 * rate * dot(slope, slope_rate) / squared
+    return slope / np.sqrt(squared)[:, None], rate, acceleration
+
+
+def turned(a: Array) -> Array:
+    """Quarter turn, counter-clockwise."""
+    return np.stack([-a[..., 1], a[..., 0]], axis=-1)
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Scalar products along the last axis."""
+    return np.sum(a * b, axis=-1)

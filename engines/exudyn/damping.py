@@ -2,13 +2,9 @@
 
 The force on the unit of length is -c (v - omega i r), with r the place from P, v its velocity, omega the rate of the base frame. None of
 Exudyn's connectors knows this velocity: a damper between a node and a point fixed in the base body sees v - omega i r', r' the place of
-that point. Tied to the point at the same arc length of the straight follower it would see omega times the deflection too much, which is
-nothing in run 24 (2e-5 of the tip deflection) and 8e-4 in 0.3 s with a tenth of its bending stiffness, and no finer mesh or step would
-tell. So the dampers' points in the base body follow the nodes: before every stretch of the simulation each is put where its node will
-be in the base frame in the middle of the stretch, by its velocity relative to that frame. By its whole velocity, along the tangent of the
-circle about P, it would come out too far, by half the square of the angle turned until then, and the whole arm be braked by as much of
-its rate: 2e-4 of the tip deflection at 40 rad/s, which again no finer mesh or step would tell. What is left is of second order in the
-length of the stretch, and 1e-3 of the correction at 1 ms.
+that point. So the points follow the nodes: before every stretch of the simulation each is put where its node will be in the base frame
+in the middle of the stretch, by its velocity relative to that frame. What is left is of second order in the length of the stretch, and
+1e-3 of the correction at 1 ms. What other points would leave (LADDERS.md, section 3) no finer mesh or step would tell.
 """
 
 from typing import Any, Final

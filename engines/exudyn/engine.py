@@ -3,16 +3,15 @@
 The library is loaded when the first model is built, not when engines are listed.
 """
 
-import math
 import time
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
+from engines import refusals
+from engines.base import Comparison, Engine, ModelDescription, Simulation, installed
 from engines.exudyn import settings as ladder
 from engines.exudyn.settings import ExudynSettings
 from engines.start import Start, standard_start
@@ -33,27 +32,14 @@ class ExudynEngine(Engine[ExudynSettings]):
     settings_type = ExudynSettings
 
     def version(self) -> str:
-        """Name and version of the library behind the engine."""
-        return f"exudyn {version('exudyn')}"
+        return f"exudyn {installed('exudyn') or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        """See `Engine.unavailable`."""
-        try:
-            version("exudyn")
-        except PackageNotFoundError:
-            return "the package exudyn is not installed"
-        return None if find_spec("exudyn") else "the package exudyn is not installed"
+        return None if installed("exudyn") and find_spec("exudyn") else "the package exudyn is not installed"
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse a slider with inertia of rotation, for the joint passes a force and no moment, and a damper beside a rigid joint."""
-        slider = mechanism.slider
-        if slider.inertia > 0.0:
-            raise Refusal(f"slider.inertia = {slider.inertia:g} kg*m^2: exudyn's joint passes no moment; it accepts 0 only")
-        if math.isinf(slider.joint_stiffness) and slider.joint_damping > 0.0:
-            raise Refusal(
-                f"slider.joint_damping = {slider.joint_damping:g} N*s/m: it does nothing in a rigid joint; exudyn accepts 0, or a finite"
-                " slider.joint_stiffness"
-            )
+        """Refuse a slider with inertia of rotation, for the joint passes a force and no moment."""
+        refusals.of_slider_inertia(self.name, mechanism)
 
     def describe(self, mechanism: Mechanism, settings: ExudynSettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""
@@ -81,9 +67,7 @@ class ExudynEngine(Engine[ExudynSettings]):
         from engines.exudyn.simulation import ExudynSimulation
 
         begun = time.perf_counter()
-        simulation = ExudynSimulation(self._model(mechanism, start, settings), settings)
-        simulation.setup_seconds = time.perf_counter() - begun
-        return simulation
+        return ExudynSimulation(self._model(mechanism, start, settings), settings, begun)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""

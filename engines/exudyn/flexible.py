@@ -1,5 +1,6 @@
 """The mechanism with a flexible follower: construction in Exudyn and observables from its coordinates."""
 
+import itertools
 from typing import Any, Final
 
 import numpy as np
@@ -7,14 +8,14 @@ from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable, Kink
+from engines.exudyn.cable import Cable, Kink, direction, dot, turned
 from engines.exudyn.damping import Dampers
-from engines.exudyn.record import Record, accumulated, drive_columns, equation_of, index, shape_columns
+from engines.exudyn.record import Model, Motion, Record, accumulated, drive_columns, equation_of, index, shape_columns
 from engines.exudyn.settings import ExudynSettings
-from engines.exudyn.slider import Gap, add_slider, gap
+from engines.exudyn.slider import add_slider, gap
 from engines.start import Start
 from engines.start_state import FollowerState, StartState
-from reference_model.mechanism import Follower, Mechanism
+from reference_model.mechanism import Follower, Mechanism, Scene
 
 Array = NDArray[np.float64]
 
@@ -41,6 +42,21 @@ def add_nodes(assembly: Assembly, cable: Cable, state: FollowerState) -> list[An
     ]
 
 
+def section_of(cable: Cable) -> dict[str, float]:
+    """Length and section of an element, as Exudyn's objects take them."""
+    return {
+        "length": cable.element_length,
+        "massPerLength": cable.mass_per_length,
+        "bendingStiffness": cable.bending_stiffness,
+        "axialStiffness": cable.axial_stiffness,
+    }
+
+
+def add_cable(assembly: Assembly, cable: Cable, nodes: list[Any]) -> list[Any]:
+    """Add elements between the nodes, without a slider on them; returns their object numbers."""
+    return [assembly.mbs.AddObject(items.ObjectANCFCable2D(**section_of(cable), nodeNumbers=[*pair])) for pair in itertools.pairwise(nodes)]
+
+
 def add_ends(assembly: Assembly, cable: Cable, state: StartState, nodes: list[Any]) -> tuple[Any, Any] | None:
     """Hold the cable at P and add the tip body.
 
@@ -49,26 +65,25 @@ def add_ends(assembly: Assembly, cable: Cable, state: StartState, nodes: list[An
     Returns:
         Node and object number of the base body, or None.
     """
-    mechanism, mbs = assembly.mechanism, assembly.mbs
-    d, base = mechanism.pivot_distance, mechanism.base
-    base_body = None
-    if base.inertia > 0.0 or base.damping > 0.0 or mechanism.follower.damping > 0.0:
-        base_body = add_base(assembly, d, state, nodes)
-        assembly.rotary_damper(base_body[0], base.damping)
+    scene, base_body = assembly.scene, None
+    if scene.base.inertia > 0.0 or scene.base.damping > 0.0 or scene.follower.damping > 0.0:
+        base_body = add_base(assembly, state, nodes)
     else:
-        markers = [assembly.point_marker(assembly.ground, d), mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[0]))]
+        pivot = assembly.point_marker(assembly.ground, assembly.pivot_distance)
+        markers = [pivot, assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[0]))]
         assembly.add_joint("pin of the follower", items.ObjectJointRevolute2D(markerNumbers=markers), 2)
     add_tip(assembly, cable, state, nodes)
     return base_body
 
 
-def add_base(assembly: Assembly, pivot: float, state: FollowerState, nodes: list[Any]) -> tuple[Any, Any]:
-    """A base body at the point (`pivot`, 0) with the cable clamped to it; node and object number."""
+def add_base(assembly: Assembly, state: FollowerState, nodes: list[Any]) -> tuple[Any, Any]:
+    """A base body at P, damped, with the cable clamped to it; node and object number."""
     start = np.zeros(1)
     angle, rate = float(state.tangent(start)[0]), float(state.tangent_rate(start)[0])
-    body = assembly.pinned_body("base", pivot, angle, rate, assembly.scene.base.inertia)
+    body = assembly.pinned_body("base", assembly.pivot_distance, angle, rate, assembly.scene.base.inertia)
     markers = [assembly.frame_marker(body[1]), assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))]
     assembly.add_joint("follower clamped to the base", _clamp(markers), 3)
+    assembly.rotary_damper(body[0], assembly.scene.base.damping)
     return body
 
 
@@ -110,18 +125,96 @@ def add_weight(assembly: Assembly, cable: Cable, nodes: list[Any]) -> None:
                     assembly.mbs.AddLoad(items.LoadCoordinate(markerNumber=assembly.coordinate_marker(node, coordinate), load=load))
 
 
-class FlexibleModel:
+class CableModel(Model):
+    """What systems with a flexible follower share: nodes, dampers, and the observables of the follower itself.
+
+    These take the line, nodal coordinates with rates and accelerations, each of shape (rows, nodes, 4); and the frame, the base's tangent,
+    (rows, 2), with its angular rate and acceleration, each (rows,).
+    """
+
+    def __init__(self, scene: Scene, settings: ExudynSettings) -> None:
+        self.assembly = Assembly(scene)
+        self._cable = cable_of(scene.follower, settings.elements, settings.axial_factor)
+        self._nodes: list[Any] = []
+        self._damper_weights = np.zeros(settings.elements + 1)
+        self._dampers: Dampers | None = None
+
+    def _load(self, base: tuple[Any, Any] | None) -> None:
+        """Add the follower's damping relative to the base body, and its weight."""
+        follower = self.assembly.scene.follower
+        if base is not None and follower.damping > 0.0:
+            self._damper_weights = follower.damping * self._cable.quadrature
+            self._dampers = Dampers(self.assembly, base, self._nodes, self._cable.nodes, self._damper_weights)
+        add_weight(self.assembly, self._cable, self._nodes)
+
+    def _locate(self) -> None:
+        """Find the coordinates; once, after the system is assembled."""
+        self._node_indices = np.array([index(self.assembly, node) for node in self._nodes])
+        if self._dampers is not None:
+            self._dampers.locate(self.assembly)
+
+    def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
+        if self._dampers is not None:
+            self._dampers.follow(coordinates, rates, duration)
+
+    def _line(self, record: Record) -> Motion:
+        places = self._node_indices[:, None] + np.arange(4)
+        return record.coordinates[:, places], record.rates[:, places], record.accelerations[:, places]
+
+    def _follower_columns(self, line: Motion, frame: Motion, kink: Kink | None = None) -> dict[str, Array]:
+        """Place, bend and acceleration of the follower."""
+        cable, follower, (q, _, accelerations) = self._cable, self.assembly.scene.follower, line
+        across, (tip_tangent, _, _) = turned(frame[0]), direction(*(values[:, -1, 2:] for values in line))
+        strains = (cable.curvature(q, x, kink) * follower.thickness / 2.0 for x in follower.strain_gauges)
+        return {
+            "tip_x": q[:, -1, 0],
+            "tip_y": q[:, -1, 1],
+            "tip_deflection": dot(across, q[:, -1, :2] - q[:, 0, :2]),
+            "tip_acceleration": dot(turned(tip_tangent), accelerations[:, -1, :2]),
+            **{f"strain_{i}": strain for i, strain in enumerate(strains, start=1)},
+            **shape_columns(cable, q, across),
+        }
+
+    def _stored(self, line: Motion, frame: Motion, turning: Array | float = 0.0, moment: Array | float = 0.0) -> dict[str, Array]:
+        """Energies, with the crank's inertia times the square of its rate (J) and its first moment of mass (kg m, (rows, 2))."""
+        scene, cable, (q, rates, _) = self.assembly.scene, self._cable, line
+        kinetic = 0.5 * (turning + scene.base.inertia * frame[1] ** 2)
+        kinetic += cable.kinetic_energy(rates)
+        moment = moment + cable.first_moment(q)
+        if (tip := scene.tip) is not None:
+            tangent, rate, _ = direction(*(values[:, -1, 2:] for values in line))
+            velocity = rates[:, -1, :2] + tip.center_of_mass * rate[:, None] * turned(tangent)
+            kinetic += 0.5 * (tip.mass * np.sum(velocity**2, axis=1) + tip.inertia * rate**2)
+            moment = moment + tip.mass * (q[:, -1, :2] + tip.center_of_mass * tangent)
+        return {
+            "kinetic_energy": kinetic,
+            "strain_energy": cable.strain_energy(q),
+            "gravity_energy": -moment @ np.array(scene.gravity),
+        }
+
+    def _damped(self, line: Motion, frame: Motion, crank: Array | float = 0.0, crank_change: Array | float = 0.0) -> tuple[Array, Array]:
+        """Power of all dampers but the slider's, exactly as they are built, and its derivative; of the crank's that and half of this."""
+        damping, (q, rates, accelerations), (_, turn, turn_rate) = self.assembly.scene.base.damping, line, frame
+        radius = q[:, :, :2] - np.array([self.assembly.pivot_distance, 0.0])
+        across, across_rate = turned(radius), turned(rates[:, :, :2])
+        relative = rates[:, :, :2] - turn[:, None, None] * across
+        relative_rate = accelerations[:, :, :2] - turn_rate[:, None, None] * across - turn[:, None, None] * across_rate
+        power = crank + damping * turn**2 + np.sum(relative**2, axis=2) @ self._damper_weights
+        change = 2.0 * (crank_change + damping * turn * turn_rate)
+        return power, change + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights
+
+
+class FlexibleModel(CableModel):
     """The assembled system with a flexible follower, in the state `state`."""
 
     def __init__(self, mechanism: Mechanism, start: Start, state: StartState, settings: ExudynSettings) -> None:
-        elements = settings.elements
-        self.assembly = assembly = Assembly(mechanism)
+        super().__init__(mechanism, settings)
+        assembly, cable, mbs = self.assembly, self._cable, self.assembly.mbs
         self._mechanism = mechanism
-        self._cable = cable = cable_of(mechanism.follower, elements, settings.axial_factor)
         self._slider_start = state.slider_position
         crank_node, crank, prescribed = assembly.crank(start)
-        nodes = add_nodes(assembly, cable, state)
-        axial = assembly.mbs.AddNode(
+        self._nodes = nodes = add_nodes(assembly, cable, state)
+        axial = mbs.AddNode(
             items.NodeGenericODE2(
                 numberOfODE2Coordinates=1,
                 referenceCoordinates=[0.0],
@@ -129,163 +222,67 @@ class FlexibleModel:
                 initialCoordinates_t=[state.slider_speed],
             )
         )
-        follower = mechanism.follower
         cables = [
-            assembly.mbs.AddObject(
+            mbs.AddObject(
                 items.ObjectALEANCFCable2D(
-                    length=cable.element_length,
-                    massPerLength=follower.mass_per_length,
-                    bendingStiffness=follower.bending_stiffness,
-                    axialStiffness=cable.axial_stiffness,
+                    **section_of(cable),
                     movingMassFactor=0.0,
                     useCouplingTerms=False,
                     addALEvariation=False,
-                    nodeNumbers=[nodes[i], nodes[i + 1], axial],
+                    nodeNumbers=[*pair, axial],
                 )
             )
-            for i in range(elements)
+            for pair in itertools.pairwise(nodes)
         ]
-        assembly.listed_body(f"follower: {elements} ANCF cable elements")
-        base = add_ends(assembly, cable, state, nodes)
-        self._damper_weights = np.zeros(elements + 1)
-        self._dampers: Dampers | None = None
-        if base is not None and follower.damping > 0.0:
-            self._damper_weights = follower.damping * quadrature(cable)
-            self._dampers = Dampers(assembly, base, nodes, cable.nodes, self._damper_weights)
-        add_weight(assembly, cable, nodes)
-        assembly.push_tip(assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1])), crank_node)
-        slider = add_slider(assembly, cable, state, start, crank, cables, axial)
-        self._joint = slider.joint
-        assembly.mbs.Assemble()
+        assembly.listed_body(f"follower: {cable.elements} ANCF cable elements")
+        self._load(add_ends(assembly, cable, state, nodes))
+        assembly.push_tip(mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1])), crank_node)
+        self._joint, spring = add_slider(assembly, cable, state, start, crank, cables, axial)
+        mbs.Assemble()
+        self._locate()
         self.drive_equation = equation_of(assembly, prescribed)
-        slider.locate(assembly, nodes, axial)
         self._crank_index = index(assembly, crank_node) + 2
-        self._node_indices = np.array([index(assembly, node) for node in nodes])
         self._axial_index = index(assembly, axial)
-        if self._dampers is not None:
-            self._dampers.locate(assembly)
-
-    def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        """See `engines.exudyn.record.Model`."""
-        if self._dampers is not None:
-            self._dampers.follow(coordinates, rates, duration)
+        if spring is not None:
+            spring.locate(assembly, nodes, axial)
 
     def slider_position(self, coordinates: Array) -> float:
-        """Arc length of the slider for one row of coordinates, m."""
         return float(coordinates[self._axial_index]) + self._slider_start
 
     def columns(self, record: Record) -> dict[str, Array]:
-        """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""
-        mechanism, cable = self._mechanism, self._cable
-        follower, LA = mechanism.follower, mechanism.crank.length
-        q, rates, accelerations = (
-            values[:, self._node_indices[:, None] + np.arange(4)] for values in (record.coordinates, record.rates, record.accelerations)
-        )
-        crank_angle = record.coordinates[:, self._crank_index]
-        crank_speed = record.rates[:, self._crank_index]
+        mechanism, cable, line = self._mechanism, self._cable, self._line(record)
+        q, rates, accelerations = line
+        angle, speed, acceleration = (v[:, self._crank_index] for v in (record.coordinates, record.rates, record.accelerations))
         s = record.coordinates[:, self._axial_index] + self._slider_start
-
-        b1, frame_rate, _ = direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
-        tip_tangent, _, _ = direction(q[:, -1, 2:], rates[:, -1, 2:], accelerations[:, -1, 2:])
+        frame = direction(*(values[:, 0, 2:] for values in line))
+        b1 = frame[0]
         slider_tangent = cable.evaluate(q, s, 1)
         slider_normal = turned(slider_tangent) / np.linalg.norm(slider_tangent, axis=1)[:, None]
-        crank_tip = LA * np.column_stack([np.cos(crank_angle), np.sin(crank_angle)])
-        joint = self._gap(record, (q, rates, accelerations), s)
+        crank_arm = np.column_stack([np.cos(angle), np.sin(angle)])
+        crank_tip = mechanism.crank.length * crank_arm
+        across = turned(crank_tip)
+        crank_motion = crank_tip, speed[:, None] * across, acceleration[:, None] * across - (speed**2)[:, None] * crank_tip
+        joint = gap(cable, line, (s, record.rates[:, self._axial_index]), crank_motion)
         joint_force = record.multipliers[:, self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)]
         slider_force = -dot(slider_normal, joint_force)
-        kink = Kink(s, slider_force[:, None] * slider_normal / follower.bending_stiffness)
+        kink = Kink(s, slider_force[:, None] * slider_normal / mechanism.follower.bending_stiffness)
+        stored = self._stored(line, frame, mechanism.crank_inertia * speed**2, mechanism.crank_moment * crank_arm)
+        if self.assembly.joint_is_compliant:
+            stored["strain_energy"] = stored["strain_energy"] + 0.5 * mechanism.slider.joint_stiffness * joint.value**2
+        crank_damping, joint_damping = getattr(mechanism.crank.drive, "damping", 0.0), mechanism.slider.joint_damping
+        power, power_rate = self._damped(line, frame, crank_damping * speed**2, crank_damping * speed * acceleration)
+        power = power + joint_damping * joint.rate**2
+        power_rate = power_rate + 2.0 * joint_damping * joint.rate * joint.acceleration
         return {
             "time": record.time,
-            "crank_angle": crank_angle,
-            "crank_speed": crank_speed,
+            "crank_angle": angle,
+            "crank_speed": speed,
             "follower_angle": np.unwrap(np.arctan2(b1[:, 1], b1[:, 0]) % (2.0 * np.pi)),
             "slider_position": s,
-            "tip_x": q[:, -1, 0],
-            "tip_y": q[:, -1, 1],
-            "tip_deflection": dot(turned(b1), q[:, -1, :2] - q[:, 0, :2]),
-            "tip_acceleration": dot(turned(tip_tangent), accelerations[:, -1, :2]),
-            **{
-                f"strain_{i}": cable.curvature(q, x, kink) * follower.thickness / 2.0 for i, x in enumerate(follower.strain_gauges, start=1)
-            },
+            **self._follower_columns(line, frame, kink),
             "slider_force": slider_force,
             **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (rates[:, -1, :2], accelerations[:, -1, :2])),
-            "kinetic_energy": self._kinetic_energy(crank_speed, frame_rate, q, rates),
-            "strain_energy": cable.strain_energy(q) + self._spring_energy(joint),
-            "dissipated_energy": self._dissipated(record, q, rates, accelerations, joint),
+            **stored,
+            "dissipated_energy": accumulated(record.time, power, power_rate),
             "constraint_gap": np.linalg.norm(cable.evaluate(q, s) - crank_tip, axis=1),
-            "gravity_energy": self._gravity_energy(crank_angle, q, tip_tangent),
-            **shape_columns(cable, q, turned(b1)),
         }
-
-    def _gap(self, record: Record, line: tuple[Array, Array, Array], s: Array) -> Gap:
-        angle, speed, acceleration = (v[:, self._crank_index] for v in (record.coordinates, record.rates, record.accelerations))
-        arm = self._mechanism.crank.length * np.column_stack([np.cos(angle), np.sin(angle)])
-        across = turned(arm)
-        crank_tip = (arm, speed[:, None] * across, acceleration[:, None] * across - (speed**2)[:, None] * arm)
-        return gap(self._cable, line, (s, record.rates[:, self._axial_index]), crank_tip)
-
-    def _spring_energy(self, joint: Gap) -> Array:
-        if not self.assembly.joint_is_compliant:
-            return np.zeros_like(joint.value)
-        return 0.5 * self._mechanism.slider.joint_stiffness * joint.value**2
-
-    def _kinetic_energy(self, crank_speed: Array, frame_rate: Array, q: Array, rates: Array) -> Array:
-        tip = self._mechanism.tip
-        energy = 0.5 * (self._mechanism.crank_inertia * crank_speed**2 + self._mechanism.base.inertia * frame_rate**2)
-        energy += self._cable.kinetic_energy(rates)
-        if tip is not None:
-            tangent, rate, _ = direction(q[:, -1, 2:], rates[:, -1, 2:], np.zeros_like(rates[:, -1, 2:]))
-            velocity = rates[:, -1, :2] + tip.center_of_mass * rate[:, None] * turned(tangent)
-            energy += 0.5 * (tip.mass * np.sum(velocity**2, axis=1) + tip.inertia * rate**2)
-        return energy
-
-    def _gravity_energy(self, crank_angle: Array, q: Array, tip_tangent: Array) -> Array:
-        tip = self._mechanism.tip
-        crank_arm = np.column_stack([np.cos(crank_angle), np.sin(crank_angle)])
-        moment = self._mechanism.crank_moment * crank_arm + self._cable.first_moment(q)
-        if tip is not None:
-            moment = moment + tip.mass * (q[:, -1, :2] + tip.center_of_mass * tip_tangent)
-        return -moment @ np.array(self._mechanism.gravity)
-
-    def _dissipated(self, record: Record, q: Array, rates: Array, accelerations: Array, joint: Gap) -> Array:
-        """Work taken by the dampers of crank, base, follower and slider."""
-        crank_damping = getattr(self._mechanism.crank.drive, "damping", 0.0)
-        speed, acceleration = record.rates[:, self._crank_index], record.accelerations[:, self._crank_index]
-        _, frame_rate, frame_acceleration = direction(q[:, 0, 2:], rates[:, 0, 2:], accelerations[:, 0, 2:])
-        power = crank_damping * speed**2 + self._mechanism.base.damping * frame_rate**2
-        power_rate = 2.0 * (crank_damping * speed * acceleration + self._mechanism.base.damping * frame_rate * frame_acceleration)
-        radius = q[:, :, :2] - np.array([self._mechanism.pivot_distance, 0.0])
-        across, across_rate = turned(radius), turned(rates[:, :, :2])
-        relative = rates[:, :, :2] - frame_rate[:, None, None] * across
-        relative_rate = accelerations[:, :, :2] - frame_acceleration[:, None, None] * across - frame_rate[:, None, None] * across_rate
-        power = power + np.sum(relative**2, axis=2) @ self._damper_weights
-        power_rate = power_rate + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights
-        power = power + self._mechanism.slider.joint_damping * joint.rate**2
-        power_rate = power_rate + 2.0 * self._mechanism.slider.joint_damping * joint.rate * joint.acceleration
-        return accumulated(record.time, power, power_rate)
-
-
-def quadrature(cable: Cable) -> Array:
-    """Weights of the nodes in ∫ dx along the cable, m: the trapezoidal rule with Gregory's end correction, fourth order."""
-    weights = np.full(cable.elements + 1, cable.element_length)
-    for i, factor in enumerate((3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0)):
-        weights[[i, -1 - i]] = factor * cable.element_length
-    return weights
-
-
-def direction(slope: Array, slope_rate: Array, slope_acceleration: Array) -> tuple[Array, Array, Array]:
-    """Unit vector along `slope` (rows, 2), its angular rate and angular acceleration (rows,)."""
-    squared = np.sum(slope**2, axis=1)
-    rate = dot(turned(slope), slope_rate) / squared
-    acceleration = dot(turned(slope), slope_acceleration) / squared - 2.0 * rate * dot(slope, slope_rate) / squared
-    return slope / np.sqrt(squared)[:, None], rate, acceleration
-
-
-def turned(a: Array) -> Array:
-    """Quarter turn, counter-clockwise."""
-    return np.stack([-a[..., 1], a[..., 0]], axis=-1)
-
-
-def dot(a: Array, b: Array) -> Array:
-    """Scalar products along the last axis."""
-    return np.sum(a * b, axis=-1)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
 from engines.exudyn.cable import Cable
-from engines.exudyn.flexible import add_ends, add_nodes, cable_of
+from engines.exudyn.flexible import add_cable, add_ends, add_nodes, cable_of
 from engines.exudyn.rigid import follower_inertia
 from engines.start import Start
 from engines.start_state import StartState, reconstruct
@@ -35,7 +35,7 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, el
     else:
         cable = cable_of(mechanism.follower, elements)
         nodes = add_nodes(assembly, cable, state)
-        bodies = _add_cable(assembly, cable, nodes)
+        bodies = add_cable(assembly, cable, nodes)
         add_ends(assembly, cable, state, nodes)
         if assembly.joint_is_compliant:
             element = min(int(state.slider_position / cable.element_length), elements - 1)
@@ -45,21 +45,6 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, el
     assembly.mbs.Assemble()
     frequencies = np.asarray(assembly.mbs.ComputeODE2Eigenvalues(convert2Frequencies=True)[0])
     return np.sort(frequencies[np.isfinite(frequencies) & (frequencies > _LOWEST)])[:count]
-
-
-def _add_cable(assembly: Assembly, cable: Cable, nodes: list[Any]) -> list[Any]:
-    return [
-        assembly.mbs.AddObject(
-            items.ObjectANCFCable2D(
-                length=cable.element_length,
-                massPerLength=cable.mass_per_length,
-                bendingStiffness=cable.bending_stiffness,
-                axialStiffness=cable.axial_stiffness,
-                nodeNumbers=[nodes[i], nodes[i + 1]],
-            )
-        )
-        for i in range(cable.elements)
-    ]
 
 
 def _add_support(assembly: Assembly, cable: Cable, state: StartState, crank_angle: float, bodies: list[Any]) -> None:

@@ -1,18 +1,21 @@
 """What is recorded of a run, and the bookkeeping of energy that both followers share."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable
+from engines.exudyn.cable import Cable, dot
+from engines.trajectory import Trajectory
 from reference_model.columns import PLACES, SHAPE
 from reference_model.mechanism import TorqueDrive
 from reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
+#: Values with their first and second derivatives in time.
+Motion = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -40,16 +43,20 @@ class Model(Protocol):
     Attributes:
         assembly: what was built.
         drive_equation: index of the multiplier that prescribes the crank's speed; None where the crank is free, or there is none.
+        trajectory_type: of what `columns` are columns.
     """
 
     assembly: Assembly
-    drive_equation: int | None
+    drive_equation: int | None = None
+    trajectory_type: ClassVar[type[Trajectory]] = Trajectory
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
         """Set what stands still over the next stretch of the simulation, `duration` (s) long and at most `damping.LONGEST`."""
+        return
 
     def slider_position(self, coordinates: Array) -> float | None:
         """Arc length of the slider for one row of coordinates, m; None where there is no slider."""
+        return None
 
     def columns(self, record: Record) -> dict[str, Array]:
         """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""
@@ -95,7 +102,7 @@ def drive_columns(
 def shape_columns(cable: Cable, q: Array, across: Array) -> dict[str, Array]:
     """Deflection at the interior places (m); `q` are nodal coordinates, (rows, nodes, 4), `across` is b2, (rows, 2)."""
     places = [np.full(len(q), cable.length * k / (PLACES + 1)) for k in range(1, PLACES + 1)]
-    return {name: np.sum(across * (cable.evaluate(q, x) - q[:, 0, :2]), axis=1) for name, x in zip(SHAPE, places, strict=True)}
+    return {name: dot(across, cable.evaluate(q, x) - q[:, 0, :2]) for name, x in zip(SHAPE, places, strict=True)}
 
 
 def _work_on_tip(assembly: Assembly, record: Record, crank: int, velocity: Array, acceleration: Array) -> Array:

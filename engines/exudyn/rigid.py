@@ -6,8 +6,8 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
-from engines.exudyn.record import Record, accumulated, drive_columns, equation_of, index
+from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
+from engines.exudyn.record import Model, Record, accumulated, drive_columns, equation_of, index
 from engines.start import Start
 from engines.start_state import StartState
 from reference_model.columns import SHAPE
@@ -18,32 +18,29 @@ Array = NDArray[np.float64]
 
 def follower_inertia(mechanism: Mechanism) -> float:
     """Moment of inertia about P of base, rigid beam and tip, kg m^2."""
-    follower, tip = mechanism.follower, mechanism.tip
-    inertia = mechanism.base.inertia + follower.mass_per_length * follower.length**3 / 3.0
-    if tip is not None:
-        inertia += tip.inertia + tip.mass * (follower.length + tip.center_of_mass) ** 2
-    return inertia
+    follower, tip = mechanism.follower, mechanism.tip_body
+    beam = follower.mass_per_length * follower.length**3 / 3.0
+    return mechanism.base.inertia + beam + (tip.inertia + tip.mass * (follower.length + tip.center_of_mass) ** 2)
 
 
-class RigidModel:
+class RigidModel(Model):
     """The assembled system with a rigid follower, in the state `state`."""
 
     def __init__(self, mechanism: Mechanism, start: Start, state: StartState) -> None:
         self.assembly = assembly = Assembly(mechanism)
         self._mechanism = mechanism
         follower, tip = mechanism.follower, mechanism.tip
-        mass = follower.mass_per_length * follower.length
+        beam = follower.mass_per_length * follower.length
+        reach = follower.length + mechanism.tip_body.center_of_mass
+        self._mass = beam + mechanism.tip_body.mass
+        self._moment = beam * follower.length / 2.0 + mechanism.tip_body.mass * reach  # kg m, first moment of mass about P
         self._inertia = follower_inertia(mechanism)
-        self._moment = mass * follower.length / 2.0  # kg m, first moment of mass about P
-        if tip is not None:
-            reach = follower.length + tip.center_of_mass
-            self._moment += tip.mass * reach
 
         crank_node, crank, prescribed = assembly.crank(start)
         name = "follower: rigid, with the base" + ("" if tip is None else " and the tip")
         node, body = assembly.pinned_body(name, mechanism.pivot_distance, state.follower_angle, state.follower_rate, self._inertia)
         assembly.rotary_damper(node, mechanism.base.damping)
-        assembly.weight(body, follower.length / 2.0, mass)
+        assembly.weight(body, follower.length / 2.0, beam)
         if tip is not None:
             assembly.weight(body, reach, tip.mass)
             assembly.push_tip(assembly.point_marker(body, follower.length), crank_node)
@@ -66,7 +63,7 @@ class RigidModel:
             place = state.position(np.array([state.slider_position]))[0]
             velocity = start.crank_speed * np.array([-place[1], place[0]])
             node, _ = assembly.rigid_body(list(place), state.follower_angle, list(velocity), state.follower_rate, CARRIAGE_MASS, 0.0)
-            assembly.listed_carriage()
+            assembly.listed_body(CARRIAGE)
             rider = assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
             equations = 3  # normal and rotation, and the balance along the axis, which leaves the carriage no motion of its own
             stiffness, damping = np.zeros((6, 6)), np.zeros((6, 6))
@@ -83,77 +80,53 @@ class RigidModel:
         )
         return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations)
 
-    def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        """See `engines.exudyn.record.Model`; nothing has to be set."""
-
     def slider_position(self, coordinates: Array) -> float:
-        """Arc length of the slider for one row of coordinates, m."""
         return float(self._slider_in_frame(coordinates[None])[0, 0])
 
     def columns(self, record: Record) -> dict[str, Array]:
-        """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""
-        mechanism = self._mechanism
-        crank, length = mechanism.crank, mechanism.follower.length
+        mechanism, slider = self._mechanism, self._mechanism.slider
+        LA, d, length = mechanism.crank.length, mechanism.pivot_distance, mechanism.follower.length
         q1, q2 = record.coordinates[:, self._crank_index], record.coordinates[:, self._follower_index]
         q1_rate, q2_rate = record.rates[:, self._crank_index], record.rates[:, self._follower_index]
         q1_acceleration, q2_acceleration = (record.accelerations[:, i] for i in (self._crank_index, self._follower_index))
-        slider = self._slider_in_frame(record.coordinates)
-        across = np.column_stack([-np.sin(q2), np.cos(q2)])
+        place, gap = self._slider_in_frame(record.coordinates).T
+        along, across = np.column_stack([np.cos(q2), np.sin(q2)]), np.column_stack([-np.sin(q2), np.cos(q2)])
         tip_velocity = length * q2_rate[:, None] * across
-        tip_acceleration = length * (q2_acceleration[:, None] * across - (q2_rate**2)[:, None] * np.column_stack([np.cos(q2), np.sin(q2)]))
-        crank_damping, base_damping = getattr(crank.drive, "damping", 0.0), mechanism.base.damping
-        straight = np.zeros_like(q1)
-        joint_damping = mechanism.slider.joint_damping
+        tip_acceleration = length * (q2_acceleration[:, None] * across - (q2_rate**2)[:, None] * along)
         # of gap = LA sin(q1 - q2) + d sin(q2), the crank tip across the follower
-        LA, d, turn, turn_rate = crank.length, mechanism.pivot_distance, q1 - q2, q1_rate - q2_rate
+        turn, turn_rate = q1 - q2, q1_rate - q2_rate
         gap_rate = LA * np.cos(turn) * turn_rate + d * np.cos(q2) * q2_rate
         gap_acceleration = LA * (np.cos(turn) * (q1_acceleration - q2_acceleration) - np.sin(turn) * turn_rate**2)
         gap_acceleration += d * (np.cos(q2) * q2_acceleration - np.sin(q2) * q2_rate**2)
+        straight = np.zeros_like(q1)
+        c_crank, c_base, c_joint = getattr(mechanism.crank.drive, "damping", 0.0), mechanism.base.damping, slider.joint_damping
+        power = c_crank * q1_rate**2 + c_base * q2_rate**2 + c_joint * gap_rate**2
+        half_change = c_crank * q1_rate * q1_acceleration + c_base * q2_rate * q2_acceleration + c_joint * gap_rate * gap_acceleration
         gx, gy = mechanism.gravity
+        equation = self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)[0]
         return {
             "time": record.time,
             "crank_angle": q1,
             "crank_speed": q1_rate,
             "follower_angle": q2,
-            "slider_position": slider[:, 0],
-            "tip_x": mechanism.pivot_distance + length * np.cos(q2),
-            "tip_y": length * np.sin(q2),
-            "tip_deflection": straight,
+            "slider_position": place,
+            "tip_x": d + length * along[:, 0],
+            "tip_y": length * along[:, 1],
             "tip_acceleration": length * q2_acceleration,
-            "strain_1": straight,
-            "strain_2": straight,
-            "strain_3": straight,
-            "slider_force": self._slider_force(record),
+            "slider_force": -record.multipliers[:, equation],
             **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (tip_velocity, tip_acceleration)),
             "kinetic_energy": 0.5 * (mechanism.crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
-            "strain_energy": 0.5 * mechanism.slider.joint_stiffness * slider[:, 1] ** 2 if self.assembly.joint_is_compliant else straight,
-            "dissipated_energy": accumulated(
-                record.time,
-                crank_damping * q1_rate**2 + base_damping * q2_rate**2 + joint_damping * gap_rate**2,
-                2.0
-                * (
-                    crank_damping * q1_rate * q1_acceleration
-                    + base_damping * q2_rate * q2_acceleration
-                    + joint_damping * gap_rate * gap_acceleration
-                ),
-            ),
-            "constraint_gap": np.abs(slider[:, 1]),
+            "strain_energy": 0.5 * slider.joint_stiffness * gap**2 if self.assembly.joint_is_compliant else straight,
+            "dissipated_energy": accumulated(record.time, power, 2.0 * half_change),
+            "constraint_gap": np.abs(gap),
             "gravity_energy": -mechanism.crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))
-            - self._moment * (gx * np.cos(q2) + gy * np.sin(q2))
-            - (self._moment_free_mass() * gx * mechanism.pivot_distance),
-            **dict.fromkeys(SHAPE, straight),
+            - self._moment * (gx * along[:, 0] + gy * along[:, 1])
+            - self._mass * gx * d,
+            **dict.fromkeys(("tip_deflection", "strain_1", "strain_2", "strain_3", *SHAPE), straight),
         }
-
-    def _moment_free_mass(self) -> float:
-        follower, tip = self._mechanism.follower, self._mechanism.tip
-        return follower.mass_per_length * follower.length + (0.0 if tip is None else tip.mass)
 
     def _slider_in_frame(self, coordinates: Array) -> Array:
         """The crank tip in frame B, along and across the follower, shape (rows, 2)."""
         q1, q2 = coordinates[:, self._crank_index], coordinates[:, self._follower_index]
         LA, d = self._mechanism.crank.length, self._mechanism.pivot_distance
         return np.column_stack([LA * np.cos(q1 - q2) - d * np.cos(q2), LA * np.sin(q1 - q2) + d * np.sin(q2)])
-
-    def _slider_force(self, record: Record) -> Array:
-        equation = self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)[0]
-        return -record.multipliers[:, equation]

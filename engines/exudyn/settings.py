@@ -24,6 +24,10 @@ class ExudynSettings(Settings):
     axial_factor: float = setting(1.0, "axial stiffness over that of the section; more is nearer to no stretch", low=1.0, high=STIFFEST)
     newton_tolerance: float = setting(1e-6, "change by an iteration over the step's first one that ends it", low=1e-10, high=1e-5)
 
+    def steps_in(self, output_step: float) -> int:
+        """Steps from one output to the next, `output_step` (s) later."""
+        return max(1, math.ceil(output_step / self.step - 1e-9))
+
 
 #: Accuracy -> elements, step in s (LADDERS.md, section 3, has what was measured for this and all that follows).
 _RUNGS: Final = ((5e-2, 12, 1e-3), (1e-2, 12, 3.4e-4), (3e-3, 24, 2.5e-4), (1e-3, 24, 1.25e-4), (3e-4, 32, 8e-5), (1e-4, 48, 5e-5))
@@ -68,7 +72,7 @@ def in_time(own: ExudynSettings, output_step: float) -> Comparison:
     order. In the thesis' 24 runs, most of them so estimated, six columns of the settled cycle differ from `reference` by 0.9 of the
     estimate at most.
     """
-    steps, fewest = _steps(own, output_step), math.ceil(output_step / LARGEST_STEP - 1e-9)
+    steps, fewest = own.steps_in(output_step), math.ceil(output_step / LARGEST_STEP - 1e-9)
     half = (steps + 1) // 2
 
     def pair(run: int, other: int, before: Comparison | None = None, instead: Comparison | None = None) -> Comparison:
@@ -141,7 +145,7 @@ def finer(own: ExudynSettings, excess: tuple[float, ...], output_step: float) ->
     known = excess or (4.0 * _SHARE_OF_TIME,)
     in_time, in_space, in_stretch, in_passing = (*known, 0.0, 0.0, 0.0)[:4]
     in_space += in_passing
-    steps, elements, axial_factor = _steps(own, output_step), own.elements, own.axial_factor
+    steps, elements, axial_factor = own.steps_in(output_step), own.elements, own.axial_factor
     most = max(1, math.floor(output_step / SMALLEST_STEP + 1e-9))
     if in_time > _SHARE_OF_TIME:
         wanted = steps * (in_time / _SHARE_OF_TIME) ** (1.0 / ORDER_IN_TIME)
@@ -152,11 +156,6 @@ def finer(own: ExudynSettings, excess: tuple[float, ...], output_step: float) ->
     if in_stretch > _SHARE_OF_STRETCH:
         wanted = STIFFER ** math.ceil(math.log(axial_factor * in_stretch / _SHARE_OF_STRETCH, STIFFER))
         axial_factor = min(max(wanted, axial_factor), max(MOST_STIFF, axial_factor))
-    if (steps, elements, axial_factor) == (_steps(own, output_step), own.elements, own.axial_factor):
+    if (steps, elements, axial_factor) == (own.steps_in(output_step), own.elements, own.axial_factor):
         return None
     return own.replaced(elements=elements, step=output_step / steps, axial_factor=axial_factor)
-
-
-def _steps(own: ExudynSettings, output_step: float) -> int:
-    """Steps from one output to the next."""
-    return max(1, math.ceil(output_step / own.step - 1e-9))

@@ -3,7 +3,7 @@
 import itertools
 import math
 import time
-from typing import ClassVar, Final
+from typing import Final
 
 import exudyn as exu
 import numpy as np
@@ -33,13 +33,11 @@ class ExudynSimulation(Simulation):
     or in many.
     """
 
-    trajectory_type: ClassVar[type[Trajectory]] = Trajectory
-
-    def __init__(self, model: Model, settings: ExudynSettings) -> None:
+    def __init__(self, model: Model, settings: ExudynSettings, begun: float) -> None:
         self.time = 0.0
         self._model = model
         self._mbs = model.assembly.mbs
-        self._step = settings.step
+        self._settings = settings
         self._solver_settings = _solver_settings(settings)
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._impulse = 0.0
@@ -55,19 +53,18 @@ class ExudynSimulation(Simulation):
         self._reference = self._mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
         self._multiplier = self._drive_multiplier()
         self._last = self._row()
+        self.setup_seconds = time.perf_counter() - begun
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`; a slider that reaches an end of the follower is a failure too."""
         count = round(duration / output_step)
-        if count < 1 or not math.isclose(count * output_step, duration, rel_tol=1e-6):
-            raise ValueError(f"duration {duration!r} s is not a multiple of output_step {output_step!r} s")
         begun = time.perf_counter()
-        steps = max(1, math.ceil(output_step / self._step - 1e-9))
+        steps = self._settings.steps_in(output_step)
+        at_once = max(1, math.floor(LONGEST / output_step * (1.0 + 1e-9)))  # output steps that make up a stretch
         newton_before = self._solver.it.newtonStepsCount
         rows, failure = [self._last], None
         while len(rows) <= count and failure is None:
-            outputs = min(_outputs_at_once(output_step), count + 1 - len(rows))
-            found, failure = self._output_steps(output_step, steps, outputs)
+            found, failure = self._output_steps(output_step, steps, min(at_once, count + 1 - len(rows)))
             rows += found
         done = len(rows) - 1
         at = self.time + output_step * np.arange(done + 1, dtype=np.float64)
@@ -80,7 +77,7 @@ class ExudynSimulation(Simulation):
             "newton_iterations": float(self._solver.it.newtonStepsCount - newton_before),
         }
         self.time, self._last = float(at[-1]), rows[-1]
-        trajectory = self.trajectory_type(columns, time.perf_counter() - begun, statistics)
+        trajectory = self._model.trajectory_type(columns, time.perf_counter() - begun, statistics)
         if failure is not None:
             raise EngineFailure(self.time, *failure, trajectory)
         return trajectory
@@ -167,11 +164,6 @@ class ExudynSimulation(Simulation):
 
     def _coordinates(self) -> Array:
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
-
-
-def _outputs_at_once(output_step: float) -> int:
-    """Output steps that make up a stretch."""
-    return max(1, math.floor(LONGEST / output_step * (1.0 + 1e-9)))
 
 
 def _stretches(output_step: float, steps: int) -> int:

@@ -18,35 +18,18 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import CARRIAGE_MASS, Assembly
-from engines.exudyn.cable import Cable
-from engines.exudyn.record import index
+from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
+from engines.exudyn.cable import Cable, dot, turned
+from engines.exudyn.record import Motion, index
 from engines.start import Start
 from engines.start_state import StartState
 
 Array = NDArray[np.float64]
-Motion = tuple[Array, Array, Array]
 
 
-@dataclass(frozen=True)
-class Slider:
-    """The joint as built.
-
-    Attributes:
-        joint: object number; its multipliers are the force on the crank tip or carriage, x and y.
-        spring: the force law that Exudyn calls back, None where the connector's own does.
-    """
-
-    joint: Any
-    spring: "SpringAndNormalDamper | None"
-
-    def locate(self, assembly: Assembly, nodes: list[Any], axial: Any) -> None:
-        """Tell the force law where the coordinates are; call after `mbs.Assemble()`."""
-        if self.spring is not None:
-            self.spring.locate(assembly, nodes, axial)
-
-
-def add_slider(assembly: Assembly, cable: Cable, state: StartState, start: Start, crank: Any, elements: list[Any], axial: Any) -> Slider:
+def add_slider(
+    assembly: Assembly, cable: Cable, state: StartState, start: Start, crank: Any, elements: list[Any], axial: Any
+) -> tuple[Any, "SpringAndNormalDamper | None"]:
     """Add the joint between the crank tip and the cable.
 
     Args:
@@ -57,6 +40,10 @@ def add_slider(assembly: Assembly, cable: Cable, state: StartState, start: Start
         crank: object number of the crank.
         elements: object numbers of the cable's elements.
         axial: number of the node that holds the slider's travel along the cable.
+
+    Returns:
+        Object number, whose multipliers are the force on the crank tip or carriage, x and y; and the force law that Exudyn calls back,
+        None where the connector's own does.
     """
     mbs, h = assembly.mbs, cable.element_length
     rider = assembly.point_marker(crank, assembly.mechanism.crank.length)
@@ -76,7 +63,7 @@ def add_slider(assembly: Assembly, cable: Cable, state: StartState, start: Start
     # Two equations for travel and normal; of the carriage's two coordinates one is taken by the joint, the other by the balance along
     # the tangent, which makes it no motion of its own.
     equations = 3 if assembly.joint_is_compliant else 2
-    return Slider(assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations), spring)
+    return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations), spring
 
 
 def _add_carriage(
@@ -88,7 +75,7 @@ def _add_carriage(
     velocity = start.crank_speed * np.array([-place[1], place[0]])  # of the crank tip, which is at the same place
     node = mbs.AddNode(items.NodePoint2D(referenceCoordinates=list(place), initialVelocities=list(velocity)))
     mbs.AddObject(items.ObjectMassPoint2D(mass=CARRIAGE_MASS, nodeNumber=node))
-    assembly.listed_carriage()
+    assembly.listed_body(CARRIAGE)
     carriage = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
     stiffness = [slider.joint_stiffness, slider.joint_stiffness, 0.0]
     connector = items.ObjectConnectorCartesianSpringDamper(markerNumbers=[carriage, crank_tip], stiffness=stiffness)
@@ -123,16 +110,12 @@ def gap(cable: Cable, line: Motion, slider: tuple[Array, Array], crank_tip: Moti
     slope, slope_rate = cable.evaluate(q, s, 1), cable.evaluate(rates, s, 1)
     length = np.linalg.norm(slope, axis=1)[:, None]
     tangent = slope / length
-    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
-    turning = np.sum(normal * (slope_rate + cable.evaluate(q, s, 2) * s_rate), axis=1) / length[:, 0]
+    normal = turned(tangent)
+    turning = dot(normal, slope_rate + cable.evaluate(q, s, 2) * s_rate) / length[:, 0]
     apart = crank_tip[0] - cable.evaluate(q, s)
     velocity = crank_tip[1] - cable.evaluate(rates, s)
     acceleration = crank_tip[2] - cable.evaluate(accelerations, s) - slope_rate * s_rate
-    return Gap(
-        np.sum(normal * apart, axis=1),
-        np.sum(normal * velocity, axis=1),
-        np.sum(normal * acceleration, axis=1) - turning * np.sum(tangent * velocity, axis=1),
-    )
+    return Gap(dot(normal, apart), dot(normal, velocity), dot(normal, acceleration) - turning * dot(tangent, velocity))
 
 
 class SpringAndNormalDamper:

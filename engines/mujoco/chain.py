@@ -6,7 +6,6 @@ stiffness cancel in the interior, what is left is of order h⁴ (see the centre 
 """
 
 import math
-from collections.abc import Iterator
 
 import mujoco
 import numpy as np
@@ -74,15 +73,10 @@ def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: floa
         _add_body(body, "tip", place, tip.mass, tip.center_of_mass, tip.inertia)
 
 
-def pieces(length: float, hinges: int) -> Iterator[float]:
+def pieces(length: float, hinges: int) -> list[float]:
     """Lengths of the rigid pieces from the base to the end, m: half a link, N - 1 links, half a link."""
-    if hinges == 0:
-        yield length
-        return
-    link = length / hinges
-    yield link / 2.0
-    yield from [link] * (hinges - 1)
-    yield link / 2.0
+    link = length / max(hinges, 1)
+    return [link / 2.0, *[link] * (hinges - 1), link / 2.0] if hinges else [length]
 
 
 def _add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, center: float, inertia: float) -> mujoco.MjsBody:
@@ -101,37 +95,20 @@ def _polynomial(linear: float) -> tuple[float, float, float]:
     return (linear, 0.0, 0.0)
 
 
-def describe(mechanism: Mechanism, hinges: int) -> ModelDescription:
-    """What `build` makes of the scene, and the constraint that the hook adds."""
+def describe(scene: Scene, hinges: int) -> ModelDescription:
+    """What `build` makes of the scene, and what the hook adds: the slider's constraint, or the drive of the base."""
     bodies: list[str] = []
     joints: list[str] = []
-    if mechanism.crank_is_free:
-        bodies.append("crank: rigid arm about O")
-        joints.append("crank hinge at O, driven by a torque against viscous damping")
-        if mechanism.slider.mass > 0.0:
-            bodies.append("slider: point mass fixed to the crank tip")
-    joints.append("base hinge at P")
-    _describe_follower(mechanism, hinges, bodies, joints)
-    moving = "crank tip" if mechanism.crank_is_free else "crank tip, moved at the prescribed speed,"
-    compliant, free = math.isfinite(mechanism.slider.joint_stiffness), hinges + 1 + int(mechanism.crank_is_free)
-    how = (
-        "beside the follower's smooth centre line: spring and damper"
-        if compliant
-        else "on the follower's smooth centre line: one constraint, exact multiplier"
-    )
-    joints.append(f"{moving} {how}")
-    return ModelDescription(tuple(bodies), tuple(joints), free if compliant else free - 1)
-
-
-def describe_alone(scene: FollowerAlone, hinges: int) -> ModelDescription:
-    """What `build` makes of a follower alone, and the drive that the hook adds."""
-    bodies: list[str] = []
-    joints = ["base hinge at O, turned as prescribed: one constraint, exact torque"]
-    _describe_follower(scene, hinges, bodies, joints)
-    return ModelDescription(tuple(bodies), tuple(joints), hinges)
-
-
-def _describe_follower(scene: Scene, hinges: int, bodies: list[str], joints: list[str]) -> None:
+    free = hinges
+    if isinstance(scene, FollowerAlone):
+        joints.append("base hinge at O, turned as prescribed: one constraint, exact torque")
+    else:
+        if scene.crank_is_free:
+            bodies.append("crank: rigid arm about O")
+            joints.append("crank hinge at O, driven by a torque against viscous damping")
+            if scene.slider.mass > 0.0:
+                bodies.append("slider: point mass fixed to the crank tip")
+        joints.append("base hinge at P")
     if hinges == 0:
         bodies.append("base and rigid follower: one body about P")
     else:
@@ -141,6 +118,17 @@ def _describe_follower(scene: Scene, hinges: int, bodies: list[str], joints: lis
     joints += [f"hinge {j}: spring EI/h" for j in range(1, hinges + 1)]
     if scene.tip is not None:
         bodies.append("tip: rigid body fixed to the end")
+    if isinstance(scene, Mechanism):
+        moving = "crank tip" if scene.crank_is_free else "crank tip, moved at the prescribed speed,"
+        compliant = math.isfinite(scene.slider.joint_stiffness)
+        how = (
+            "beside the follower's smooth centre line: spring and damper"
+            if compliant
+            else "on the follower's smooth centre line: one constraint, exact multiplier"
+        )
+        joints.append(f"{moving} {how}")
+        free += int(scene.crank_is_free) + int(compliant)
+    return ModelDescription(tuple(bodies), tuple(joints), free)
 
 
 def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,23 +1,34 @@
 """Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
 
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines import refusals
-from engines.base import Comparison, Engine, ModelDescription, Simulation
-from engines.mujoco import settings as ladder
-from engines.mujoco.alone import MujocoAlone
-from engines.mujoco.settings import ChainSettings
+from engines.base import Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
+from engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
 from engines.start import Start
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.natural_modes import stiffness_ratio
 
 _DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
 _OLDEST = (4, 0, 1)
+
+#: Where the first bending frequency is more than this many times the crank's, the follower's fast modes follow its load nearly at rest. The
+#: hinges then bear an armature that grows with the square of the ratio for the same error, and the step with the ratio.
+STIFF: Final = 20.0
+
+#: Parts of the links with which a chain is compared, and the order that is counted on. The slider, as it passes from link to link, shakes
+#: each chain in its own way, so that one difference alone may vanish by accident; where it passes them at the rate of a natural frequency
+#: the error does not fall with their number.
+COARSER: Final = (2.0 / 3.0, 3.0 / 4.0)
+SAFE_ORDER: Final = 2.0
+
+#: Fewer links than these have no order yet. They are compared with a finer chain, whose error is taken to be a third.
+FEWEST_WITH_ORDER: Final = 12
+FINER: Final = (18, 1.0 / 3.0)
 
 
 class MujocoEngine(Engine[ChainSettings]):
@@ -29,12 +40,10 @@ class MujocoEngine(Engine[ChainSettings]):
     settings_type = ChainSettings
 
     def version(self) -> str:
-        """See `Engine.version`."""
-        return f"mujoco {_installed() or 'not installed'}"
+        return f"mujoco {installed(*_DISTRIBUTIONS) or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        """See `Engine.unavailable`."""
-        found = _installed()
+        found = installed(*_DISTRIBUTIONS)
         if found is None or find_spec("mujoco") is None:
             return "the package mujoco is not installed (distribution mujoco-core)"
         if tuple(int(part) for part in found.split(".")[:3] if part.isdigit()) < _OLDEST:
@@ -42,52 +51,55 @@ class MujocoEngine(Engine[ChainSettings]):
         return None
 
     def check(self, mechanism: Mechanism) -> None:
-        """See `Engine.check`."""
         refusals.of_slider_inertia(self.name, mechanism)
-        refusals.of_damper_alone(mechanism)
         refusals.of_massless_parts(self.name, mechanism, ", whose links need mass")
 
     def describe(self, mechanism: Mechanism, settings: ChainSettings) -> ModelDescription:
-        """See `Engine.describe`."""
         from engines.mujoco import chain
 
         return chain.describe(mechanism, chain.hinge_count(mechanism, settings.links))
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ChainSettings:
-        """See `Engine.settings_for`."""
-        return ladder.for_accuracy(accuracy, stiffness_ratio(mechanism))
+    def settings_for(self, accuracy: float, mechanism: Scene) -> ChainSettings:
+        """The cheapest rung whose claim in run 24 is within `accuracy`; larger steps where the follower is stiff."""
+        ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
+        return LADDER.pick(accuracy).replaced(armature=min(ARMATURE * max(1.0, ratio / STIFF) ** 2, STIFFEST_ARMATURE))
 
-    def comparisons(self, settings: ChainSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Chains with other numbers of links."""
-        return ladder.comparisons(settings)
+    def comparisons(self, settings: ChainSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+        """Two coarser chains, or a finer one for a chain too coarse. The step, bound to stability, leaves no error of its own."""
+        if settings.links < FEWEST_WITH_ORDER:
+            links, factor = FINER
+            return (Comparison(settings, settings.replaced(links=links), factor),)
+        return tuple(Comparison(settings, settings.replaced(links=round(part * settings.links)), part**-SAFE_ORDER) for part in COARSER)
 
     def finer(self, settings: ChainSettings, excess: tuple[float, ...], output_step: float) -> ChainSettings | None:
-        """See `Engine.finer`."""
-        return ladder.LADDER.finer(settings, excess)
+        return LADDER.finer(settings, excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> Simulation:
-        """See `Engine.prepare`."""
         self.check(mechanism)
         from engines.mujoco.simulation import ChainSimulation
 
         return ChainSimulation(mechanism, start, settings)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> NDArray[np.float64]:
-        """See `Engine.natural_frequencies`."""
         self.check(mechanism)
         from engines.mujoco import modes
 
         return modes.natural_frequencies(mechanism, crank_angle, count, settings.links)
 
-    def follower_alone(self) -> MujocoAlone:
+    def follower_alone(self) -> "MujocoAlone":
         """The same chain on a base that is turned."""
         return MujocoAlone(self)
 
 
-def _installed() -> str | None:
-    for distribution in _DISTRIBUTIONS:
-        try:
-            return version(distribution)
-        except PackageNotFoundError:
-            continue
-    return None
+class MujocoAlone(FollowerEngine[ChainSettings]):
+    """The base link is turned; the tangent of the beam that the chain stands for lies h²/24 of the curvature's slope beside it."""
+
+    def describe(self, scene: FollowerAlone, settings: ChainSettings) -> ModelDescription:
+        from engines.mujoco import chain
+
+        return chain.describe(scene, chain.hinge_count(scene, settings.links))
+
+    def prepare(self, scene: FollowerAlone, start: None, settings: ChainSettings) -> Simulation:
+        from engines.mujoco.simulation import ChainSimulation
+
+        return ChainSimulation(scene, None, settings)

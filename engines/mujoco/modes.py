@@ -8,7 +8,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from engines.mujoco import chain, kernels
-from reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, changed
+from reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene, changed
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
@@ -37,23 +37,21 @@ def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArra
     return np.asarray(np.cumsum(coefficients[::-1])[::-1])  # a hinge turns every link beyond it
 
 
-def highest_frequency(model: mujoco.MjModel, mechanism: Mechanism, hinges: int) -> float:
+def highest_frequency(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     """Highest angular frequency of the straight chain, rad/s: what an explicit integrator must keep up with.
 
-    A rigid joint lowers it; a compliant one raises it, by what depends on the slider's place.
+    A rigid joint lowers it; a compliant one raises it, by what depends on the slider's place. A base that turns as prescribed does not
+    give way.
     """
-    mass, stiffness = chain.follower_matrices(model, mechanism, hinges)
-    if not math.isfinite(mechanism.slider.joint_stiffness):
-        return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))
-    highest = 0.0
-    for crank_angle in np.linspace(0.0, math.pi, 13):
-        row = support_row(mechanism, hinges, crank_angle)
-        softened = stiffness + mechanism.slider.joint_stiffness * np.outer(row, row)
-        highest = max(highest, float(np.sqrt(scipy.linalg.eigvalsh(softened, mass)[-1])))
-    return highest
-
-
-def highest_clamped_frequency(model: mujoco.MjModel, scene: FollowerAlone, hinges: int) -> float:
-    """The same of the chain whose base does not give way, rad/s."""
     mass, stiffness = chain.follower_matrices(model, scene, hinges)
-    return float(np.sqrt(scipy.linalg.eigvalsh(stiffness[1:, 1:], mass[1:, 1:])[-1]))
+    if isinstance(scene, FollowerAlone):
+        return _highest(stiffness[1:, 1:], mass[1:, 1:])
+    spring = scene.slider.joint_stiffness
+    if not math.isfinite(spring):
+        return _highest(stiffness, mass)
+    rows = [support_row(scene, hinges, crank_angle) for crank_angle in np.linspace(0.0, math.pi, 13)]
+    return max(_highest(stiffness + spring * np.outer(row, row), mass) for row in rows)
+
+
+def _highest(stiffness: NDArray[np.float64], mass: NDArray[np.float64]) -> float:
+    return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))

@@ -13,7 +13,7 @@ from engines.base import EngineFailure, Simulation
 from engines.mujoco import chain, kernels, modes
 from engines.mujoco.settings import ChainSettings
 from engines.start import Start
-from engines.start_state import StartState, reconstruct
+from engines.start_state import reconstruct
 from engines.trajectory import FollowerTrajectory, Trajectory
 from reference_model.columns import OBSERVED, of_follower_alone
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
@@ -26,11 +26,19 @@ _STEPS_PER_TURN = 400  # of the crank, where stability asks for less
 _ROWS_AT_ONCE = 250  # so that an interrupt from the keyboard is heard between
 
 
-class LinkSimulation(Simulation):
-    """See `Simulation`. The state is MuJoCo's; `kernels.CONTEXT` holds the constraint's."""
+class ChainSimulation(Simulation):
+    """See `Simulation`. The state is MuJoCo's; `kernels.CONTEXT` holds the constraint's.
 
-    def __init__(self, scene: Scene, settings: ChainSettings) -> None:
+    Args:
+        scene: the mechanism, or the follower alone.
+        start: of the mechanism; None: straight and at rest.
+        settings: of the chain.
+    """
+
+    def __init__(self, scene: Scene, start: Start | None, settings: ChainSettings) -> None:
+        begun = time.perf_counter()
         self.time = 0.0
+        self._scene = scene
         self._hinges = chain.hinge_count(scene, settings.links)
         self._model = chain.build(scene, self._hinges, _armature(scene, settings))
         self._data = mujoco.MjData(self._model)
@@ -38,18 +46,54 @@ class LinkSimulation(Simulation):
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
         self._gauge_weights = _interpolation(self._gauges, scene.follower.length, self._hinges)
-        self._length = scene.follower.length
-        self._largest_step = settings.step
-
-    def _trajectory(self, columns: dict[str, Array], seconds: float, statistics: dict[str, float]) -> Trajectory:
-        return Trajectory(columns, seconds, statistics)
+        self._step_is_set = settings.step > 0.0
+        highest = modes.highest_frequency(self._model, scene, self._hinges) if self._hinges and not self._step_is_set else 0.0
+        self._largest_step = _SAFETY * _STABILITY_LIMIT / highest if highest > 0.0 else settings.step or math.inf
+        if start is not None:
+            self._place(start)
+        self.setup_seconds = time.perf_counter() - begun
 
     def _step_over(self, duration: float) -> float:
-        """The largest step for the next `duration` (s), s."""
-        return self._largest_step
+        """Small enough for the chain's highest frequency and for what drives it in the next `duration` (s), s."""
+        if self._step_is_set:
+            return self._largest_step
+        if isinstance(self._scene, FollowerAlone):
+            return min(self._largest_step, self._scene.spin_up.time / _STEPS_PER_TURN)
+        speed = self._fastest(self._scene, duration)
+        return min(self._largest_step, 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf)
+
+    def _fastest(self, mechanism: Mechanism, duration: float) -> float:
+        """Speed of the crank, rad/s, that its drive alone could bring about from the present one.
+
+        No faster than where the damping balances the torque: with little damping that is a speed which no run lasts long enough for.
+        """
+        drive = mechanism.crank.drive
+        if not isinstance(drive, TorqueDrive):
+            return abs(drive.speed)
+        present = abs(float(self._data.qvel[0]))
+        reached = present + abs(drive.torque) * duration / mechanism.crank_inertia
+        balanced = abs(drive.torque) / drive.damping if drive.damping > 0.0 else math.inf
+        return max(present, min(reached, balanced))
+
+    def _place(self, start: Start) -> None:
+        """Bend the chain into the start's shape; the base turns until the slider lies on its centre line, and moves accordingly."""
+        assert isinstance(self._scene, Mechanism)
+        state, length = reconstruct(self._scene, start), self._scene.follower.length
+        qpos, qvel = self._data.qpos, self._data.qvel
+        first = self._model.nv - self._hinges - 1
+        if first:
+            qpos[0], qvel[0] = start.crank_angle, start.crank_speed
+        link_centers = np.linspace(0.0, length, self._hinges + 1)
+        qpos[first], qvel[first] = state.follower_angle, state.follower_rate
+        qpos[first + 1 :] = _hinge_angles(state.tangent(link_centers))
+        qvel[first + 1 :] = _hinge_angles(state.tangent_rate(link_centers))
+        self._context["slider_position"] = state.slider_position
+        self._context["prescribed_angle"] = start.crank_angle
+        gap = kernels.assemble(self._context, qpos, qvel, start.crank_angle, start.crank_speed)
+        if not abs(gap) < 1e-12 * length:
+            raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {gap:.3g} m is left", "try more links (engine.links)")
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
-        """See `Simulation.advance`."""
         begun = time.perf_counter()
         table = np.empty((round(duration / output_step) + 1, len(OBSERVED)))
         times = self.time + output_step * np.arange(len(table), dtype=np.float64)
@@ -76,7 +120,10 @@ class LinkSimulation(Simulation):
                     break
         columns = {"time": times[:rows]} | dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
         statistics = {"steps": float(steps * max(rows - 1, 0))}
-        trajectory = self._trajectory(columns, time.perf_counter() - begun, statistics)
+        kind = Trajectory
+        if isinstance(self._scene, FollowerAlone):  # without the columns of what is not there; the drive turns the base
+            kind, columns = FollowerTrajectory, of_follower_alone(columns)
+        trajectory = kind(columns, time.perf_counter() - begun, statistics)
         if state != kernels.GOOD:
             good = times[max(rows - 1, 0)]
             raise EngineFailure(float(good), *self._reason(state), trajectory if rows else None)
@@ -86,79 +133,12 @@ class LinkSimulation(Simulation):
     def _reason(self, state: int) -> tuple[str, str]:
         """Cause and advice."""
         if state == kernels.SLIDER_LEFT:
-            place, length = float(self._context["slider_position"][0]), self._length
+            place, length = float(self._context["slider_position"][0]), self._scene.follower.length
             return (
                 f"the slider left the follower (arc length {place:.6g} m, follower.length {length:.6g} m)",
                 "lengthen the follower or slow the crank",
             )
         return "the motion grew beyond all bounds", f"try a step below {self._model.opt.timestep:.3g} s (engine.step) or more links"
-
-
-class ChainSimulation(LinkSimulation):
-    """The mechanism."""
-
-    def __init__(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> None:
-        begun = time.perf_counter()
-        super().__init__(mechanism, settings)
-        self._mechanism = mechanism
-        self._follows_crank = settings.step == 0.0
-        if self._follows_crank:
-            highest = modes.highest_frequency(self._model, mechanism, self._hinges) if self._hinges else 0.0
-            self._largest_step = _SAFETY * _STABILITY_LIMIT / highest if highest > 0.0 else math.inf
-        self._place(reconstruct(mechanism, start), start)
-        self.setup_seconds = time.perf_counter() - begun
-
-    def _step_over(self, duration: float) -> float:
-        """Small enough for the chain's highest frequency and for the speed that the crank may reach by then, s."""
-        if not self._follows_crank:
-            return self._largest_step
-        speed = self._fastest(duration)
-        return min(self._largest_step, 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf)
-
-    def _fastest(self, duration: float) -> float:
-        """Speed of the crank, rad/s, that its drive alone could bring about from the present one.
-
-        No faster than where the damping balances the torque: with little damping that is a speed which no run lasts long enough for.
-        """
-        drive = self._mechanism.crank.drive
-        if not isinstance(drive, TorqueDrive):
-            return abs(drive.speed)
-        present = abs(float(self._data.qvel[0]))
-        reached = present + abs(drive.torque) * duration / self._mechanism.crank_inertia
-        balanced = abs(drive.torque) / drive.damping if drive.damping > 0.0 else math.inf
-        return max(present, min(reached, balanced))
-
-    def _place(self, state: StartState, start: Start) -> None:
-        """Bend the chain into the start's shape; the base turns until the slider lies on its centre line, and moves accordingly."""
-        qpos, qvel = self._data.qpos, self._data.qvel
-        first = self._model.nv - self._hinges - 1
-        if first:
-            qpos[0], qvel[0] = start.crank_angle, start.crank_speed
-        link_centers = np.linspace(0.0, self._mechanism.follower.length, self._hinges + 1)
-        qpos[first], qvel[first] = state.follower_angle, state.follower_rate
-        qpos[first + 1 :] = _hinge_angles(state.tangent(link_centers))
-        qvel[first + 1 :] = _hinge_angles(state.tangent_rate(link_centers))
-        self._context["slider_position"] = state.slider_position
-        self._context["prescribed_angle"] = start.crank_angle
-        gap = kernels.assemble(self._context, qpos, qvel, start.crank_angle, start.crank_speed)
-        if not abs(gap) < 1e-12 * self._mechanism.follower.length:
-            raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {gap:.3g} m is left", "try more links (engine.links)")
-
-
-class FollowerSimulation(LinkSimulation):
-    """The follower alone, straight and at rest."""
-
-    def __init__(self, scene: FollowerAlone, settings: ChainSettings) -> None:
-        begun = time.perf_counter()
-        super().__init__(scene, settings)
-        if settings.step == 0.0:
-            highest = modes.highest_clamped_frequency(self._model, scene, self._hinges)
-            self._largest_step = min(_SAFETY * _STABILITY_LIMIT / highest, scene.spin_up.time / _STEPS_PER_TURN)
-        self.setup_seconds = time.perf_counter() - begun
-
-    def _trajectory(self, columns: dict[str, Array], seconds: float, statistics: dict[str, float]) -> Trajectory:
-        """Without the columns of what is not there; the drive turns the base."""
-        return FollowerTrajectory(of_follower_alone(columns), seconds, statistics)
 
 
 def _armature(mechanism: Scene, settings: ChainSettings) -> float:
@@ -174,10 +154,8 @@ def _hinge_angles(tangents: Array) -> Array:
     difference / 24, up to order h⁴.
     """
     angles = np.diff(tangents)
-    corrected = angles.copy()
-    if len(angles) > 2:
-        corrected[1:-1] -= np.diff(angles, 2) / 24.0
-    return corrected
+    angles[1:-1] -= np.diff(angles, 2) / 24.0
+    return angles
 
 
 def _interpolation(gauges: Array, length: float, hinges: int) -> Array:
@@ -215,13 +193,13 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "beam_damping": follower.damping,
         "base_damping": scene.base.damping,
     }
-    for name, value in (values | (_spin_up(scene) if isinstance(scene, FollowerAlone) else _crank_and_slider(scene))).items():
+    if isinstance(scene, FollowerAlone):
+        values |= {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
+    else:
+        values |= _crank_and_slider(scene)
+    for name, value in values.items():
         context[name] = value
     return context
-
-
-def _spin_up(scene: FollowerAlone) -> dict[str, complex]:
-    return {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
 
 
 def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:

@@ -4,8 +4,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from engines.base import Comparison, Engine, ModelDescription
-from engines.follower import FollowerEngine, parts
+from engines.base import Engine, FollowerEngine, ModelDescription
 from reference_model.mechanism import FollowerAlone
 
 if TYPE_CHECKING:
@@ -15,38 +14,29 @@ if TYPE_CHECKING:
 
 
 class OwnAlone(FollowerEngine[Any]):
-    """A model without a slider: settings and comparisons are the engine's, which takes any scene for them.
+    """A model without a slider. The engine's table serves: shapes converge faster so, and estimates are too large rather than too small.
 
     Args:
-        engine: the engine whose model it is; its settings have a `tolerance`.
-        shapes: settings -> number and kind of the shapes, "5 clamped modes".
+        engine: the engine whose model it is; its settings have a `tolerance` and a `shape_count`.
         model: scene and settings -> the model.
+        kind: of the shapes.
     """
 
-    def __init__(
-        self,
-        engine: Engine[Any],
-        shapes: Callable[[Any], tuple[int, str]],
-        model: "Callable[[FollowerAlone, Any], BeamModel | ThesisModel]",
-    ) -> None:
+    def __init__(self, engine: Engine[Any], model: "Callable[[FollowerAlone, Any], BeamModel | ThesisModel]", kind: str = "shapes") -> None:
         super().__init__(engine)
-        self._shapes, self._model = shapes, model
+        self._model, self._kind = model, kind
 
     def describe(self, scene: FollowerAlone, settings: Any) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
-        count, kind = self._shapes(settings)
-        return ModelDescription(*parts(scene, f"follower beam ({count} {kind})"), count)
-
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> Any:
-        """The engine's table: shapes converge faster without a slider."""
-        return self.engine.settings_for(accuracy, scene)  # type: ignore[arg-type]
-
-    def comparisons(self, settings: Any, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """As with the mechanism: the estimate is too large rather than too small."""
-        return self.engine.comparisons(settings, scene, output_step)  # type: ignore[arg-type]
+        bodies = {
+            "base block": scene.base.inertia > 0.0,
+            f"follower beam ({settings.shape_count} {self._kind})": True,
+            "tip body": scene.tip is not None,
+        }
+        joints = ("base on the ground (angle prescribed)", "follower clamped to the base")
+        return ModelDescription(tuple(name for name, there in bodies.items() if there), joints, settings.shape_count)
 
     def prepare(self, scene: FollowerAlone, start: None, settings: Any) -> "OwnSimulation":
-        """See `FollowerEngine.prepare`."""
         from engines.own.simulation import OwnSimulation
 
         began = time.perf_counter()

@@ -30,8 +30,19 @@ class BeamSettings(Settings):
 
     tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
+    @property
+    def shape_count(self) -> int:
+        """Number of shapes of a flexible follower."""
+        raise NotImplementedError
+
 
 S = TypeVar("S", bound=BeamSettings)
+
+#: First bending frequency over the crank's in run 24, on which ladders were measured.
+RATIO_OF_RUN_24: Final = 4.1
+
+#: The slider's joint where the follower's angle follows from the crank's.
+ELIMINATED_SLIDER: Final = "slider on the centre line (eliminated)"
 
 
 class BeamEngine(Engine[S]):
@@ -49,13 +60,9 @@ class BeamEngine(Engine[S]):
             Refusal: the scene has what this model cannot carry.
         """
 
-    @abstractmethod
-    def shape_count(self, mechanism: Mechanism, settings: S) -> int:
-        """Number of shapes of a flexible follower."""
-
-    @abstractmethod
     def joint_line(self, mechanism: Mechanism, settings: S) -> str:
         """The slider's joint in one line, for the description."""
+        return ELIMINATED_SLIDER
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """Whether the follower's angle is a coordinate of its own."""
@@ -68,13 +75,11 @@ class BeamEngine(Engine[S]):
     def describe(self, mechanism: Mechanism, settings: S) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
         self.check(mechanism)
-        n = 0 if mechanism.follower.is_rigid else self.shape_count(mechanism, settings)
-        free = n + (1 if mechanism.crank_is_free else 0) + (1 if self.opens_loop(mechanism) else 0)
-        joints = joints_of(mechanism, self.joint_line(mechanism, settings))
-        return ModelDescription(bodies_of(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid"), joints, free)
+        n = 0 if mechanism.follower.is_rigid else settings.shape_count
+        joint, coordinates = self.joint_line(mechanism, settings), n + int(self.opens_loop(mechanism))
+        return description(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid", joint, coordinates)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: S) -> "OwnSimulation":
-        """See `engines.base.Engine.prepare`."""
         from engines.own.simulation import OwnSimulation
 
         self.check(mechanism)
@@ -91,10 +96,6 @@ class BeamEngine(Engine[S]):
         return self.model(mechanism, settings).natural_frequencies(crank_angle, count)
 
 
-#: First bending frequency over the crank's in run 24, on which ladders were measured.
-RATIO_OF_RUN_24: Final = 4.1
-
-
 def gain_of(scene: Scene) -> float:
     """Error of few shapes over that in run 24.
 
@@ -105,8 +106,8 @@ def gain_of(scene: Scene) -> float:
     return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
 
 
-def bodies_of(mechanism: Mechanism, beam: str) -> tuple[str, ...]:
-    """Bodies that have terms in the equations; the beam is described by a word or two."""
+def description(mechanism: Mechanism, beam: str, joint: str, coordinates: int) -> ModelDescription:
+    """What has terms in the equations: beam in a word or two, the slider's joint in a line, coordinates besides the crank's angle."""
     slider = mechanism.slider
     bodies = {
         "crank": True,
@@ -116,12 +117,12 @@ def bodies_of(mechanism: Mechanism, beam: str) -> tuple[str, ...]:
         "slider mass": slider.mass > 0.0,
         "slider rotary inertia": slider.inertia > 0.0,
     }
-    return tuple(name for name, there in bodies.items() if there)
-
-
-def joints_of(mechanism: Mechanism, slider: str) -> tuple[str, ...]:
-    """Joints; the slider's is described by a line."""
-    return "crank pivot" if mechanism.crank_is_free else "crank pivot (speed prescribed)", "follower pivot", slider
+    pivot = "crank pivot" if mechanism.crank_is_free else "crank pivot (speed prescribed)"
+    return ModelDescription(
+        tuple(name for name, there in bodies.items() if there),
+        (pivot, "follower pivot", joint),
+        coordinates + int(mechanism.crank_is_free),
+    )
 
 
 def state_of(model: "BeamModel", mechanism: Mechanism, start: Start) -> NDArray[np.float64]:

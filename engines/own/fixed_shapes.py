@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from engines import refusals
 from engines.own.alone import OwnAlone
-from engines.own.beam_engine import gain_of
-from engines.own.staying_shapes import LADDER, ShapeSettings, StayingShapesEngine, shape_number, shapes_of
+from engines.own.staying_shapes import ShapeSettings, StayingShapesEngine
 from engines.settings import setting
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from reference_model.rigid import rigid_motion
@@ -26,7 +25,6 @@ class FixedShapesSettings(ShapeSettings):
     """Settings of `fixed-shapes`."""
 
     shapes: int = setting(16, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
-    tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
     damping_law: str = setting(_BOTH, "velocity relative to the base frame that the beam damping acts on", choices=(_BOTH, "transverse"))
 
 
@@ -44,24 +42,16 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant slider joint: the loop is closed exactly."""
-        refusals.of_compliance(self.name, mechanism, "loop")
+        refusals.of_compliance(self.name, mechanism)
 
-    def model(self, mechanism: Mechanism, settings: FixedShapesSettings) -> "BeamModel":
-        """See `BeamEngine.model`."""
+    def model(self, scene: Scene, settings: FixedShapesSettings) -> "BeamModel":
         from reference_model.model import BeamModel
 
-        shapes = shapes_of(mechanism.follower, settings)
-        refusals.of_kinks(mechanism, shapes, "clamped-free modes or one Hermite element")
-        return BeamModel.staying(mechanism, shapes, transverse_damping=settings.damping_law != _BOTH)
-
-    def joint_line(self, mechanism: Mechanism, settings: FixedShapesSettings) -> str:
-        """No joint force at all."""
-        return "slider on the centre line (eliminated)"
-
-    def settings_for(self, accuracy: float, mechanism: Scene) -> FixedShapesSettings:
-        """Number of shapes from the measured table; fewer where the follower is stiffer than run 24's."""
-        rung = LADDER.pick(accuracy, gain_of(mechanism))
-        return FixedShapesSettings(shapes=rung.shapes, tolerance=rung.tolerance)
+        shapes, transverse = self.shapes(scene.follower, settings), settings.damping_law != _BOTH
+        if isinstance(scene, FollowerAlone):
+            return BeamModel.alone(scene, shapes, transverse_damping=transverse)
+        refusals.of_kinks(scene, shapes, "clamped-free modes or one Hermite element")
+        return BeamModel.staying(scene, shapes, self.treatment(scene, settings), transverse_damping=transverse)
 
     def natural_frequencies(
         self, mechanism: Mechanism, crank_angle: float, count: int, settings: FixedShapesSettings
@@ -84,13 +74,7 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
 
     def follower_alone(self) -> OwnAlone:
         """The same beam on a base that turns as prescribed."""
-
-        def model(scene: FollowerAlone, settings: FixedShapesSettings) -> "BeamModel":
-            from reference_model.model import BeamModel
-
-            return BeamModel.alone(scene, shapes_of(scene.follower, settings), transverse_damping=settings.damping_law != _BOTH)
-
-        return OwnAlone(self, lambda settings: (shape_number(settings), "shapes"), model)
+        return OwnAlone(self, self.model)
 
 
 def _nodes(length: float, support: float, elements: int) -> NDArray[np.float64]:

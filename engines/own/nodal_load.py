@@ -1,20 +1,16 @@
 """The engine `nodal-load`: standard finite elements with fixed nodes, the slider force shared between two of them (Buchanan)."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from engines import refusals
 from engines.base import Comparison
 from engines.ladder import Ladder
 from engines.own.beam_engine import BeamSettings, gain_of
 from engines.own.staying_shapes import RivalEngine
 from engines.settings import setting
-from reference_model.mechanism import Mechanism
-from reference_model.shapes import hermite_elements, no_shapes
+from reference_model.mechanism import Follower, Mechanism
+from reference_model.shapes import ShapeSet, hermite_elements, no_shapes
 from reference_model.treatment import CHORDS, LEVER, MULTIPLIER, Treatment
-
-if TYPE_CHECKING:
-    from reference_model.model import BeamModel
 
 _DISTRIBUTIONS: Final = {"lever": LEVER, "consistent": MULTIPLIER, "both linear": CHORDS}
 
@@ -52,6 +48,10 @@ class NodalLoadSettings(BeamSettings):
         high=1e-2,
     )
 
+    @property
+    def shape_count(self) -> int:
+        return 2 * self.elements
+
 
 #: Error of the tip deflection in run 24 over 2 s, lever rule; with four and six elements it fails there.
 _CLAIMS: Final = {4: 1.0, 6: 5e-1, 8: 3e-1, 12: 1e-1, 16: 6e-2, 24: 3e-2}
@@ -69,24 +69,14 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
     estimates = "unverified"
     settings_type = NodalLoadSettings
 
-    def check(self, mechanism: Mechanism) -> None:
-        """Refuse a compliant joint besides what no rival can do."""
-        super().check(mechanism)
-        refusals.of_compliance(self.name, mechanism, "gap")
+    def shapes(self, follower: Follower, settings: NodalLoadSettings) -> ShapeSet:
+        return no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
 
-    def model(self, mechanism: Mechanism, settings: NodalLoadSettings) -> "BeamModel":
-        """See `BeamEngine.model`; conjugate distributions need no damping, and a rigid follower has no nodes but one multiplier."""
-        from reference_model.model import BeamModel
-
-        follower = mechanism.follower
-        shapes = no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
+    def treatment(self, mechanism: Mechanism, settings: NodalLoadSettings) -> Treatment:
+        """Conjugate distributions need no damping; a rigid follower has no nodes but one multiplier."""
+        kind = MULTIPLIER if mechanism.follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
         damping = settings.bending_damping if settings.distribution == "lever" else 0.0
-        kind = MULTIPLIER if follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
-        return BeamModel.staying(mechanism, shapes, Treatment(kind=kind, stabilization=settings.stabilization, bending_damping=damping))
-
-    def shape_count(self, mechanism: Mechanism, settings: NodalLoadSettings) -> int:
-        """Two per element."""
-        return 2 * settings.elements
+        return Treatment(kind=kind, stabilization=settings.stabilization, bending_damping=damping)
 
     def joint_line(self, mechanism: Mechanism, settings: NodalLoadSettings) -> str:
         """Which distribution."""

@@ -4,6 +4,7 @@ What its numbers were measured from stands in `engines/LADDERS.md`, section 1.
 """
 
 import math
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -39,6 +40,9 @@ MOST_MODES: Final = 16
 #: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
+#: Distance at which the search for a steady state makes its last step, which leaves a tenth of it or less: what counts as settled when
+#: marching.
+ORBIT_TOLERANCE: Final = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +51,10 @@ class ReferenceSettings(BeamSettings):
 
     modes: int = setting(5, "modes of the beam supported at the slider", low=1, high=MOST_MODES)
     tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
+
+    @property
+    def shape_count(self) -> int:
+        return self.modes
 
 
 #: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s.
@@ -76,8 +84,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     kind_of_shapes = "shapes that follow the slider"
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse a damper beside a rigid joint, and with a compliant one parts that the open loop leaves without inertia."""
-        refusals.of_damper_alone(mechanism)
+        """Refuse, with a compliant joint, parts that the open loop leaves without inertia."""
         if self.opens_loop(mechanism):
             refusals.of_massless_parts(self.name, mechanism, " with a compliant slider joint, which leaves the follower to itself")
 
@@ -85,26 +92,24 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """A compliant joint leaves the follower's angle free."""
         return math.isfinite(mechanism.slider.joint_stiffness)
 
-    def model(self, mechanism: Mechanism, settings: ReferenceSettings) -> "BeamModel":
+    def model(self, scene: Scene, settings: ReferenceSettings) -> "BeamModel":
         """See `BeamEngine.model`; a compliant joint is a spring and a damper along the normal."""
         from reference_model.model import BeamModel
 
-        slider, modes, treatment = mechanism.slider, settings.modes, CLOSED
-        if self.opens_loop(mechanism):
-            inertia = joint_inertia(mechanism, modes)
+        if isinstance(scene, FollowerAlone):
+            return BeamModel.alone(scene, settings.modes)
+        slider, modes, treatment = scene.slider, settings.modes, CLOSED
+        if self.opens_loop(scene):
+            inertia = joint_inertia(scene, modes)
             treatment = Treatment(kind=SPRING, stiffness=slider.joint_stiffness, damping=slider.joint_damping, inertia=inertia)
-        return BeamModel.following(mechanism, modes, treatment)
-
-    def shape_count(self, mechanism: Mechanism, settings: ReferenceSettings) -> int:
-        """The modes."""
-        return settings.modes
+        return BeamModel.following(scene, modes, treatment)
 
     def joint_line(self, mechanism: Mechanism, settings: ReferenceSettings) -> str:
         """Rigid or compliant."""
         slider = mechanism.slider
         if self.opens_loop(mechanism):
             return f"slider beside the centre line (compliant joint, {slider.joint_stiffness:g} N/m, {slider.joint_damping:g} N*s/m)"
-        return "slider on the centre line (eliminated)"
+        return super().joint_line(mechanism, settings)
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
         """Number of modes from the measured table; fewer where the follower is stiffer than run 24's."""
@@ -137,12 +142,33 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return LADDER.finer(settings, excess)
 
     def steady_state(self, mechanism: Mechanism, start: Start, settings: ReferenceSettings) -> SteadyState | None:
-        """See `engines.base.Engine.steady_state`; a rigid follower or a compliant slider joint is marched."""
+        """See `Engine.steady_state`; a rigid follower or a compliant slider joint is marched."""
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
-        from engines.own import orbit
+        from engines.own.simulation import OwnSimulation
+        from reference_model.model import BeamModel
+        from reference_model.periodic import NoPeriodicOrbit, periodic_orbit
+        from reference_model.section_map import turn_to
 
-        return orbit.steady_state(self.prepare(mechanism, start, settings))
+        begin = self.prepare(mechanism, start, settings)
+        model = begin.model
+        assert isinstance(model, BeamModel)
+        turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that no time counts its compiling
+        began = time.perf_counter()
+        try:
+            orbit = periodic_orbit(model, begin.state, ORBIT_TOLERANCE, settings.tolerance)
+        except NoPeriodicOrbit as reason:
+            raise NoSteadyState(str(reason)) from reason
+        return SteadyState(
+            simulation=OwnSimulation(model, orbit.state, settings.tolerance, begin.setup_seconds),
+            period=orbit.period,
+            multipliers=tuple(complex(multiplier) for multiplier in orbit.multipliers),
+            stable=orbit.stable,
+            iterations=orbit.iterations,
+            cycles_of_work=orbit.cycles_of_work,
+            residual=orbit.residual,
+            solve_seconds=time.perf_counter() - began,
+        )
 
     def periodic_start(self, mechanism: Mechanism, settings: ReferenceSettings) -> Start:
         """The periodic steady state at the slider's farthest place, as a start for any engine.
@@ -165,13 +191,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
 
     def follower_alone(self) -> OwnAlone:
         """Modes of the beam clamped at its base in place of those that follow the slider: five leave 6e-5 in the library's spin-up."""
-
-        def model(scene: FollowerAlone, settings: ReferenceSettings) -> "BeamModel":
-            from reference_model.model import BeamModel
-
-            return BeamModel.alone(scene, settings.modes)
-
-        return OwnAlone(self, lambda settings: (settings.modes, "clamped modes"), model)
+        return OwnAlone(self, self.model, "clamped modes")
 
 
 def joint_inertia(mechanism: Mechanism, modes: int) -> float:

@@ -37,9 +37,9 @@ class OwnSimulation(Simulation):
     """Advances the state vector of a model.
 
     Statistics of a trajectory: `right_hand_side_calls`, `integration_seconds`; of an open loop also `degrees_of_freedom` (coordinates
-    integrated), `largest_gap_rate` (m/s), and where
-    the slider's force is not conjugate to the motion `spurious_energy` (J, its work on crank and follower together, which an ideal
-    joint does not do), `spurious_energy_moved` (J, the same without regard to its sign) and `largest_spurious_power` (W).
+    integrated), `largest_gap_rate` (m/s), and where the slider's force is not conjugate to the motion `spurious_energy` (J, its work on
+    crank and follower together, which an ideal joint does not do), `spurious_energy_moved` (J, the same without regard to its sign) and
+    `largest_spurious_power` (W).
     """
 
     def __init__(self, model: BeamModel | ThesisModel, state: Array, tolerance: float, setup_seconds: float) -> None:
@@ -51,18 +51,12 @@ class OwnSimulation(Simulation):
         self._step = 0.0
 
     def present_start(self) -> Start:
-        """The present state as a start for any engine.
-
-        Raises:
-            TypeError: the thesis' model, whose shapes are too few to begin another engine with.
-        """
-        if not isinstance(self.model, BeamModel):
-            raise TypeError("only a model in the tangent's angle gives a start")
+        """The present state as a start for any engine; not of the thesis' model, whose shapes are too few for that."""
+        assert isinstance(self.model, BeamModel)
         deflection, rate = self.model.deflection(self.state)
         return Start(float(self.state[0]), float(self.state[self.model.parameters.speeds + 1]), deflection, rate)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
-        """See `engines.base.Simulation.advance`."""
         intervals = round(duration / output_step)
         began = time.perf_counter()
         result = self.model.integrate(self.state, output_step, intervals, self.tolerance, self._step)

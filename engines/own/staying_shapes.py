@@ -1,16 +1,20 @@
 """What the engines with shapes that stay where they are share: settings, number of shapes, what to compare a run with."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Final, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from engines import refusals
-from engines.base import Comparison, Refusal
-from engines.follower import FollowerEngine
+from engines.base import Comparison, FollowerEngine, Refusal
 from engines.ladder import Ladder
-from engines.own.beam_engine import BeamEngine, BeamSettings, S
+from engines.own.beam_engine import BeamEngine, BeamSettings, S, gain_of
 from engines.settings import setting
 from reference_model.mechanism import Follower, Mechanism
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
+from reference_model.treatment import CLOSED, Treatment
+
+if TYPE_CHECKING:
+    from reference_model.model import BeamModel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,6 +23,11 @@ class ShapeSettings(BeamSettings):
 
     shapes: int = setting(12, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
     family: str = setting("clamped-free", "shapes that stay where they are", choices=("clamped-free", "hermite"))
+
+    @property
+    def shape_count(self) -> int:
+        """Elements bring two each."""
+        return 2 * max(1, self.shapes // 2) if self.family == "hermite" else self.shapes
 
 
 AnyShapes = TypeVar("AnyShapes", bound=ShapeSettings)
@@ -55,29 +64,39 @@ FEWEST_WITH_ORDER: Final = 8
 PART_OF_FINER: Final = 2.0 / 7.0
 
 
-def shapes_of(follower: Follower, settings: ShapeSettings) -> ShapeSet:
-    """Clamped-free modes or Hermite elements; none for a rigid follower."""
-    if follower.is_rigid:
-        return no_shapes(follower.length)
-    if settings.family == "hermite":
-        return hermite_elements(follower.length, max(1, settings.shapes // 2))
-    return clamped_free_modes(follower.length, settings.shapes)
+class StayingEngine(BeamEngine[S]):
+    """An engine whose shapes stay where they are."""
+
+    @abstractmethod
+    def shapes(self, follower: Follower, settings: S) -> ShapeSet:
+        """Of a follower; none of a rigid one."""
+
+    def treatment(self, mechanism: Mechanism, settings: S) -> Treatment:
+        """What happens to the gap at the slider; unless overridden the follower's angle closes it."""
+        return CLOSED
+
+    def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
+        from reference_model.model import BeamModel
+
+        return BeamModel.staying(mechanism, self.shapes(mechanism.follower, settings), self.treatment(mechanism, settings))
 
 
-def shape_number(settings: ShapeSettings) -> int:
-    """Of a flexible follower."""
-    return 2 * max(1, settings.shapes // 2) if settings.family == "hermite" else settings.shapes
-
-
-class StayingShapesEngine(BeamEngine[AnyShapes]):
+class StayingShapesEngine(StayingEngine[AnyShapes]):
     """An engine with clamped-free modes or Hermite elements."""
 
-    def shape_count(self, mechanism: Mechanism, settings: AnyShapes) -> int:
-        """As set; elements bring two each."""
-        return 0 if mechanism.follower.is_rigid else shape_number(settings)
+    def shapes(self, follower: Follower, settings: AnyShapes) -> ShapeSet:
+        if follower.is_rigid:
+            return no_shapes(follower.length)
+        if settings.family == "hermite":
+            return hermite_elements(follower.length, settings.shape_count // 2)
+        return clamped_free_modes(follower.length, settings.shapes)
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnyShapes:
+        """Number of shapes from the measured table; fewer where the follower is stiffer than run 24's."""
+        rung = LADDER.pick(accuracy, gain_of(mechanism))
+        return self.settings_type(shapes=rung.shapes, tolerance=rung.tolerance)
 
     def comparisons(self, settings: AnyShapes, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Other numbers of shapes."""
         return of_shapes(settings)
 
     def finer(self, settings: AnyShapes, excess: tuple[float, ...], output_step: float) -> AnyShapes | None:
@@ -85,13 +104,18 @@ class StayingShapesEngine(BeamEngine[AnyShapes]):
         return LADDER.finer(settings, excess)
 
 
-class RivalEngine(BeamEngine[S]):
+class RivalEngine(StayingEngine[S]):
     """An engine whose loop is open: the follower's angle is a coordinate of its own, the slider's constraint a force."""
+
+    #: Whether a compliant joint can be modelled.
+    joint_may_yield = False
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse what a force along the normal cannot do, and parts that the open loop leaves without inertia."""
         refusals.of_slider_inertia(self.name, mechanism)
         refusals.of_massless_parts(self.name, mechanism, ", whose shapes need mass of their own")
+        if not self.joint_may_yield:
+            refusals.of_compliance(self.name, mechanism)
 
     def follower_alone(self) -> FollowerEngine[S]:
         """Refuse: without a slider there is no constraint to treat."""

@@ -2,19 +2,16 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from engines.base import Comparison
 from engines.ladder import Ladder
 from engines.own.beam_engine import gain_of
 from engines.own.staying_shapes import LADDER as SHAPES
-from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, of_shapes, shapes_of
+from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, of_shapes
 from engines.settings import setting
 from reference_model.mechanism import Mechanism
 from reference_model.treatment import SPRING, Treatment
-
-if TYPE_CHECKING:
-    from reference_model.model import BeamModel
 
 LEAST_STIFFNESS: Final = 1.0  # N/m
 MOST_STIFFNESS: Final = 1e12  # N/m
@@ -77,15 +74,9 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
     method = "stiff transverse spring and damper at the slider, fixed shapes, exact planar geometry, DOP853"
     default_accuracy = 1e-2
     settings_type = StiffSpringSettings
+    joint_may_yield = True
 
-    def model(self, mechanism: Mechanism, settings: StiffSpringSettings) -> "BeamModel":
-        """See `BeamEngine.model`."""
-        from reference_model.model import BeamModel
-
-        shapes = shapes_of(mechanism.follower, settings)
-        return BeamModel.staying(mechanism, shapes, self._spring(mechanism, settings))
-
-    def _spring(self, mechanism: Mechanism, settings: StiffSpringSettings) -> Treatment:
+    def treatment(self, mechanism: Mechanism, settings: StiffSpringSettings) -> Treatment:
         """The scene's joint if it is compliant, else the stiff spring of the settings; dampings of joint and settings do not add."""
         slider = mechanism.slider
         if math.isfinite(slider.joint_stiffness):
@@ -94,7 +85,7 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
 
     def joint_line(self, mechanism: Mechanism, settings: StiffSpringSettings) -> str:
         """Whose spring it is."""
-        spring = self._spring(mechanism, settings)
+        spring = self.treatment(mechanism, settings)
         kind = "compliant joint" if math.isfinite(mechanism.slider.joint_stiffness) else "stiff spring in place of the constraint"
         return f"slider beside the centre line ({kind}, {spring.stiffness:g} N/m, {spring.damping:g} N*s/m)"
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from engines import refusals
 from engines.base import Comparison, Engine, EngineFailure, ModelDescription
 from engines.own.alone import OwnAlone
-from engines.own.beam_engine import bodies_of, joints_of
+from engines.own.beam_engine import ELIMINATED_SLIDER, description
 from engines.settings import Settings, setting
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -38,6 +38,10 @@ class ThesisSettings(Settings):
     elements: int = setting(1, "cubic Hermite elements; 1 is the thesis", low=1, high=12)
     geometry: str = setting("second-order", "foreshortening as in the thesis, or exact", choices=("second-order", "exact"))
 
+    @property
+    def shape_count(self) -> int:
+        return 2 * self.elements
+
 
 class ThesisEngine(Engine[ThesisSettings]):
     """The thesis' model as published. Its discretization is the model: accuracy asked and error estimate are the integration's."""
@@ -55,9 +59,9 @@ class ThesisEngine(Engine[ThesisSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse a compliant slider joint: the loop is closed exactly."""
-        refusals.of_compliance(self.name, mechanism, "loop")
+        refusals.of_compliance(self.name, mechanism)
 
-    def model(self, mechanism: Mechanism, settings: ThesisSettings) -> "ThesisModel":
+    def model(self, scene: Scene, settings: ThesisSettings) -> "ThesisModel":
         """The thesis' model of a scene.
 
         Raises:
@@ -65,16 +69,18 @@ class ThesisEngine(Engine[ThesisSettings]):
         """
         from reference_model.thesis.model import ThesisModel
 
-        self.check(mechanism)
-        return ThesisModel(mechanism, self._shapes(mechanism, settings), settings.geometry == "exact")
+        if isinstance(scene, FollowerAlone):
+            shapes = hermite_elements(scene.follower.length, settings.elements)
+        else:
+            self.check(scene)
+            shapes = self._shapes(scene, settings)
+        return ThesisModel(scene, shapes, settings.geometry == "exact")
 
     def describe(self, mechanism: Mechanism, settings: ThesisSettings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
         self.check(mechanism)
         n = self._shapes(mechanism, settings).count
-        free = n + (1 if mechanism.crank_is_free else 0)
-        joints = joints_of(mechanism, "slider on the centre line (eliminated)")
-        return ModelDescription(bodies_of(mechanism, f"{n} shapes" if n else "rigid"), joints, free)
+        return description(mechanism, f"{n} shapes" if n else "rigid", ELIMINATED_SLIDER, n)
 
     def _shapes(self, mechanism: Mechanism, settings: ThesisSettings) -> ShapeSet:
         """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""
@@ -84,7 +90,6 @@ class ThesisEngine(Engine[ThesisSettings]):
         return shapes
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ThesisSettings) -> "OwnSimulation":
-        """See `engines.base.Engine.prepare`."""
         from engines.own.simulation import OwnSimulation
 
         began = time.perf_counter()
@@ -130,10 +135,4 @@ class ThesisEngine(Engine[ThesisSettings]):
 
     def follower_alone(self) -> OwnAlone:
         """The same beam on a base that turns as prescribed."""
-
-        def model(scene: FollowerAlone, settings: ThesisSettings) -> "ThesisModel":
-            from reference_model.thesis.model import ThesisModel
-
-            return ThesisModel(scene, hermite_elements(scene.follower.length, settings.elements), settings.geometry == "exact")
-
-        return OwnAlone(self, lambda settings: (2 * settings.elements, "shapes"), model)
+        return OwnAlone(self, self.model)

@@ -178,7 +178,7 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
 
 
 def _is_engine(section: str) -> bool:
-    from cases.keys import SECTIONS
+    from cases.case import SECTIONS
 
     if section == _ALL_ENGINES or section in SECTIONS:
         return section == _ALL_ENGINES

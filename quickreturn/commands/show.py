@@ -56,8 +56,7 @@ def _print_for_others(cases: "Sequence[Case]", assignments: Sequence[str]) -> No
 
 
 def _document(loaded: "Case") -> dict[str, Any]:
-    from cases.document import values_in_si
-    from cases.keys import SECTIONS
+    from cases.case import SECTIONS
 
     return {
         "name": loaded.name,
@@ -65,7 +64,7 @@ def _document(loaded: "Case") -> dict[str, Any]:
         "tags": loaded.tags,
         "source": loaded.source,
         "notes": loaded.notes,
-        "scene": values_in_si(loaded),
+        "scene": loaded.values,
         "derived": _derived(loaded.scene),
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
         "engines": _models(loaded.scene),
@@ -106,6 +105,7 @@ def _models(scene: Any) -> list[dict[str, Any]]:
 
 
 def _print(document: dict[str, Any]) -> None:
+    from cases.case import shown_value
     from reports.output import print_table
 
     click.echo(f"{document['name']}: {document['title']}")
@@ -114,9 +114,9 @@ def _print(document: dict[str, Any]) -> None:
     units = document["units"]
     for section, values in document["scene"].items():
         click.echo(f"\n{section}")
-        print_table([(f"  {key}", _text(value), units[section][key]) for key, value in values.items()])
+        print_table([(f"  {key}", shown_value(value), units[section][key]) for key, value in values.items()])
     click.echo("\nwhat follows")
-    print_table([(f"  {name}", _text(of["value"]), of["unit"], of["meaning"]) for name, of in document["derived"].items()])
+    print_table([(f"  {name}", shown_value(of["value"]), of["unit"], of["meaning"]) for name, of in document["derived"].items()])
     for model in document["engines"]:
         if model["refused"]:
             click.echo(f"\n{model['engine']}: {model['refused']}")
@@ -137,7 +137,3 @@ def grouped(texts: Sequence[str]) -> list[str]:
         else:
             lines += members
     return lines
-
-
-def _text(value: Any) -> str:
-    return ", ".join(map(_text, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"

@@ -204,7 +204,7 @@ def test_who_is_at_work_is_announced(monkeypatch: pytest.MonkeyPatch, capsys: py
     monkeypatch.setattr(os, "sched_setaffinity", lambda *_: None)
     monkeypatch.setattr(measurement, "CONFIRMING", ("thesis", ({},)))
     monkeypatch.setattr(measurement, "TRUTH", ("thesis", {}))
-    measurement.pinned(short(), ("thesis",), 1, 10.0)
+    measurement.pinned(short(), ("thesis",), 1)
     assert measurement.last_at_work(capsys.readouterr().out)[0] == "thesis"
     assert measurement.last_at_work("something else") == (None, 0.0)
 
@@ -242,21 +242,21 @@ def test_at_the_time_limit_of_all_nobody_is_blamed_who_took_less(tmp_path: Any, 
     assert len(measured) == 1
 
 
-def _deadly(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
+def _deadly(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
     for name in names:
         print(f"\nat work: 0.0 {name}", flush=True)
         if name == "exudyn":
             os.abort()
         if name == "thesis":
             raise ZeroDivisionError("a bug")
-    return _quick(case, names, repetitions, longest)
+    return _quick(case, names, repetitions)
 
 
-def _quick(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
+def _quick(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
     sizes = dict.fromkeys(("tip_deflection",), float(np.float64(1.0)))
     truth, confirmation = Converged("none", {}, sizes), Confirmation("none", {}, failure="no")
-    return Benchmark(case.name, case.title, case.duration, truth, confirmation, (), repetitions, longest, {})
+    return Benchmark(case.name, case.title, case.duration, truth, confirmation, (), repetitions, 10.0, {})
 
 
-def _broken(case: Case, names: tuple[str, ...], repetitions: int, longest: float) -> Benchmark:
+def _broken(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
     raise EngineFailure(0.1, "the loop cannot close any more", "check the scene")

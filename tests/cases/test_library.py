@@ -15,48 +15,32 @@ from cases.library.hard import IMPOSSIBLE, SCENES
 from cases.library.thesis import RUNS, run_name
 from cases.reading import case_of, parse_case
 from reference_model.mechanism import TorqueDrive
+from tests.cases.scene_texts import SCENE
 
 # Run 24 as anyone would write it down from sections 3.2 and 5.3, with the crank damping mended.
-RUN_24 = """\
-name = "thesis-24"
-title = "Run 24: crank 4 in, six plates, 16.6 rad/s"
-tags = ["thesis"]
-[mechanism]
-pivot_distance = "18 in"
-gravity = ["0 m/s^2", "0 m/s^2"]
-[crank]
-length = "4 in"
-mass = "0.1 lbf*s^2/in"
-center_of_mass = "3 in"
-inertia = "4.0e-4 lbf*s^2*in"
-torque = "10 lbf*in"
-damping = "0.60176535 lbf*in*s/rad"
-initial_angle = "180 deg"
-initial_speed = "16.617773 rad/s"
-[base]
-inertia = "1.5e-4 lbf*s^2*in"
-damping = "2e-5 lbf*in*s/rad"
-[follower]
-length = "25 in"
-mass_per_length = "4.75987e-5 lbf*s^2/in^2"
-bending_stiffness = "2128.22 lbf*in^2"
-thickness = "0.125 in"
-width = "1.5 in"
-damping = "2e-5 lbf*s/in^2"
-strain_gauges = ["6.25 in", "12.5 in", "18.75 in"]
+RUN_24 = (
+    SCENE[: SCENE.index("[tip]")]
+    .replace('name = "scene"', 'name = "thesis-24"')
+    .replace('"A scene"', '"Run 24: crank 4 in, six plates, 16.6 rad/s"')
+    .replace('["test"]', '["thesis"]')
+    .replace("-386 in/s^2", "0 in/s^2")
+    + """\
 [tip]
 mass = "2.90e-4 lbf*s^2/in"
 inertia = "1.96e-5 lbf*s^2*in"
 center_of_mass = "0 in"
+
 [slider]
 mass = "0 kg"
 inertia = "0 kg*m^2"
 joint_stiffness = "inf"
 joint_damping = "0 N*s/m"
+
 [simulation]
 duration = "2 s"
 output_step = "1 ms"
 """
+)
 
 
 def test_the_library_holds_the_24_runs_every_file_of_its_folder_and_the_hard_scenes() -> None:

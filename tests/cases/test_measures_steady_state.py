@@ -67,12 +67,11 @@ def test_fast_transient_does_not_hide_a_slow_one() -> None:
     assert 0.02 * 0.8 ** (number - 1) < 1e-3
 
 
-def test_endless_change_is_given_up() -> None:
+def test_endless_change_never_settles() -> None:
     settling = Settling()
     random = np.random.default_rng(3)
-    while not settling.given_up:
-        assert not settling.feed(cycle(settling.cycles, np.sin(ANGLES + random.uniform(0.0, 6.0))))
-    assert settling.cycles == 60
+    for number in range(60):
+        assert not settling.feed(cycle(number, np.sin(ANGLES + random.uniform(0.0, 6.0))))
     assert settling.error_estimate > 1e-3
 
 
@@ -95,14 +94,6 @@ def test_channels_that_are_zero_do_not_disturb() -> None:
         turn = cycle(number, np.zeros(301))
         settling.feed(Cycle(turn.time, turn.crank_angle, {**turn.channels, "tip_acceleration": np.cos(ANGLES)}))
     assert settling.settled
-
-
-def test_changed_channels_are_refused() -> None:
-    settling = Settling()
-    settling.feed(cycle(0, np.sin(ANGLES)))
-    turn = cycle(1, np.sin(ANGLES))
-    with pytest.raises(ValueError, match="channels changed"):
-        settling.feed(Cycle(turn.time, turn.crank_angle, {"strain_2": np.sin(ANGLES)}))
 
 
 @pytest.mark.parametrize("number", [0, 2])
@@ -160,7 +151,7 @@ def fed(values: Iterable[float], settling: Settling) -> Settling:
 
 def test_a_slow_approach_says_how_many_cycles_it_would_take() -> None:
     settling = fed((0.95**n for n in range(60)), Settling())
-    assert settling.given_up
+    assert not settling.settled
     outlook = settling.outlook
     assert outlook.ratio == pytest.approx(0.95, rel=1e-3)
     assert outlook.stalled_since is None
@@ -177,7 +168,7 @@ def test_noise_that_does_not_die_away_is_told_with_the_cycle_since_which(seed: i
     """An approach that ends in noise: 0.6^n falls below 0.01 in the tenth cycle, where the changes are noise."""
     random = np.random.default_rng(seed)
     settling = fed((0.6**n + 0.01 * random.standard_normal() for n in range(60)), Settling())
-    assert settling.given_up
+    assert not settling.settled
     outlook = settling.outlook
     assert outlook.ratio is None
     assert outlook.cycles_needed is None

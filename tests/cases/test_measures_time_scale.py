@@ -148,6 +148,6 @@ def test_acceleration_lags_as_the_second_derivative_of_a_drifting_oscillation_do
     dragged = np.array([np.interp(2.0 * np.pi - places, np.linspace(0.0, np.pi, 61), column) for column in moving.dragged.T]).T
     # beyond half a turn the slider goes the other way
     others = -speed * np.einsum("aj,aj->a", dragged, tips) / tips[:, 0]
-    found = scale.quadrature("tip_acceleration", angles, np.full(angles.size, speed))[1:-1:400] / template[1:-1:400]
+    found = scale.quadratures["tip_acceleration"](angles)[1:-1:400] * speed / template[1:-1:400]
     assert np.abs(found).max() > 2e-3
     assert found - others == pytest.approx(lag[::400], abs=1e-4)  # second order in e, and differences over 1e-2 of a period

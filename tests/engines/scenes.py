@@ -42,3 +42,9 @@ def run_24(**changes: Any) -> Mechanism:
             change = dataclasses.replace(getattr(mechanism, part), **change)
         mechanism = dataclasses.replace(mechanism, **{part: change})
     return mechanism
+
+
+def violent() -> Mechanism:
+    """Crank tip 0.2 in from the follower's end at twice the speed: bending draws the end in."""
+    drive = TorqueDrive(torque=10.0 * POUND_FORCE * INCH, damping=0.3 * POUND_FORCE * INCH, initial_speed=10.0 / 0.3)
+    return run_24(crank={"length": 6.8 * INCH, "drive": drive}, tip=None)

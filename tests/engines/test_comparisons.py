@@ -8,6 +8,7 @@ from engines.base import Comparison, Engine
 from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
 from engines.own.multiplier import MultiplierEngine, MultiplierSettings
 from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
+from engines.own.staying_shapes import ShapeSettings
 from engines.own.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringEngine, StiffSpringSettings
 from engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
 from engines.settings import Settings
@@ -25,22 +26,17 @@ def pairs_of(engine: Engine, settings: Settings) -> tuple[Comparison, ...]:
     return pairs
 
 
-def assert_finer_has_the_smaller_error(pair: Comparison, own: int, other: int) -> None:
+def assert_finer_has_the_smaller_error(pair: Comparison, size: str) -> None:
+    own, other = (getattr(settings, size) for settings in (pair.run, pair.other))
     assert other != own
     assert (pair.factor < 1.0) == (other > own)
 
 
-@given(numbers, families)
-def test_fixed_shapes_are_compared_with_other_numbers_of_shapes(shapes: int, family: str) -> None:
-    engine = FixedShapesEngine()
-    for pair in pairs_of(engine, FixedShapesSettings(shapes=shapes, family=family)):
-        assert_finer_has_the_smaller_error(pair, *(engine.shape_count(run_24(), each) for each in (pair.run, pair.other)))
-
-
-@given(numbers, families)
-def test_multipliers_are_compared_with_other_numbers_of_shapes(shapes: int, family: str) -> None:
-    for pair in pairs_of(MultiplierEngine(), MultiplierSettings(shapes=shapes, family=family)):
-        assert_finer_has_the_smaller_error(pair, *(MultiplierEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
+@given(numbers, families, st.sampled_from([(FixedShapesEngine(), FixedShapesSettings), (MultiplierEngine(), MultiplierSettings)]))
+def test_shapes_are_compared_with_other_numbers_of_them(shapes: int, family: str, chosen: tuple[Engine, type[ShapeSettings]]) -> None:
+    engine, settings = chosen
+    for pair in pairs_of(engine, settings(shapes=shapes, family=family)):
+        assert_finer_has_the_smaller_error(pair, "shape_count")
 
 
 @given(numbers, families, st.floats(LEAST_STIFFNESS, MOST_STIFFNESS), st.floats(0.0, MOST_DAMPING))
@@ -48,7 +44,7 @@ def test_springs_are_compared_with_other_shapes_and_springs_apart(shapes: int, f
     settings = StiffSpringSettings(shapes=shapes, family=family, stiffness=stiffness, damping=damping)
     *of_shapes, of_spring = pairs_of(StiffSpringEngine(), settings)
     for pair in of_shapes:
-        assert_finer_has_the_smaller_error(pair, *(StiffSpringEngine().shape_count(run_24(), each) for each in (pair.run, pair.other)))
+        assert_finer_has_the_smaller_error(pair, "shape_count")
         assert isinstance(pair.other, StiffSpringSettings)
         assert (pair.other.stiffness, pair.other.damping) == (stiffness, damping)
     assert isinstance(of_spring.other, StiffSpringSettings)
@@ -77,8 +73,7 @@ def test_spring_is_stiffened_and_shapes_are_added_as_the_parts_ask() -> None:
 def test_elements_are_compared_with_other_numbers_of_them(elements: int) -> None:
     for pair in pairs_of(NodalLoadEngine(), NodalLoadSettings(elements=elements)):
         for each in (pair, pair.instead or pair):
-            assert isinstance(each.other, NodalLoadSettings)
-            assert_finer_has_the_smaller_error(each, elements, each.other.elements)
+            assert_finer_has_the_smaller_error(each, "elements")
 
 
 @given(tolerances)

@@ -11,29 +11,14 @@ from hypothesis import strategies as st
 
 from engines.base import EngineFailure, Refusal
 from engines.mujoco import chain
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import FEWEST_WITH_ORDER, LADDER, ChainSettings
+from engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
+from engines.mujoco.settings import LADDER, ChainSettings
 from engines.registry import engine
 from engines.start import standard_start
 from reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, TorqueDrive
 from tests.engines.scenes import INCH, run_24
 
 ENGINE = MujocoEngine()
-
-#: Frozen-crank frequencies of run 24, Hz, from converged models of other kinds.
-CONVERGED = {
-    180: (20.354, 62.287, 112.95, 212.94),
-    90: (17.779, 45.604, 135.26, 263.37),
-    0: (10.925, 63.787, 123.83, 230.04),
-}
-
-
-@pytest.mark.parametrize("degrees", CONVERGED)
-def test_frequencies_of_run_24(degrees: int) -> None:
-    found = ENGINE.natural_frequencies(run_24(), math.radians(degrees), 4, ChainSettings())
-    np.testing.assert_allclose(found, CONVERGED[degrees], rtol=5e-3)  # twelve links: the fourth mode is the worst, 0.4 %
-    fine = ENGINE.natural_frequencies(run_24(), math.radians(degrees), 4, ChainSettings(links=60))
-    np.testing.assert_allclose(fine, CONVERGED[degrees], rtol=2e-4)  # the fourth of 60 links: 1.2e-4
 
 
 @pytest.mark.parametrize(("place", "root"), [(0.5, 3.01183092), (0.7, 3.88535145)])
@@ -56,9 +41,7 @@ def test_tip_mass_half_an_inch_out_lowers_the_first_frequency() -> None:
         assert 1.0 - beyond / at_end == pytest.approx(lowered, abs=6e-4)  # known to 0.05 %
 
 
-def test_a_rigid_follower_has_no_natural_frequency() -> None:
-    rigid = run_24(follower={"bending_stiffness": math.inf})
-    assert ENGINE.natural_frequencies(rigid, 1.0, 4, ChainSettings()).shape == (0,)
+def test_there_are_as_many_frequencies_as_links() -> None:
     assert ENGINE.natural_frequencies(run_24(), 1.0, 99, ChainSettings(links=6)).shape == (6,)
 
 
@@ -184,11 +167,6 @@ def test_is_registered_and_available() -> None:
     assert isinstance(found, MujocoEngine)
     assert found.unavailable() is None
     assert found.version().startswith("mujoco 4.")
-
-
-def test_a_damper_beside_a_rigid_joint_is_refused() -> None:
-    with pytest.raises(Refusal, match=r"slider\.joint_damping: 1 N\*s/m does nothing in a rigid joint"):
-        MujocoEngine().check(run_24(slider={"joint_damping": 1.0}))
 
 
 def test_small_links_have_no_more_than_their_own_inertia() -> None:

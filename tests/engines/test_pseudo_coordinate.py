@@ -14,27 +14,19 @@ from engines.own.thesis import ThesisEngine, ThesisSettings
 from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.trajectory import join
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from reference_model.mechanism import PrescribedSpeed, Tip
 from reference_model.model import BeamModel, ObservationFailed
 from reference_model.natural_modes import frozen_crank_modes
 from reference_model.thesis.model import ThesisModel
-from tests.engines.scenes import INCH, POUND_FORCE, run_24
+from tests.engines.scenes import run_24, violent
 
 THESIS, FIXED = ThesisEngine(), FixedShapesEngine()
 
 
-@pytest.mark.parametrize(
-    ("degrees", "converged", "one_cubic"),
-    [
-        (180, (20.354, 62.287, 112.95, 212.94), (22.94, 74.96)),
-        (90, (17.779, 45.604, 135.26, 263.37), (19.76, 61.29)),
-        (0, (10.925, 63.787, 123.83, 230.04), (12.71, 84.90)),
-    ],
-)
-def test_frozen_crank_frequencies_of_run_24(degrees: int, converged: tuple[float, ...], one_cubic: tuple[float, ...]) -> None:
+@pytest.mark.parametrize(("degrees", "one_cubic"), [(180, (22.94, 74.96)), (90, (19.76, 61.29)), (0, (12.71, 84.90))])
+def test_frozen_crank_frequencies_of_run_24(degrees: int, one_cubic: tuple[float, ...]) -> None:
     angle = math.radians(degrees)
     found = FIXED.natural_frequencies(run_24(), angle, 4, FixedShapesSettings())
-    np.testing.assert_allclose(found, converged, rtol=5e-5)  # half a unit of the last printed digit
     # cubic elements against spans with polynomials of high degree: a sixteenth of the engine's own tolerance of convergence
     np.testing.assert_allclose(found, frozen_crank_modes(run_24(), angle, 4).frequencies, rtol=2e-7)
     cubic = THESIS.natural_frequencies(run_24(), angle, 4, ThesisSettings())
@@ -45,7 +37,6 @@ def test_frequencies_with_everything_that_vibrates() -> None:
     mechanism = run_24(slider={"inertia": 2e-4}, tip={"center_of_mass": 0.0127})
     found = FIXED.natural_frequencies(mechanism, 1.0, 4, FixedShapesSettings())
     np.testing.assert_allclose(found, frozen_crank_modes(mechanism, 1.0, 4).frequencies, rtol=2e-7)
-    assert len(FIXED.natural_frequencies(run_24(follower={"bending_stiffness": math.inf}), 1.0, 4, FixedShapesSettings())) == 0
 
 
 @pytest.mark.parametrize(("engine", "settings"), [(THESIS, ThesisSettings(tolerance=1e-9)), (FIXED, FixedShapesSettings(shapes=8))])
@@ -59,12 +50,6 @@ def test_pieces_make_the_same_motion_as_one_run(engine: Engine, settings: Settin
     for name in ("tip_deflection", "crank_angle", "slider_force"):
         # other steps, same tolerance: its error shows
         np.testing.assert_allclose(joined[name], whole[name], atol=2e-5 * np.max(np.abs(whole[name])), err_msg=name)
-
-
-def violent() -> Mechanism:
-    """Crank tip 0.2 in from the follower's end at twice the speed: bending draws the end in."""
-    drive = TorqueDrive(torque=10.0 * POUND_FORCE * INCH, damping=0.3 * POUND_FORCE * INCH, initial_speed=10.0 / 0.3)
-    return run_24(crank={"length": 6.8 * INCH, "drive": drive}, tip=None)
 
 
 @pytest.mark.parametrize("engine", [THESIS, FIXED])
@@ -153,11 +138,10 @@ def test_a_start_bent_like_another_engine_is_met_closely() -> None:
     assert np.max(np.abs(found(x) - bent(x))) < 1e-3 * 0.02
 
 
-@pytest.mark.parametrize(("key", "value"), [("joint_stiffness", 2e4), ("joint_damping", 1.0)])
-def test_a_compliant_joint_is_refused(key: str, value: float) -> None:
+def test_a_compliant_joint_is_refused() -> None:
     for engine in (THESIS, FIXED):
         with pytest.raises(Refusal, match=r"slider\.joint_stiffness"):
-            engine.check(run_24(slider={key: value}))
+            engine.check(run_24(slider={"joint_stiffness": 2e4}))
 
 
 def test_rotary_inertia_on_elements_is_refused() -> None:

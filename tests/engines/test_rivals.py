@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from engines.base import Engine, EngineFailure, Refusal
 from engines.mujoco.engine import MujocoEngine
@@ -16,13 +15,14 @@ from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
 from engines.registry import RIVALS, engine, engine_names
+from engines.relative import relative_error
 from engines.settings import Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Crank, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from tests.engines.energy import from_nowhere
 from tests.engines.scenes import run_24
 
-Array = NDArray[np.float64]
 CHANNELS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force", "follower_angle", "slider_position")
 SHAPES = 5
 
@@ -48,17 +48,6 @@ def nodal(elements: int, distribution: str) -> Trajectory:
     return run(NodalLoadEngine(), NodalLoadSettings(elements=elements, distribution=distribution, tolerance=1e-8))
 
 
-def error(found: Array, expected: Array) -> float:
-    return float(np.sqrt(np.mean((found - expected) ** 2) / np.mean(expected**2)))
-
-
-def balance(trajectory: Trajectory) -> Array:
-    """Energy that came from nowhere since the start, J."""
-    total = trajectory["kinetic_energy"] + trajectory["strain_energy"] + trajectory["gravity_energy"]
-    total = total + trajectory["dissipated_energy"] - trajectory["drive_work"]
-    return np.asarray(total - total[0], dtype=np.float64)
-
-
 def test_rivals_are_listed_after_the_main_engines() -> None:
     assert engine_names()[4:8] == RIVALS
     assert all(engine(name).name == name and engine(name).unavailable() is None for name in RIVALS)
@@ -68,7 +57,7 @@ def test_rivals_are_listed_after_the_main_engines() -> None:
 def test_multiplier_moves_as_the_eliminated_constraint(channel: str) -> None:
     """Same beam, same shapes: what differs is integration error, 1e-9 a step in 400 steps and up to 100 times that in accelerations."""
     expected = run(FixedShapesEngine(), FixedShapesSettings(shapes=SHAPES, tolerance=1e-9))
-    assert error(multiplier()[channel], expected[channel]) < 1e-5
+    assert relative_error(multiplier()[channel], expected[channel]) < 1e-5
 
 
 @pytest.mark.parametrize("stabilization", [0.0, 100.0])
@@ -93,17 +82,17 @@ def test_nothing_drifts_but_the_quadrature() -> None:
 
 def test_spring_approaches_the_constraint_at_first_order() -> None:
     """In run 24 the spring's own period is far below the motion's, so that the gap is F/k and the difference in proportion to it."""
-    differences = [error(spring(k)["tip_deflection"], multiplier()["tip_deflection"]) for k in (3e5, 3e6)]
+    differences = [relative_error(spring(k)["tip_deflection"], multiplier()["tip_deflection"]) for k in (3e5, 3e6)]
     assert differences[0] / differences[1] == pytest.approx(10.0, rel=0.1)
     later = slice(20, None)  # 20 ms after the start, when the spring has come to rest (time constant c/k and damping of the shapes)
     force, gap = spring(3e6)["slider_force"][later], spring(3e6)["constraint_gap"][later]
-    assert error(np.abs(force) / 3e6, gap) < 0.02  # the damper's share, c/k times the force's rate
+    assert relative_error(np.abs(force) / 3e6, gap) < 0.02  # the damper's share, c/k times the force's rate
 
 
 def test_linear_force_on_nodes_converges_to_the_common_motion_slowly() -> None:
     """The lever rule differs from the consistent distribution by what falls with the element's size, second order at best."""
-    lever = [error(nodal(n, "lever")["tip_deflection"], multiplier(shapes=12)["tip_deflection"]) for n in (6, 12)]
-    consistent = error(nodal(6, "consistent")["tip_deflection"], multiplier(shapes=12)["tip_deflection"])
+    lever = [relative_error(nodal(n, "lever")["tip_deflection"], multiplier(shapes=12)["tip_deflection"]) for n in (6, 12)]
+    consistent = relative_error(nodal(6, "consistent")["tip_deflection"], multiplier(shapes=12)["tip_deflection"])
     assert lever[1] < 0.5 * lever[0]
     assert consistent < 0.2 * lever[0]
 
@@ -112,19 +101,19 @@ def test_both_linear_is_conjugate_but_for_corners() -> None:
     """Its energy balance is that of the impacts at the nodes, which the stabilization smears."""
     trajectory = nodal(6, "both linear")
     assert "spurious_energy" not in trajectory.statistics
-    assert np.max(np.abs(balance(trajectory))) < 1e-2 * np.max(trajectory["strain_energy"] + trajectory["drive_work"])
+    assert np.max(np.abs(from_nowhere(trajectory))) < 1e-2 * np.max(trajectory["strain_energy"] + trajectory["drive_work"])
 
 
 @pytest.mark.parametrize("kind", ["multiplier", "stiff-spring", "consistent"])
 def test_energy_balances(kind: str) -> None:
     """Kinetic, strain, spring and dissipated energy against the drive's work; 14 J move, the integration error is 1e-8 of them."""
     trajectory = multiplier() if kind == "multiplier" else spring(3e5) if kind == "stiff-spring" else nodal(6, "consistent")
-    assert np.max(np.abs(balance(trajectory))) < 1e-6
+    assert np.max(np.abs(from_nowhere(trajectory))) < 1e-6
 
 
 def test_spurious_energy_is_what_the_balance_lacks() -> None:
     trajectory = nodal(6, "lever")
-    assert balance(trajectory)[-1] == pytest.approx(trajectory.statistics["spurious_energy"], abs=1e-6)
+    assert from_nowhere(trajectory)[-1] == pytest.approx(trajectory.statistics["spurious_energy"], abs=1e-6)
     assert trajectory.statistics["spurious_energy_moved"] > 1e-4  # J; thousands of times what the others leave
     assert trajectory.statistics["largest_spurious_power"] > 1e-2  # W
 
@@ -158,7 +147,7 @@ class TestFeatures:
         steady = Crank(length=crank.length, drive=PrescribedSpeed(speed=16.6), mass=crank.mass, center_of_mass=crank.center_of_mass)
         found = run(chosen, settings, run_24(crank=steady), 0.05)
         np.testing.assert_allclose(found["crank_speed"], 16.6, rtol=1e-12)
-        lacking = balance(found) - np.array([0.0, *[found.statistics.get("spurious_energy", 0.0)] * 50])
+        lacking = from_nowhere(found) - np.array([0.0, *[found.statistics.get("spurious_energy", 0.0)] * 50])
         assert abs(lacking[-1]) < 1e-5  # J; the default tolerance of 1e-9
 
     def test_refusals_name_the_key(self, chosen: Engine, settings: Settings) -> None:
@@ -209,7 +198,7 @@ def test_shapes_that_stay_confirm_the_compliant_joint_of_those_that_follow() -> 
     reference = run(ReferenceEngine(), ReferenceSettings(modes=7, tolerance=1e-8), scene)
     own = run(StiffSpringEngine(), StiffSpringSettings(shapes=24, tolerance=1e-8), scene)
     for channel in ("tip_deflection", "tip_acceleration", "slider_force", "strain_1", "strain_2"):
-        assert error(reference[channel], own[channel]) < 5e-4, channel
+        assert relative_error(reference[channel], own[channel]) < 5e-4, channel
     assert np.max(reference["constraint_gap"]) > 1e-4  # m: F/k of some 20 N
     assert ReferenceEngine().natural_frequencies(scene, math.pi, 1, ReferenceSettings())[0] < 20.354  # Hz, the rigid joint's
 
@@ -220,8 +209,8 @@ def test_a_chain_of_links_agrees_on_the_compliant_joint() -> None:
     found = run(MujocoEngine(), ChainSettings(links=24), scene, 0.3)
     expected = run(ReferenceEngine(), ReferenceSettings(modes=4), scene, 0.3)
     for channel in ("tip_deflection", "tip_acceleration", "slider_force", "strain_2"):
-        assert error(found[channel], expected[channel]) < 1e-3  # five times what was measured
-    assert error(found["constraint_gap"], expected["constraint_gap"]) < 1e-3
-    assert np.max(np.abs(balance(found))) < 1e-6  # J, the joint's spring included; Runge-Kutta of order 4 at the stable step
+        assert relative_error(found[channel], expected[channel]) < 1e-3  # five times what was measured
+    assert relative_error(found["constraint_gap"], expected["constraint_gap"]) < 1e-3
+    assert np.max(np.abs(from_nowhere(found))) < 1e-6  # J, the joint's spring included; Runge-Kutta of order 4 at the stable step
     rigid = run(ReferenceEngine(), ReferenceSettings(modes=4), duration=0.3)
-    assert error(rigid["tip_deflection"], expected["tip_deflection"]) > 0.3  # the joint matters that much
+    assert relative_error(rigid["tip_deflection"], expected["tip_deflection"]) > 0.3  # the joint matters that much

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from engines.accurate import Result, simulate
 from engines.registry import MAIN, RIVALS, engine
 from engines.start import standard_start
-from engines.trajectory import Trajectory
 from reference_model.mechanism import FollowerAlone, ImpossibleMechanism, Mechanism, PrescribedSpeed
 from reference_model.tip_force import share
+from tests.engines.energy import from_nowhere
 from tests.engines.scenes import run_24
 from tests.engines.test_follower_alone import SCENE as ALONE
 
@@ -61,11 +61,6 @@ def test_on_a_rigid_follower_slider_force_and_torque_follow_from_moments_and_vir
     assert np.max(np.abs(torque - expected)[known]) < tolerance * np.max(np.abs(expected[known]))
 
 
-def stored(trajectory: Trajectory) -> Array:
-    gained = trajectory["kinetic_energy"] + trajectory["strain_energy"] + trajectory["dissipated_energy"]
-    return np.asarray(gained - trajectory["drive_work"])
-
-
 @pytest.mark.parametrize("name", MAIN)
 def test_the_work_of_the_force_is_accounted_for(name: str) -> None:
     mechanism = run_24(tip={**CUTTING, "force": (-1.0, 0.5)})
@@ -74,7 +69,7 @@ def test_the_work_of_the_force_is_accounted_for(name: str) -> None:
     scale = float(np.ptp(trajectory["strain_energy"]))
     # exudyn's generalized-alpha method dissipates a little of its own, with and without the force
     lost = {"exudyn": 2e-3}.get(name, 1e-5)
-    assert np.ptp(stored(trajectory)) < lost * scale
+    assert np.ptp(from_nowhere(trajectory)) < lost * scale
     assert np.ptp(trajectory["tip_deflection"] - plain["tip_deflection"]) > 0.1 * np.ptp(plain["tip_deflection"])
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import strategies as st
 
-from cases.keys import dimension_of
+from cases.case import dimension_of
 from reference_model.mechanism import Mechanism, PrescribedSpeed
 from reference_model.scene_values import scene_of, values_of
 from tests.properties.law import for_all

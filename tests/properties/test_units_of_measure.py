@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from cases import units
-from cases.case import Case
-from cases.keys import dimension_of
+from cases.case import Case, dimension_of
 from cases.reading import parse_case
 from cases.units import Dimension
 from reference_model.scene_values import values_of

@@ -13,10 +13,8 @@ from cases.frozen_crank import (
     FrozenCrank,
     JointEffect,
     Range,
-    converged_ranges,
-    excess_of_elements,
+    frozen_crank,
     joint_effects,
-    share_with_signs,
 )
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, CaseResult, Check, compare
@@ -109,8 +107,9 @@ def test_more_elements_are_a_way_only_if_they_lower_the_error() -> None:
 
 def test_the_single_cubic_is_as_stiff_as_is_known(run_24: CaseResult) -> None:
     # at 180, 90 and 0 degrees 22.94, 19.76 and 12.71 Hz against 20.354, 17.779 and 10.925 Hz: the largest excess is the last
-    assert excess_of_elements(run_24.case.mechanism, 1) == pytest.approx(12.71 / 10.925 - 1.0, abs=1e-3)  # four digits known
-    assert excess_of_elements(run_24.case.mechanism, 2) < 0.05
+    one, two, _ = frozen_crank(run_24.case.mechanism, {}).elements
+    assert one == pytest.approx(12.71 / 10.925 - 1.0, abs=1e-3)  # four digits known
+    assert two < 0.05
 
 
 def test_frequencies_depend_on_the_crank_length_only_if_they_change_with_it_alone() -> None:
@@ -213,17 +212,16 @@ def test_the_excess_counted_off_plots_is_that_of_the_frequencies_where_there_is_
 
 def test_ranges_of_the_crank_held_still_hold_the_known_frequencies_of_run_24(run_24: CaseResult) -> None:
     known = np.array([[20.354, 62.287, 112.95], [17.779, 45.604, 135.26], [10.925, 63.787, 123.83]])  # at 180, 90, 0 degrees
-    for found, frequencies in zip(converged_ranges(run_24.case.mechanism), known.T, strict=True):
+    converged = frozen_crank(run_24.case.mechanism, {}).converged
+    for found, frequencies in zip(converged, known.T, strict=True):
         # five digits are known; the least of the first mode is the value at 0 degrees
         assert all(found.low * (1 - 1e-4) <= frequency <= found.high * (1 + 1e-4) for frequency in frequencies)
-    assert converged_ranges(run_24.case.mechanism)[0].low == pytest.approx(10.925, rel=1e-4)
+    assert converged[0].low == pytest.approx(10.925, rel=1e-4)
 
 
 def test_the_third_mode_bends_gauges_1_and_3_against_gauge_2_and_the_first_all_alike(run_24: CaseResult) -> None:
-    mechanism = run_24.case.mechanism
-    assert share_with_signs(mechanism, 2, (1, -1, 1)) == 1.0
-    assert share_with_signs(mechanism, 0, (1, 1, 1)) == 1.0
-    assert share_with_signs(mechanism, 1, (1, -1, 1)) == 0.0
+    found = frozen_crank(run_24.case.mechanism, {})
+    assert (found.alternating[2], found.alike[0], found.alternating[1]) == (1.0, 1.0, 0.0)
 
 
 def test_a_soft_joint_lowers_both_halves_alike(run_24: CaseResult) -> None:

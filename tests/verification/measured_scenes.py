@@ -41,7 +41,7 @@ def vibrating_cycle(
     channels = {}
     for name in scale.channels:
         templates = scale.templates[name](crank_angle).T
-        late = scale.quadrature(name, crank_angle, speeds)
+        late = scale.quadratures[name](crank_angle) * speeds
         channels[name] = (
             scale.slow_shapes[name](crank_angle)
             + amplitude * (templates[0] * np.cos(factor * phases[0]) + late * np.sin(factor * phases[0]))

@@ -126,7 +126,7 @@ def _mode(scale: TimeScale, channel: str, mode: int, time: Array, crank_angle: A
     envelope = scale.templates[channel](crank_angle)[:, mode] * growth
     oscillation = envelope * np.cos(phase)
     if mode == 0:
-        oscillation += scale.quadrature(channel, crank_angle, speed) * growth * np.sin(phase)
+        oscillation += scale.quadratures[channel](crank_angle) * speed * growth * np.sin(phase)
     return np.asarray(oscillation), np.asarray(envelope)
 
 

@@ -1,0 +1,18 @@
+"""Energy balance of a trajectory: stored = at the start + work of the drive - dissipated."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.trajectory import Trajectory
+
+
+def from_nowhere(trajectory: Trajectory) -> NDArray[np.float64]:
+    """Energy that came from nowhere since the start, J, shape (rows,)."""
+    stored = trajectory["kinetic_energy"] + trajectory["strain_energy"] + trajectory["gravity_energy"]
+    total = stored + trajectory["dissipated_energy"] - trajectory["drive_work"]
+    return np.asarray(total - total[0])
+
+
+def imbalance(trajectory: Trajectory) -> float:
+    """The largest of it over the largest strain energy."""
+    return float(np.abs(from_nowhere(trajectory)).max() / trajectory["strain_energy"].max())

@@ -1,0 +1,40 @@
+"""Natural frequencies with the crank held, of every engine alike."""
+
+import math
+
+import numpy as np
+import pytest
+
+from engines.registry import MAIN, engine
+from engines.settings import Settings
+from tests.engines.scenes import run_24
+
+#: Of run 24 at crank angles, Hz, from converged models of other kinds.
+CONVERGED = {180: (20.354, 62.287, 112.95, 212.94), 90: (17.779, 45.604, 135.26, 263.37), 0: (10.925, 63.787, 123.83, 230.04)}
+
+
+def settings_of(name: str, **texts: str) -> Settings:
+    return engine(name).settings_for(engine(name).default_accuracy, run_24()).with_texts(texts)
+
+
+@pytest.mark.parametrize("degrees", CONVERGED)
+@pytest.mark.parametrize(
+    ("name", "size", "tolerance"),
+    [
+        ("reference", {"modes": "1"}, 5e-5),  # half a unit of the last digit, whatever the number of modes
+        ("reference", {"modes": "5"}, 5e-5),
+        ("fixed-shapes", {}, 5e-5),
+        ("exudyn", {}, 5e-4),
+        ("mujoco", {}, 5e-3),  # the fourth mode is the worst: 0.4 % with twelve links
+        ("mujoco", {"links": "60"}, 2e-4),  # 1.2e-4
+    ],
+)
+def test_frequencies_of_run_24(name: str, size: dict[str, str], tolerance: float, degrees: int) -> None:
+    found = engine(name).natural_frequencies(run_24(), math.radians(degrees), 4, settings_of(name, **size))
+    np.testing.assert_allclose(found, CONVERGED[degrees], rtol=tolerance)
+
+
+@pytest.mark.parametrize("name", MAIN)
+def test_a_rigid_follower_has_no_natural_frequency(name: str) -> None:
+    rigid = run_24(follower={"bending_stiffness": math.inf})
+    assert engine(name).natural_frequencies(rigid, 1.0, 4, settings_of(name)).shape == (0,)
