@@ -30,29 +30,15 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
         case: what was simulated.
         trajectories: of the engines by name, on one output grid.
         ending: ".webp" or ".html".
-        magnify: see `webp`; a page does not take it.
+        magnify: factor of the deflection in a picture; None: a round one that shows it.
 
     Raises:
-        UnknownColumn, CaseError: see `webp`; a page needs a crank.
+        UnknownColumn, CaseError: an engine does not tell the follower's shape; a page needs a crank.
     """
-    if ending == ".webp":
-        return webp(case, trajectories, magnify)
-    from reports.page.render import animation_page
+    if ending == ".html":
+        from reports.page.render import animation_page
 
-    return animation_page(case, trajectories).encode()
-
-
-def webp(case: Case, trajectories: Mapping[str, Trajectory], magnify: float | None = None) -> bytes:
-    """The file's content.
-
-    Args:
-        case: what was simulated.
-        trajectories: of the engines by name, on one output grid.
-        magnify: factor of the deflection; None: a round one that shows it.
-
-    Raises:
-        UnknownColumn: an engine does not tell the follower's shape.
-    """
+        return animation_page(case, trajectories).encode()
     times = last_turn(next(iter(trajectories.values())))
     slowed = next((factor for factor in SLOWED if factor * (times[-1] - times[0]) >= TURN), SLOWED[-1])
     motions = {name: motion_of(case.scene, trajectory, times[:-1]) for name, trajectory in trajectories.items()}

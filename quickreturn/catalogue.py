@@ -13,6 +13,7 @@ from cases.errors import CaseError, as_written
 from cases.library import CatalogueLine, case_names, catalogue
 
 if TYPE_CHECKING:
+    from cases.recorded import RecordedTable
     from engines.base import AnyEngine
     from quickreturn.questions import About
 
@@ -110,11 +111,7 @@ def engines() -> "Listing[About]":
 
 
 def matching(name: str) -> Sequence[str]:
-    """The cases that a name with *, ? or [...] stands for: those of the library, or else files; any other name stands for itself.
-
-    Raises:
-        CaseError: nothing matches.
-    """
+    """The cases that a name with *, ? or [...] stands for: those of the library, or else files (CaseError: none); others for themselves."""
     if not glob.has_magic(name) or os.path.lexists(name):
         return (name,)
     found = fnmatch.filter(case_names(), name) or sorted(path for path in glob.glob(name) if path.endswith(".toml"))
@@ -123,22 +120,19 @@ def matching(name: str) -> Sequence[str]:
     return found
 
 
-def loaded(names: AnyCase | Iterable[AnyCase]) -> list[Case]:
-    """Cases by names, patterns or as objects, one or several, each once.
+def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = load_case) -> list[Case]:
+    """Cases by names, patterns or as objects, one or several, each once; `load` makes the case of a name.
 
-    Raises:
-        CaseError: see `case` and `matching`; none is given; or two different cases have one name, so that nobody could tell them apart in
-            what comes out.
+    CaseError: see `load` and `matching`; none is given; or two have one name, so that nobody could tell them apart in what comes out.
     """
-    each = _several(names)
-    texts = dict.fromkeys(found for one in each if not isinstance(one, Case) for found in matching(_name(one)))
-    chosen = [*(one for one in each if isinstance(one, Case)), *map(load_case, texts)]
+    each = [found for one in _several(names) for found in ([one] if isinstance(one, Case) else matching(_name(one)))]
+    chosen = [one if isinstance(one, Case) else load(one) for one in dict.fromkeys(each)]
     if not chosen:
         raise CaseError("cases", None, None, "none is given", 'give one, such as "thesis-24"')
     called = [one.name for one in chosen]
     for one in called:
         if called.count(one) > 1:
-            raise CaseError(one, None, None, "two cases have this name", 'give each its own: dataclasses.replace(case, name="other")')
+            raise CaseError(one, None, None, "two cases have this name", "give each a name of its own")
     return chosen
 
 
@@ -159,19 +153,30 @@ def engine_given(engine: "str | AnyEngine") -> "str | AnyEngine":
     raise UnknownEngine(f'{as_written(engine)}: no engine; give a name, such as "reference", or an engine')
 
 
-def apart(engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]") -> tuple[list[str], list[str]]:
-    """Names of engines, and paths of recorded tables that stand among them; the four main engines where no engine is among them.
+def prepared(
+    cases: Sequence[Case], engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]", settings: Mapping[str, Mapping[str, str]]
+) -> "tuple[list[str], dict[str, dict[str, str]], dict[str, list[RecordedTable]]]":
+    """Names of engines, settings of each as texts, and recorded tables by case, found out about before anything runs.
+
+    Args:
+        cases: that they run on.
+        engines: with paths of recorded tables among them; the four main engines where no engine is among them.
+        settings: see `questions.settings_of`.
 
     Raises:
         UnknownEngine: there is none of this name; also of an engine that no other process could find.
+        SettingError, CaseError: a setting or a table that cannot be.
     """
-    from cases.recorded import is_table
+    from cases.recorded import is_table, tables_of
     from engines.base import Engine
     from engines.registry import MAIN, engine
+    from quickreturn.questions import check_settings, settings_of
 
     each = [os.fspath(one) if isinstance(one, os.PathLike) else engine_given(one) for one in _several(engines)]
     paths = list(dict.fromkeys(one for one in each if isinstance(one, str) and is_table(one)))
-    names = [one.name if isinstance(one, Engine) else one for one in each if one not in paths]
+    names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in each if one not in paths) or MAIN)
     for name in names:
         engine(name)
-    return list(dict.fromkeys(names or MAIN)), paths
+    texts = settings_of(settings, names)
+    check_settings(cases, texts)
+    return names, texts, tables_of(paths, [case.name for case in cases])

@@ -9,7 +9,6 @@ import difflib
 import errno
 import math
 import os
-import re
 import signal
 import sys
 import time
@@ -21,7 +20,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from cases.errors import as_written, shortened
-from quickreturn.commands.options import QUIET, WORKSHOP
+from quickreturn.commands.options import QUIET, WORKSHOP, tell
 
 if TYPE_CHECKING:
     from cases.jobs.workshop import Workshop
@@ -42,8 +41,6 @@ COMPLETION: Final = "_QUICKRETURN_COMPLETE"
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 PATIENCE: Final = 3.0  # s: cleaning up takes a fraction of a second; if it hangs, another Ctrl-C is heard after this
-
-LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's megabyte argument
 
 
 class CommandGroup(click.Group):
@@ -204,12 +201,9 @@ def _told_of(error: Exception) -> int:
     from reference_model.mechanism import ImpossibleMechanism
     from reports.output import OutputError
 
-    if isinstance(error, UnknownEngine):
-        return _told(f"--engine {error}", BAD_INPUT)
-    if isinstance(error, SettingError):
-        return _told(f"--set {error}", BAD_INPUT)
-    if isinstance(error, OutputError):
-        return _told(f"--output {error}", BAD_INPUT)
+    for kind, option in ((UnknownEngine, "--engine"), (SettingError, "--set"), (OutputError, "--output")):
+        if isinstance(error, kind):
+            return _told(f"{option} {error}", BAD_INPUT)
     if isinstance(error, (CaseError, Refusal, StoreError, ImpossibleMechanism, UnknownColumn)):
         return _told(str(error), BAD_INPUT)
     if isinstance(error, (EngineFailure, EngineDied)):
@@ -218,14 +212,5 @@ def _told_of(error: Exception) -> int:
 
 
 def _told(sentence: str, code: int) -> int:
-    with contextlib.suppress(OSError):  # nobody listens, or the disk is full that it goes to
-        print(f"quickreturn: {one_line(sentence)}", file=sys.stderr)
+    tell(sentence)
     return code
-
-
-def one_line(sentence: str) -> str:
-    """The sentence on one line of bearable length, without characters that would command the terminal."""
-    joined = re.sub(r"\s*[\r\n]\s*", " ", sentence.strip())  # blanks within a line stay: a value is shown as it was given
-    text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
-    half = LONGEST_MESSAGE // 2
-    return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"

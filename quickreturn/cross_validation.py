@@ -9,15 +9,13 @@ from cases.errors import as_written, nearest_or_all
 from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
-from cases.recorded import tables_of
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import Run
 from engines.registry import MAIN
 from engines.settings import SettingError, as_texts
 from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
-from quickreturn.catalogue import AnyCase, apart, loaded
-from quickreturn.questions import check_settings
+from quickreturn.catalogue import AnyCase, loaded, prepared
 from quickreturn.solution import framed, known_column
 from reference_model.columns import COLUMNS
 
@@ -66,7 +64,7 @@ class CrossValidation:
 
         rows = [
             {"case": result.case.name, "engine": name, "half": measure.half, "channel": measure.channel}
-            | {key: value for number in _NUMBERS for key, value in _with_estimate(measure, number)}
+            | {f"{name}{of}": value(name) for name in _NUMBERS for of, value in (("", measure.number), ("_estimate", measure.estimate))}
             | {"unit": COLUMNS[measure.channel].unit}
             for result in self.results
             for name, run in result.runs.items()
@@ -101,11 +99,6 @@ class CrossValidation:
         return "\n".join(text_of(result) for result in self.results)
 
 
-def _with_estimate(measure: Any, number: str) -> Iterable[tuple[str, float | None]]:
-    yield number, measure.number(number)
-    yield f"{number}_estimate", measure.estimate(number)
-
-
 def run(
     cases: AnyCase | Iterable[AnyCase],
     engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]" = MAIN,
@@ -114,7 +107,6 @@ def run(
     settings: Mapping[str, Mapping[str, Any]] | None = None,
     jobs: int | None = None,
     quiet: bool = False,
-    workshop: Workshop | None = None,
 ) -> CrossValidation:
     """Bring engines to their steady state on cases, each in a process of its own, measure and compare. Results are kept as they come.
 
@@ -126,22 +118,20 @@ def run(
         settings: of an engine, by its name: {"mujoco": {"links": 16}}.
         jobs: how many processes at a time; None: one per core.
         quiet: whether nothing is shown on standard error meanwhile.
-        workshop: where it is computed and kept; None: here, in `.quickreturn` or what `QUICKRETURN_STORE` names.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be; nothing has run then.
         StoreError: the folder of results cannot be used.
         KeyboardInterrupt: Ctrl-C; what was computed is kept.
     """
-    chosen, (names, paths) = loaded(cases), apart(engines)
     if not isinstance(settings or {}, Mapping):
         raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
-    texts = {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
-    check_settings(chosen, names, texts)
-    tables = tables_of(paths, [case.name for case in chosen])
-    place = workshop or opened(jobs, quiet)
-    results = cross_validate(chosen, place, names, checked(accuracy), texts, tables)
-    return CrossValidation(results, place.store.notices)
+    given = {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
+    chosen = loaded(cases)
+    names, texts, tables = prepared(chosen, engines, given)
+    workshop = opened(jobs, quiet)
+    results = cross_validate(chosen, workshop, names, checked(accuracy), texts, tables)
+    return CrossValidation(results, workshop.store.notices)
 
 
 def report(
@@ -170,8 +160,8 @@ def report(
     """
     from reports.report import write_report
 
-    chosen, (names, paths) = loaded(cases), apart(engines)
-    tables = tables_of(paths, [case.name for case in chosen])
+    chosen = loaded(cases)
+    names, _, tables = prepared(chosen, engines, {})
     return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables).page
 
 

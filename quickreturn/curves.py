@@ -42,15 +42,9 @@ def drawing(height: float, width: float = WIDTH) -> Drawing:
 
 
 def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
-    """Columns over time, one panel for each.
+    """Columns over time, one panel for each; without any `USUAL`, as far as they are there. UnknownColumn: no trajectory has it.
 
-    Args:
-        trajectories: columns by label: an engine's name, which is drawn in its colour, or any other text.
-        columns: None given: `USUAL`, as far as they are there.
-        title: above all.
-
-    Raises:
-        UnknownColumn: none of the trajectories has it.
+    `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
     """
     there = {name: None for trajectory in trajectories.values() for name in trajectory}
     chosen = [known_column(name, there) for name in columns] or [name for name in USUAL if name in there]
@@ -87,11 +81,11 @@ def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: s
             if over == "crank_angle":
                 angle = trajectory["crank_angle"]
                 along = np.degrees(np.abs(angle - angle[0]))
-            axes.plot(along, trajectory[column] / scale, label=label, **look(label).of_line)
+            axes.plot(along, trajectory[column] / scale, label=label, **look(label))
     if over == "crank_angle":
         axes.set_xticks(range(0, 361, 90))
         axes.axvline(180.0, color="#444444", linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
-    tidy(axes, None, f"{column.replace('_', ' ')} [{unit}]")
+    tidy(axes, f"{column.replace('_', ' ')} [{unit}]")
 
 
 def _finish(figure: Figure, first: Axes, title: str) -> None:

@@ -55,11 +55,7 @@ class Motion:
 
 
 def motion_of(scene: Scene, trajectory: Trajectory, times: Array) -> Motion:
-    """What a trajectory says of the places, at some of its times (s, shape (n,)).
-
-    Raises:
-        UnknownColumn: the engine does not tell the follower's shape.
-    """
+    """What a trajectory says of the places, at some of its times (s, shape (n,)). UnknownColumn: it does not tell the follower's shape."""
     if missing := [name for name in SHAPE if name not in trajectory.columns]:
         raise UnknownColumn(f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn')
     found = {name: np.interp(times, trajectory["time"], values) for name, values in trajectory.columns.items()}
@@ -96,14 +92,7 @@ def factor_for(motions: Sequence[Motion], length: float) -> float:
 
 
 class Scenery:
-    """A drawing of one case on some axes, whose moving parts can be put to any instant.
-
-    Args:
-        axes: to draw on.
-        case: gives the lengths.
-        motions: by label, an engine's name for example.
-        factor: by which deflections are magnified.
-    """
+    """A drawing of one case on some axes, whose moving parts can be put to any instant; deflections are magnified by `factor`."""
 
     def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Motion], factor: float) -> None:
         scene = case.scene
@@ -114,29 +103,15 @@ class Scenery:
         self._frame(axes, scene.follower.length)
         self._fixed(axes, case)
         looks = {label: look(label) for label in motions}
-        self._followers = {label: axes.plot([], [], **(one.of_line | {"linewidth": 2.2 * one.width}))[0] for label, one in looks.items()}
-        self._tips = {
-            label: axes.plot([], [], "o", color=one.colour, markeredgecolor="black", markersize=7.0, zorder=3.5)[0]
-            for label, one in looks.items()
-        }
+        self._followers = {label: axes.plot([], [], **(one | {"linewidth": 2.2 * one["linewidth"]}))[0] for label, one in looks.items()}
+        marker: dict[str, Any] = {"markeredgecolor": "black", "markersize": 7.0}
+        self._tips = {label: axes.plot([], [], "o", color=one["color"], zorder=3.5, **marker)[0] for label, one in looks.items()}
         self._straight = axes.plot([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.6)[0]
         self._crank = axes.plot([], [], color="black", linewidth=3.0, solid_capstyle="round", zorder=4.0)[0]
-        self._slider = axes.plot([], [], "s", color=VERMILION, markeredgecolor="black", markersize=7.0, zorder=6.0)[0]
+        self._slider = axes.plot([], [], "s", color=VERMILION, zorder=6.0, **marker)[0]
         self._said = axes.text(0.012, 0.02, "", transform=axes.transAxes, fontsize=FONT_SIZE, family="monospace", va="bottom")
-        self._names = {
-            name: axes.annotate(
-                name,
-                (0.0, 0.0),
-                (0.0, 10.0),
-                textcoords="offset points",
-                fontsize=SMALL,
-                color="#333333",
-                zorder=7.0,
-                ha="center",
-                va="center",
-            )
-            for name in (*(("crank", "slider") if self._crank_length else ()), "follower", *(("tip",) if self._has_tip else ()))
-        }
+        named = [*(("crank", "slider") if self._crank_length else ()), "follower", *(("tip",) if self._has_tip else ())]
+        self._names = {name: _beside(axes, name, 10.0, fontsize=SMALL, color="#333333", zorder=7.0, va="center") for name in named}
 
     def _frame(self, axes: Axes, length: float) -> None:
         """Equal scales, and limits that hold everything at every instant."""
@@ -160,9 +135,9 @@ class Scenery:
             back = np.linspace(-limit, limit, 61)
             axes.plot(LA * np.cos(back), LA * np.sin(back), color=VERMILION, linewidth=2.0, alpha=0.6, zorder=1.1)
             axes.plot(0.0, 0.0, "o", color="black", markersize=5.0, zorder=5.0)
-            axes.annotate("O", (0.0, 0.0), (0.0, -14.0), textcoords="offset points", fontsize=FONT_SIZE, ha="center")
+            _beside(axes, "O", -14.0, fontsize=FONT_SIZE)
         axes.plot(*self._pivot, "^", color="black", markersize=8.0, zorder=5.0)
-        axes.annotate("P", (d, 0.0), (0.0, -16.0), textcoords="offset points", fontsize=FONT_SIZE, ha="center")
+        _beside(axes, "P", -16.0, x=d, fontsize=FONT_SIZE)
 
     def show(self, instant: int, said: str) -> None:
         """Put everything to an instant; `said` stands below."""
@@ -193,10 +168,15 @@ class Scenery:
         self._said.set_text(said)
 
 
+def _beside(axes: Axes, name: str, up: float, x: float = 0.0, **look: Any) -> Any:
+    """A name so many points above a place on the axis of x."""
+    return axes.annotate(name, (x, 0.0), (0.0, up), textcoords="offset points", ha="center", **look)
+
+
 def legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
     """Samples of the engines' lines and of the quick return, and by how much the deflection is magnified."""
     said = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
-    samples = [Line2D([], [], label=label, **look(label).of_sample) for label in motions]
+    samples = [Line2D([], [], label=label, **look(label)) for label in motions]
     samples.append(Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {said}"))
     if any(motion.crank_angle is not None for motion in motions.values()):
         samples.append(Line2D([], [], color=VERMILION, linewidth=2.0, alpha=0.6, label="quick return"))

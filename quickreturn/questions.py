@@ -6,10 +6,11 @@ so that a worker which is killed leaves no half file behind.
 """
 
 import dataclasses
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from cases.errors import shortened
 from cases.jobs.display import answers
 from cases.jobs.job import Job, Limits, Outcome, T
 from cases.jobs.processes import LocalProcesses
@@ -23,14 +24,12 @@ if TYPE_CHECKING:
 class EngineDied(Exception):
     """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
 
-    def __init__(self, sentence: str, outcome: Outcome[Any]) -> None:
-        super().__init__(sentence)
-        self.outcome = outcome
-
 
 #: What processes import that tell of engines, those that compute.
 TELLING: Final = ("cases.jobs.worker", "engines.registry")
 COMPUTING: Final = (*TELLING, "engines.accurate", "engines.own.simulation")
+#: In place of an engine's name, among settings: whichever runs.
+ANY_ENGINE: Final = "engine"
 
 
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
@@ -39,14 +38,7 @@ def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quie
 
 
 def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:
-    """How each engine answers `question(name, *arguments)`, in their order.
-
-    Args:
-        question: see above.
-        arguments: those behind the name.
-        title: of them all, for the person who waits.
-        here: engines that answer without loading a library: they are asked in this process.
-    """
+    """How each engine answers `question(name, *arguments)`; those in `here` load no library and are asked in this process."""
     from engines.registry import engine_names
 
     jobs = [Job(name, question, (name, *arguments)) for name in engine_names()]
@@ -61,19 +53,8 @@ def _asked_here(job: Job[T]) -> Outcome[T]:
         return Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error)
 
 
-def answer_of(job: Job[T], limits: Limits | None = None, quiet: bool = True) -> T:
-    """The job's value; `limits` and `quiet`: see `asked`. Raises as `value_of`."""
-    (outcome,) = asked([job], job.name, limits, quiet)
-    return value_of(outcome)
-
-
 def value_of(outcome: Outcome[T]) -> T:
-    """What a job came to.
-
-    Raises:
-        Refusal, SettingError, UnknownEngine, EngineFailure: as raised in the job.
-        EngineDied: it ended in any other way.
-    """
+    """What a job came to. Raises Refusal, SettingError, UnknownEngine or EngineFailure as the job did, EngineDied if it ended otherwise."""
     if outcome.value is not None:
         return outcome.value
     from engines.base import EngineFailure, Refusal
@@ -82,20 +63,26 @@ def value_of(outcome: Outcome[T]) -> T:
 
     if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure)):
         raise outcome.error
-    raise EngineDied(f"engine {outcome.job.name}: {outcome.explanation}", outcome)
+    raise EngineDied(f"engine {outcome.job.name}: {outcome.explanation}")
+
+
+def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str]) -> dict[str, dict[str, str]]:
+    """Settings by engine: those for `ANY_ENGINE`, and before these its own. SettingError: of an engine that is not among those that run."""
+    from engines.settings import SettingError
+
+    for name, texts in settings.items():
+        if name != ANY_ENGINE and name not in names:
+            key = next(iter(texts), "")
+            raise SettingError(f"{name}.{shortened(key)}: engine {name} does not run here; those that do are {', '.join(names)}")
+    return {name: {**settings.get(ANY_ENGINE, {}), **settings.get(name, {})} for name in names}
 
 
 def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
-    """Find out before anything runs what can be known of an engine without loading a library.
-
-    Raises:
-        UnknownEngine: there is none of this name.
-        Refusal, SettingError: one of this project's engines does not take the scene or the settings.
-    """
+    """Raises what can be known before anything runs: UnknownEngine; Refusal or SettingError of one of this project's engines."""
     from engines.registry import OWN, engine, engine_names
     from reference_model.mechanism import FollowerAlone
 
-    if name in engine_names() and name not in OWN:
+    if name in engine_names() and name not in OWN:  # it would load its library here
         return
     found = engine(name)
     found.settings_type().with_texts(dict(settings))
@@ -105,39 +92,18 @@ def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
         found.check(scene)
 
 
-def check_settings(cases: "Sequence[Case]", names: Sequence[str], settings: Mapping[str, Mapping[str, str]]) -> None:
-    """Find out before anything runs whether settings can be.
-
-    Raises:
-        SettingError: an engine that is not among those that run, or a setting that it does not have or take.
-    """
+def check_settings(cases: "Sequence[Case]", settings: Mapping[str, Mapping[str, str]]) -> None:
+    """Find out before anything runs whether settings can be. SettingError: one that an engine does not have or take."""
     from engines.registry import engine
     from engines.settings import SettingError
 
     for name, texts in settings.items():
-        if name not in names:
-            key = next(iter(texts), "")
-            raise SettingError(f"{name}.{key}: engine {name} is not among those that run; these are {', '.join(names)}")
         for case in cases if texts else ():
             chosen = engine(name)
             try:
                 chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(texts))
             except SettingError as error:  # several engines may share the settings, and one of them may lack one
-                raise SettingError(f"{error} (engine {name})" if len(names) > 1 else str(error)) from error
-
-
-def check_engines(names: Iterable[str]) -> None:
-    """Find out before anything runs whether engines can be used here.
-
-    Raises:
-        UnknownEngine, Refusal: one cannot.
-    """
-    from engines.base import Refusal
-    from engines.registry import engine
-
-    for name in names:
-        if reason := engine(name).unavailable():
-            raise Refusal(f"--engine {name}: {reason}")
+                raise SettingError(f"{error} (engine {name})" if len(settings) > 1 else str(error)) from error
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -37,22 +37,20 @@ def for_other_tools(case: Case, given: str) -> str:
     mechanism = case.mechanism
     pace = crank_pace(mechanism)
     columns = [(name, column.unit.replace(" ", "*"), column.meaning) for name, column in COLUMNS.items() if name not in _NOT_ASKED]
-    follower, tip, drive = mechanism.follower, mechanism.tip_body, mechanism.crank.drive
+    follower, tip = mechanism.follower, mechanism.tip_body
     thick = follower.thickness > 0.0 and not follower.is_rigid
     template = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=False).from_string(
         (files("reports") / "templates" / "other_tools.jinja").read_text("utf-8")
     )
-    facts: dict[str, Any] = {"torque": drive.torque} if isinstance(drive, TorqueDrive) else {}
     text = template.render(
         case=case,
         given=given,
         parts=_parts(case),
-        rigid=follower.is_rigid,
+        follower=follower,
+        slider=mechanism.slider,
+        torque=isinstance(mechanism.crank.drive, TorqueDrive),
         axial_stiffness=12.0 * follower.bending_stiffness / follower.thickness**2 if thick else 0.0,
-        length=follower.length,
         rigid_joint=math.isinf(mechanism.slider.joint_stiffness),
-        slider_mass=mechanism.slider.mass,
-        slider_inertia=mechanism.slider.inertia,
         gravity=any(mechanism.gravity),
         tip_force=any(tip.force),
         whole_turn=tip.force_to - tip.force_from >= WHOLE,
@@ -62,7 +60,6 @@ def for_other_tools(case: Case, given: str) -> str:
         turn=2.0 * math.pi / pace if pace > 0.0 else math.inf,
         header=",".join(f"{name} [{unit}]" for name, unit, _ in columns),
         value=_value,
-        **facts,
     )
     return "\n".join(_wrapped(line) for line in text.splitlines())
 
@@ -80,8 +77,8 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
     """Section -> name, value, unit and meaning of each quantity that is not left at nothing."""
     found: dict[str, list[tuple[str, str, str, str]]] = {}
     for section, values in case.values.items():
-        if section == "simulation" or (section == "slider" and not _differs(values)):
-            continue
+        if section == "simulation" or (section == "slider" and all(not value or math.isinf(value) for value in values.values())):
+            continue  # a slider that is only a point on the follower
         known = SECTIONS[section]
         without_force = section == "tip" and not any(values["force"])
         found[section] = [
@@ -90,10 +87,6 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
             if not (without_force and name.startswith("force"))
         ]
     return found
-
-
-def _differs(slider: Any) -> bool:
-    return any(value and not math.isinf(value) for value in slider.values())
 
 
 def _start(mechanism: Mechanism) -> list[tuple[str, str, str]]:

@@ -50,6 +50,25 @@ def check_writable(path: Path, keep: str, *endings: str) -> None:
         raise _output_error(path, error) from error
 
 
+def check_folder(folder: Path, page: str) -> None:
+    """Find out now whether a file can be written to a folder later, and create the folder.
+
+    Raises:
+        OutputError: it is a file, or cannot be created or written to; or the page's name is that of a folder in it.
+    """
+    target = _resolved(folder)
+    try:
+        if target.exists() and not target.is_dir():
+            raise OutputError(f"{_shown(folder)}: this is a file; give a folder")
+        target.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=target):
+            pass
+        if (target / page).is_dir():
+            raise OutputError(f"{_shown(folder)}: {page} in it is a folder; give another folder")
+    except OSError as error:
+        raise _output_error(folder, error) from error
+
+
 def write_file(path: Path, content: bytes) -> None:
     """Write a file so that it is there in full or as it was before; devices and pipes are written to directly.
 

@@ -2,37 +2,34 @@
 
 import contextlib
 import csv
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from cases import conformance
-from cases.benchmark import SCENES, Benchmark, stored
+from cases.benchmark import SCENES, stored
 from cases.case import Case
 from cases.case_file import load_case
-from cases.errors import shortened
 from cases.frozen_crank import FrozenCrank, frozen_crank
 from cases.jobs.job import Job
 from cases.jobs.key import SIMULATION, code_fingerprint
-from cases.jobs.store import words_of
 from cases.jobs.workshop import Workshop
-from cases.judging.matrix import Matrix
+from cases.judging.matrix import judge_scenes
 from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import REFERENCE, CaseResult, cross_validate
 from cases.runs.request import CODE, Run
-from cases.studies import ACCURACY_CASE, OPEN_RUNS, Studies, run_studies, work
+from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
 from engines.registry import MAIN
 from reports import long_studies
-from reports.findings.runs import of_run, run_number
+from reports.findings.failures import INCOMPLETE
+from reports.findings.runs import of_library
 from reports.machine import machine_facts
-from reports.output import OutputError, write_file
+from reports.output import check_folder, write_file
 from reports.page.chapters import chapters_of
 from reports.page.content import Content
-from reports.page.facts.methods import stored_matrix
 from reports.page.render import report_page
 from reports.tables.table import Table
 from reports.verification import verification as stored_verification
@@ -40,8 +37,6 @@ from reports.verification import verification as stored_verification
 PAGE: Final = "index.html"
 #: The list of all CSV files, by which the next report in the same folder knows which files are an earlier report's.
 CATALOGUE: Final = "tables.csv"
-#: The run that the thesis shows as its example.
-EXAMPLE: Final = run_number(ACCURACY_CASE)
 
 
 @dataclass(frozen=True)
@@ -58,28 +53,14 @@ class Written:
         return [(result.case.name, run) for result in self.content.results for run in result.recorded.values() if not run.usable]
 
     @property
+    def incomplete(self) -> list[tuple[str, Run]]:
+        """Runs that an engine did not complete. Studies change a case on purpose: what they cannot make is told in the page."""
+        return [(case, run) for case, run in self.content.troubles if run.status in INCOMPLETE]
+
+    @property
     def failed(self) -> bool:
-        """Whether an engine did not complete a case. Studies change a case on purpose: what they cannot make is told in the page."""
-        return bool(self.unusable) or any(trouble.is_failure for trouble in self.content.troubles)
-
-
-def check_folder(folder: Path) -> None:
-    """Find out now whether the report can be written to a folder later, and create it.
-
-    Raises:
-        OutputError: it is a file, or cannot be created or written to.
-    """
-    try:
-        if folder.exists() and not folder.is_dir():
-            raise OutputError(f"{shortened(str(folder))}: this is a file; give a folder")
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-        if (folder / PAGE).is_dir():
-            raise OutputError(f"{shortened(str(folder))}: {PAGE} in it is a folder; give another folder")
-    except (OSError, ValueError) as error:  # ValueError: a null byte
-        reason = words_of(error) if isinstance(error, OSError) else "no file name can hold its characters"
-        raise OutputError(f"{shortened(str(folder))}: it cannot be written ({reason})") from error
+        """Whether an engine did not complete a case, or a table cannot be used."""
+        return bool(self.unusable or self.incomplete)
 
 
 def write_report(
@@ -93,7 +74,7 @@ def write_report(
 
     Args:
         cases: at least one.
-        folder: where it goes; it is created, and found out about before anything runs (see `check_folder`).
+        folder: where it goes; it is created, and found out about before anything runs (see `reports.output.check_folder`).
         workshop: where results are computed and kept.
         engines: names.
         tables: case -> what was recorded of it, beside the recordings of the experiment.
@@ -103,25 +84,16 @@ def write_report(
         OutputError: page or tables cannot be written.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    check_folder(folder)
+    check_folder(folder, PAGE)
     recorded = {case: [*found] for case, found in (tables or {}).items()}
     for table in experiment_tables():
         recorded.setdefault(table.declared["case"], []).append(table)
-    studied = _studied(cases)
-    results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if studied else None)
-    studies, confirmation_recorded = _studies(workshop) if studied else (None, False)
-    benchmarks, benchmarks_recorded = _benchmarks(cases, workshop, studied)
-    matrix, matrix_recorded = _hard_scenes(workshop) if studied else (None, False)
-    of_record = {"benchmark": benchmarks_recorded, "hard scenes": matrix_recorded, "confirmation": confirmation_recorded}
-    example = of_run(results, EXAMPLE) if EXAMPLE else None
-    found, missing = _frozen_crank(example, workshop)
+    results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if _studied(cases) else None)
+    frozen, missing = _frozen_crank(of_library(results, ACCURACY_CASE), workshop)
     content = Content(
         results=results,
-        studies=studies,
-        benchmarks=benchmarks,
-        frozen_crank=found,
-        hard_scenes=matrix,
-        of_record={study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
+        **_studies(cases, workshop),
+        frozen_crank=frozen,
         verification=stored_verification(workshop.store.folder),
         conformance=_conformance(engines, workshop),
         facts=machine_facts(),
@@ -173,34 +145,27 @@ def _studied(cases: Sequence[Case]) -> bool:
     return {ACCURACY_CASE, *OPEN_RUNS} <= {case.name for case in cases if case.source == "library"}
 
 
-def _studies(workshop: Workshop) -> tuple[Studies, bool]:
-    """All studies; where no confirming solutions are stored, those of record are taken, and the second value is true."""
-    found = run_studies(workshop)
-    if found.confirming:
-        return found, False
-    return replace(found, confirming=(recorded := long_studies.confirming())), bool(recorded)
+def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
+    """The studies of a report on all runs that they are about; of other cases what was measured of them last.
 
-
-def _benchmarks(cases: Sequence[Case], workshop: Workshop, studied: bool) -> tuple[list[Benchmark], bool]:
-    """What was measured last of the cases shown, or with `studied` of the scenes on which methods are compared.
-
-    Of these the recorded results are taken where there are no others; the second value says whether any were.
+    Where none of one's own are stored, those of record are taken.
     """
-    known = long_studies.benchmarks() if studied else {}
-    found, of_record = [], False
-    for case in [load_case(name) for name in SCENES] if studied else cases:
-        own = stored(case, workshop)
-        table = own or known.get(case.name)
-        if table is not None:
-            found.append(table)
-            of_record |= own is None
-    return found, of_record
-
-
-def _hard_scenes(workshop: Workshop) -> tuple[Matrix | None, bool]:
-    """The stored matrix of the hard scenes, else the recorded one; the second value says whether it is that."""
-    own = stored_matrix(workshop)
-    return (own, False) if own is not None else (long_studies.matrix([load_case(entry.name) for entry in catalogue(TAG)]), True)
+    if not _studied(cases):
+        return {"benchmarks": [table for case in cases if (table := stored(case, workshop))]}
+    scenes = [load_case(entry.name) for entry in catalogue(TAG)]
+    studies, matrix = run_studies(workshop), judge_scenes(scenes, workshop, compute=False)
+    own, known = {name: stored(load_case(name), workshop) for name in SCENES}, long_studies.benchmarks()
+    of_record = {
+        "confirmation": not studies.confirming,
+        "benchmark": any(own[name] is None and name in known for name in SCENES),
+        "hard scenes": not matrix.cells,
+    }
+    return {
+        "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
+        "benchmarks": [table for name in SCENES if (table := own[name] or known.get(name))],
+        "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
+        "of_record": {study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
+    }
 
 
 def _earlier_tables(folder: Path) -> set[str]:

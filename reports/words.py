@@ -50,9 +50,9 @@ def duration(seconds: float) -> str:
     return f"{number(value, '.0f' if value >= 9.95 else '.1f' if value >= 0.995 else '.2f')}{TIED}{unit}"
 
 
-def cost(value: float) -> str:
+def cost(value: float | None) -> str:
     """Seconds, or seconds for one simulated: two decimals, below one two figures."""
-    return number(value, ".2g" if value < 1.0 else ".2f")
+    return "–" if value is None else number(value, ".2g" if value < 1.0 else ".2f")
 
 
 def times(factor: float) -> str:

@@ -8,7 +8,7 @@ import functools
 import sys
 import threading
 import time
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final
 
@@ -32,7 +32,8 @@ def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator
         return
     _say_what_is_forgotten()
     tally = Tally(len(jobs), executor.at_once)
-    with _shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
+    shown = _in_place if sys.stderr.isatty() else _in_lines
+    with shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
         for outcome in running:
             tally.ended(outcome)
             done(outcome)
@@ -71,9 +72,9 @@ class Tally:
             self._seconds.append(outcome.seconds)
 
     @property
-    def elapsed(self) -> float:
-        """Since the beginning, s."""
-        return time.monotonic() - self._began
+    def elapsed(self) -> str:
+        """Since the beginning, for a person."""
+        return span(time.monotonic() - self._began)
 
     @property
     def left(self) -> float | None:
@@ -112,19 +113,8 @@ def span(seconds: float) -> str:
 
 
 @contextlib.contextmanager
-def _shown(tally: Tally, title: str) -> Iterator[Any]:
-    """Show the tally until the block ends; what is yielded is told of every outcome."""
-    if sys.stderr.isatty():
-        with _in_place(tally, title):
-            yield lambda outcome: None
-    else:
-        with _in_lines(tally, title):
-            yield lambda outcome: _say(_result(outcome, tally)) if tally.total > 1 else None
-
-
-@contextlib.contextmanager
-def _in_place(tally: Tally, title: str) -> Iterator[None]:
-    """The terminal: a bar, and below it what is at work."""
+def _in_place(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
+    """The terminal: a bar, and below it what is at work. What is yielded is told of every outcome."""
     from rich.console import Console, Group
     from rich.live import Live
     from rich.progress_bar import ProgressBar
@@ -133,16 +123,16 @@ def _in_place(tally: Tally, title: str) -> Iterator[None]:
 
     def drawn() -> Group:
         head = Table.grid(padding=(0, 1))
-        head.add_row(title, ProgressBar(total=tally.total, completed=tally.done, width=30), str(tally), span(tally.elapsed))
+        head.add_row(title, ProgressBar(total=tally.total, completed=tally.done, width=30), str(tally), tally.elapsed)
         return Group(head, *(Text(f"  {line}", no_wrap=True, overflow="ellipsis") for line in tally.at_work()))
 
     with Live(get_renderable=drawn, console=Console(stderr=True), transient=True, refresh_per_second=8):
-        yield
+        yield lambda outcome: None
 
 
 @contextlib.contextmanager
-def _in_lines(tally: Tally, title: str) -> Iterator[None]:
-    """A pipe or a file: now and then a line, from a thread of its own, for the caller waits."""
+def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
+    """A pipe or a file: a line for each outcome, and now and then one from a thread of its own, for the caller waits."""
     ended = threading.Event()
 
     def tell() -> None:
@@ -150,21 +140,20 @@ def _in_lines(tally: Tally, title: str) -> Iterator[None]:
         while not ended.wait(wait):
             at_work = tally.at_work()
             more = [f"{len(at_work) - _MOST_AT_WORK} more"] if len(at_work) > _MOST_AT_WORK else []
-            _say("; ".join([f"{title}: {tally} after {span(tally.elapsed)}", *at_work[:_MOST_AT_WORK], *more]))
+            _say("; ".join([f"{title}: {tally} after {tally.elapsed}", *at_work[:_MOST_AT_WORK], *more]))
             wait = EVERY
+
+    def done(outcome: Outcome[Any]) -> None:
+        if tally.total > 1:
+            _say(f"{outcome.job.name}: {outcome.failure or f'done in {span(outcome.seconds)}'}; {tally}")
 
     thread = threading.Thread(target=tell, daemon=True)
     thread.start()
     try:
-        yield
+        yield done
     finally:
         ended.set()
         thread.join()
-
-
-def _result(outcome: Outcome[Any], tally: Tally) -> str:
-    ended = f"done in {span(outcome.seconds)}" if outcome.completed else outcome.failure
-    return f"{outcome.job.name}: {ended}; {tally}"
 
 
 @functools.cache

@@ -23,10 +23,7 @@ class Limits:
 
 
 def default_limits() -> Limits:
-    """What one engine on one scene may take: an hour, and 8 GiB or what the machine has, if that is less.
-
-    Far above what any run needs (minutes, and less than 1 GiB); it ends what would never end.
-    """
+    """An hour, and 8 GiB or what the machine has, if that is less: far above what any run needs, to end what would never end."""
     return Limits(seconds=3600.0, memory=min(8 * 2**30, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
 
 
@@ -82,10 +79,7 @@ class Outcome(Generic[T]):
 
     @property
     def explanation(self) -> str:
-        """The failure in the engine's words where it has some; of a process that died with its last line of output.
-
-        Native libraries tell the cause there if anywhere.
-        """
+        """The failure in the engine's words where it has some; of a process that died with the last line of a native library."""
         if self.error is not None:
             from engines.base import EngineFailure, Refusal
 
@@ -101,19 +95,17 @@ Watch = Callable[[Job[Any], "Progress | None"], None]
 
 
 class Executor(Protocol):
-    """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other."""
+    """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other.
 
-    @property
-    def quiet(self) -> bool:
-        """Whether nobody is to be told how far the jobs are."""
+    Attributes:
+        quiet: whether nobody is to be told how far the jobs are.
+        at_once: how many jobs are computed at a time.
+        limits: of a job that has none of its own.
+    """
 
-    @property
-    def at_once(self) -> int:
-        """How many jobs are computed at a time."""
-
-    @property
-    def limits(self) -> Limits:
-        """Of a job that has none of its own."""
+    quiet: bool
+    at_once: int
+    limits: Limits
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """Outcomes as jobs end, in whatever order that is; closing the generator ends those that are at work.

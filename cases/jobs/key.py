@@ -33,16 +33,7 @@ LIBRARIES: Final = ("numpy", "scipy", "numba")
 
 
 def key_of(job: Job[Any]) -> str:
-    """Key of a job's result, SHA-256 in hexadecimal.
-
-    Arguments, or what determines the result instead, may be made of mappings, lists, tuples, dataclasses (with their class name), texts,
-    whole numbers, floats (told apart to the last bit, infinities and NaN included), booleans, None, paths and numpy
-    arrays.
-
-    Raises:
-        TypeError: a value of another type.
-        UnknownEngine: a name that is no engine's.
-    """
+    """Key of a job's result. Raises TypeError as `hash_of`, and UnknownEngine."""
     return hash_of(
         {
             "kind": job.kind,
@@ -55,7 +46,11 @@ def key_of(job: Job[Any]) -> str:
 
 
 def hash_of(content: Any) -> str:
-    """SHA-256 (hexadecimal) of the canonical JSON of content such as described for `key_of`. TypeError: see there."""
+    """SHA-256 (hexadecimal) of content.
+
+    It may be made of mappings, lists, tuples, dataclasses (with their class name), texts, whole numbers, floats (told apart to the last
+    bit, infinities and NaN included), booleans, None, paths and numpy arrays; TypeError: of anything else.
+    """
     text = json.dumps(_canonical(content), sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     return hashlib.sha256(text.encode("ascii")).hexdigest()
 
@@ -69,14 +64,11 @@ def _version_of(name: str) -> list[str]:
 
 
 def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | None = None) -> str:
-    """SHA-256 (hex) of the source text of `parts` and of the engine's own package, with the versions of the libraries used.
+    """SHA-256 (hexadecimal) of source text, with the versions of the libraries used.
 
     Args:
-        parts: names of packages (with everything below them) or modules, e.g. ("reference_model", "engines", "cases.measures").
+        parts: names of packages (with everything below them) or modules; ModuleNotFoundError: one does not exist.
         engine: an engine from elsewhere; its code counts as well.
-
-    Raises:
-        ModuleNotFoundError: a part does not exist.
     """
     digest = hashlib.sha256()
     for part in sorted(set(parts)):
@@ -84,7 +76,7 @@ def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | No
     if engine is not None:
         digest.update(_file_hash(inspect.getsourcefile(type(engine)) or "").encode())
     for library in LIBRARIES:
-        digest.update(f"{library} {_version(library)}\n".encode())
+        digest.update(f"{library} {metadata.version(library)}\n".encode())
     return digest.hexdigest()
 
 
@@ -115,14 +107,6 @@ def _hash_of(files: Iterator[Path], root: Path) -> str:
         digest.update(f"{file.relative_to(root).as_posix()} {len(text)}\n".encode())
         digest.update(text)
     return digest.hexdigest()
-
-
-@cache
-def _version(library: str) -> str:
-    try:
-        return metadata.version(library)
-    except metadata.PackageNotFoundError:
-        return "not installed"
 
 
 def _canonical(value: Any) -> Any:

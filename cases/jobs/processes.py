@@ -19,6 +19,7 @@ If the fork server is killed its workers finish what they are at, and the next j
 """
 
 import contextlib
+import math
 import multiprocessing
 import os
 import pickle
@@ -36,14 +37,7 @@ from cases.jobs.job import Job, Limits, Outcome, V, Watch, default_limits
 from cases.jobs.worker import serve
 
 #: Variables by which numerical libraries are told how many threads to use.
-THREADS: Final = (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "BLIS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "NUMBA_NUM_THREADS",
-)
+THREADS: Final = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMBA"))
 #: What a fork server imports once for all its workers.
 PRELOAD: Final = (
     "cases.jobs.worker",
@@ -66,31 +60,24 @@ _SIGKILL_HINT: Final = " (by the user, or by the system for lack of memory)"
 
 def available_cores() -> int:
     """Number of cores that this process may use."""
-    with contextlib.suppress(AttributeError):  # not on every system
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class LocalProcesses:
-    """The executor on this machine: a process for each job, some of them at a time.
+    """The executor on this machine: a process for each job, some of them at a time; all of a process share a fork server.
 
     Time limits are enforced while the caller waits for the next outcome.
+
+    Args:
+        at_once: how many jobs at a time; None: one per core. ValueError: it is below 1.
+        limits: of a job that has none of its own; None: `default_limits`.
+        preload: modules that the fork server imports once; only the first job of a process decides.
+        quiet: whether nobody is to be told how far the jobs are.
     """
 
     def __init__(
         self, at_once: int | None = None, limits: Limits | None = None, preload: Sequence[str] = PRELOAD, quiet: bool = True
     ) -> None:
-        """A new one costs nothing; all of a process share a fork server.
-
-        Args:
-            at_once: how many jobs at a time; None: one per core.
-            limits: of a job that has none of its own; None: `default_limits`.
-            preload: modules that the fork server imports once; only the first job of a process decides.
-            quiet: whether nobody is to be told how far the jobs are.
-
-        Raises:
-            ValueError: `at_once` is below 1.
-        """
         if at_once is not None and at_once < 1:
             raise ValueError(f"jobs={at_once}: at least 1 is needed")
         self.at_once, self.quiet, self._preload = at_once or available_cores(), quiet, preload
@@ -111,8 +98,8 @@ class LocalProcesses:
                         yield Outcome(job, failure=f"could not be started ({error or type(error).__name__})")
                 if not running:  # none could be started
                     continue
-                deadline = min((worker.deadline for worker in running if worker.deadline is not None), default=None)
-                timeout = None if deadline is None else min(max(0.0, deadline - time.monotonic()), _LONGEST_WAIT)
+                deadline = min(worker.deadline for worker in running)
+                timeout = min(max(0.0, deadline - time.monotonic()), _LONGEST_WAIT)
                 ready = connection.wait([handle for worker in running for handle in worker.handles()], timeout)
                 for worker in list(running):
                     outcome = worker.outcome(ready)
@@ -132,7 +119,7 @@ def get_ready(preload: Sequence[str]) -> None:
 
 
 def _fork_server(preload: Sequence[str]) -> Any:
-    """The multiprocessing context of a fork server that computes with one thread and does not see Ctrl-C, and so do its workers."""
+    """The multiprocessing context of a fork server that computes with one thread and does not see Ctrl-C, nor do its workers."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(preload))
     with warnings.catch_warnings():
@@ -140,17 +127,15 @@ def _fork_server(preload: Sequence[str]) -> Any:
         resource_tracker.ensure_running()  # it lifts the block when it starts, so it must run before
     # nor does it look for modules where the user stands: a folder `cases` there is not ours
     environment = {**dict.fromkeys(THREADS, "1"), "PYTHONSAFEPATH": "1"}
-    before = {name: os.environ.get(name) for name in environment}
+    before = dict(os.environ)
     os.environ.update(environment)
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # this process gets a Ctrl-C afterwards
     try:
         forkserver.ensure_running()
     finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        for name in environment.keys() - before.keys():
+            del os.environ[name]
+        os.environ.update(before)
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     return context
 
@@ -170,7 +155,7 @@ def _hidden_main(job: Job[Any]) -> Iterator[None]:
 
 
 def _started(job: Job[Any], limits: Limits, preload: Sequence[str], watch: Watch | None) -> "_Worker":
-    """A worker at its job, from a new fork server if the old one turns out to be dying: until it is gone it still counts as alive."""
+    """A worker at its job, from a new fork server if the old one is dying: until it is gone it still counts as alive."""
     patience = time.monotonic() + _GRACE
     while True:
         try:
@@ -202,8 +187,8 @@ class _Worker:
             end.close()
 
     @property
-    def deadline(self) -> float | None:
-        return None if self._limits.seconds is None else self._begin + self._limits.seconds
+    def deadline(self) -> float:
+        return math.inf if self._limits.seconds is None else self._begin + self._limits.seconds
 
     def handles(self) -> list[Any]:
         """What becomes ready when something happens."""
@@ -222,7 +207,7 @@ class _Worker:
                 self._guarded = False  # not the worker ended but the fork server: the worker's answer is still to come
             else:
                 outcome = self._answered()
-        if outcome is None and self.deadline is not None and time.monotonic() >= self.deadline:
+        if outcome is None and time.monotonic() >= self.deadline:
             self._kill()
             return self._outcome(failure=f"stopped at the time limit of {self._limits.seconds:g} s")
         return outcome
@@ -277,10 +262,7 @@ class _Worker:
             return "cut its connection to the runner"
         if code >= 0:
             return f"ended without a result (exit code {code})"
-        try:
-            name = signal.Signals(-code).name
-        except ValueError:
-            name = f"signal {-code}"
+        name = signal.Signals(-code).name if -code in list(signal.Signals) else f"signal {-code}"
         return f"killed by {name}{_SIGKILL_HINT if name == 'SIGKILL' else ''}"
 
     def _outcome(self, value: Any = None, failure: str = "", error: BaseException | None = None) -> Outcome[Any]:

@@ -65,17 +65,12 @@ def _typed(kind: Any, item: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
         return None if item is None else _typed(arguments[0], item, arrays)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         return kind(**{name: _typed(each, item[name], arrays) for name, each in _fields(kind).items()})
-    origin = get_origin(kind)
-    if origin is tuple and arguments[-1] is not Ellipsis:
+    if isinstance(item, dict):
+        return {name: _typed(arguments[1] if arguments else Any, part, arrays) for name, part in item.items()}
+    if get_origin(kind) is tuple and arguments[-1] is not Ellipsis:
         return tuple(_typed(each, part, arrays) for each, part in zip(arguments, item, strict=True))
-    if origin in (tuple, list):
-        return origin(_typed(arguments[0], part, arrays) for part in item)
-    if isinstance(origin, type) and issubclass(origin, Mapping):
-        return {name: _typed(arguments[1], part, arrays) for name, part in item.items()}
-    if kind is Any and isinstance(item, dict):
-        return {name: _typed(Any, part, arrays) for name, part in item.items()}
-    if kind is Any and isinstance(item, list):
-        return [_typed(Any, part, arrays) for part in item]
+    if isinstance(item, list):
+        return (get_origin(kind) or list)(_typed(arguments[0] if arguments else Any, part, arrays) for part in item)
     return item
 
 

@@ -9,11 +9,12 @@ goes on: it costs one result to be computed again, not all those that the run st
 File format: one line `quickreturn-store 1 <sha256>`, then numpy's npz with the JSON document as UTF-8 bytes and the arrays.
 """
 
-import errno
+import contextlib
 import hashlib
 import io
 import json
 import os
+import secrets
 import tempfile
 import time
 import zipfile
@@ -50,8 +51,11 @@ class Record:
 class Store:
     """Entries by key in a folder; safe to use from several processes at once.
 
+    Args:
+        folder: None for that of the environment variable.
+        tell: gets each notice the moment it arises.
+
     Attributes:
-        folder: where the entries are.
         notices: sentences on damaged entries and on results that could not be written, so far.
         written: number of results that were written.
         lost: number of results that could not be.
@@ -61,7 +65,6 @@ class Store:
     """
 
     def __init__(self, folder: Path | None = None, tell: Callable[[str], None] | None = None) -> None:
-        """`folder`: None for that of the environment variable; `tell`: gets each notice the moment it arises."""
         self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER)
         self.notices: list[str] = []
         self.written = self.lost = 0
@@ -135,43 +138,24 @@ class Store:
                 self._tell(sentence)
 
     def _clear_abandoned(self) -> None:
-        now = time.time()
         for file in self.folder.glob("*.part"):
-            try:
-                if now - file.stat().st_mtime > _ABANDONED:
+            with contextlib.suppress(FileNotFoundError):  # another run cleared it first
+                if time.time() - file.stat().st_mtime > _ABANDONED:
                     file.unlink()
-            except FileNotFoundError:  # another run cleared it first
-                continue
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that it is there in full or, on any failure, as it was before.
-
-    Raises:
-        OSError: it cannot be written.
-    """
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    """Write a file so that it is there in full or, on any failure, as it was before. OSError: it cannot be written."""
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with temporary.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
+        temporary.replace(path)
     except BaseException:
-        Path(temporary).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _head(key: str, body: bytes) -> bytes:
@@ -180,4 +164,4 @@ def _head(key: str, body: bytes) -> bytes:
 
 def words_of(error: OSError) -> str:
     """What the system says, in lower case."""
-    return (error.strerror or str(error)).lower() if error.errno != errno.ENOSPC else "no space left on the disk"
+    return (error.strerror or str(error)).lower()

@@ -88,11 +88,9 @@ def _be_first_to_go() -> None:
 
 
 def _limit_memory(memory: int) -> None:
-    try:
-        with open("/proc/self/statm", encoding="ascii") as file:
-            present = int(file.read().split()[0]) * resource.getpagesize()
-    except OSError:  # no such file on this system: the limit then counts what the process has already
-        present = 0
+    present = 0  # where the system has no such file the limit counts what the process has already
+    with contextlib.suppress(OSError), open("/proc/self/statm", encoding="ascii") as file:
+        present = int(file.read().split()[0]) * resource.getpagesize()
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     limit = present + memory
     resource.setrlimit(resource.RLIMIT_AS, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard))

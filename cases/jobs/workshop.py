@@ -28,11 +28,7 @@ class Workshop:
     executor: Executor = field(default_factory=LocalProcesses)
 
     def outcomes(self, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
-        """How each of the jobs ended, in their order; of equal keys the first is computed.
-
-        Args:
-            jobs: computed in this order.
-            title: of them all, for the person who waits.
+        """How each of the jobs ended, in their order, computed in that order; of equal keys the first is.
 
         Raises:
             KeyboardInterrupt: Ctrl-C; what was computed is stored.

@@ -17,7 +17,12 @@ if TYPE_CHECKING:
 @options.tag
 @options.engines_for(help="Engine to measure; may be given again. Default: all eight of ours.")
 @options.single(
-    "--repetitions", metavar="N", type=options.WholeNumber(1, 100), default=5, show_default=True, help="Repetitions at most, interleaved."
+    "--repetitions",
+    metavar="N",
+    read=options.number(1, 100, 5, whole=True),
+    default="5",
+    show_default=True,
+    help="Repetitions at most, 1 to 100, interleaved.",
 )
 @options.assignments
 @options.limited
@@ -41,19 +46,16 @@ def command(
     from cases.benchmark import SCENES, measure
     from cases.benchmark.scenes import ENGINES
     from engines.base import EngineFailure
-    from engines.registry import engine, usable_engine
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
     overrides, settings = options.read_assignments(assignments)
     options.refuse_engine_settings(settings)
-    loaded = options.load_all(cases or ([] if tag else SCENES), tag, overrides)
-    names = list(dict.fromkeys(engines)) or list(ENGINES)
-    for name in names:  # an unknown name is answered before anything runs, and so is one that was asked for and is not installed
-        usable_engine(name) if engines else engine(name)
-    _ = [case.mechanism for case in loaded]  # and so is a scene without crank
-    workshop, tables = options.opened_workshop(), []
-    options.announce(loaded, names, workshop)
+    loaded = options.load_all(cases, tag, overrides, otherwise=SCENES)
+    names = engines or ENGINES
+    options.refuse_missing(engines)
+    _ = [case.mechanism for case in loaded]  # a scene without crank is answered before anything runs
+    workshop, tables = options.opened_workshop(loaded, names), []
     failed = False
     for case in loaded:
         try:

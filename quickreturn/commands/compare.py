@@ -21,9 +21,7 @@ PICTURES: Final = (".png", ".svg", ".pdf")
 @options.engines_for(help="Engine to hold against; may be given again. Default: the four main ones.")
 @options.accuracy
 @options.assignments
-@options.single(
-    "--output", metavar="PICTURE", callback=lambda c, o, text: text and options.path_given(c, o, text), help="Draw it: .png, .svg or .pdf."
-)
+@options.single("--output", metavar="PICTURE", help="Draw it: .png, .svg or .pdf.")
 @options.of_workshop
 @options.json
 def command(
@@ -46,23 +44,22 @@ def command(
     """
     from cases.recorded import read_table
     from cases.runs.comparison import hold_against_engines
-    from engines.registry import MAIN
+    from quickreturn.catalogue import prepared
     from quickreturn.commands.run import as_document, exit_code
-    from quickreturn.questions import check_engines, check_settings
     from reports.output import check_writable, print_json
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
-    names = list(dict.fromkeys(engines)) or list(MAIN)
-    check_engines(engines)
-    texts = options.settings_of(settings, names)
-    check_settings([loaded], names, texts)
-    if output:
+    names, texts, others = prepared([loaded], engines, settings)
+    options.refuse_missing(names if engines else ())
+    if output is not None:
         check_writable(Path(output), "" if loaded.source == "library" else case, *PICTURES)
-    tables = [read_table(file) for file in dict.fromkeys(files)]
-    refuse_equal_names([*names, *(table.name for table in tables)])
-    workshop = options.opened_workshop()
-    options.announce([loaded], names, workshop)
+    tables = [*others.get(loaded.name, ()), *map(read_table, dict.fromkeys(files))]
+    called = [*names, *(table.name for table in tables)]
+    for name in called:
+        if called.count(name) > 1:
+            raise click.UsageError(f'two tables or engines are called "{name}"; give each file a name of its own')
+    workshop = options.opened_workshop([loaded], names)
     results = hold_against_engines(loaded, tables, workshop, names, accuracy, texts)
     if as_json:
         document = as_document(results, workshop.store.notices)
@@ -79,13 +76,6 @@ def command(
 
         write_file(Path(output), drawn(results, Path(output).suffix.lower()))
     return exit_code(results, workshop, engines)
-
-
-def refuse_equal_names(names: Sequence[str]) -> None:
-    """UsageError if two tables, or a table and an engine, have one name: they could not be told apart in what comes out."""
-    for name in names:
-        if names.count(name) > 1:
-            raise click.UsageError(f'two tables or engines are called "{name}"; give each file a name of its own')
 
 
 def _pairs(result: "CaseResult") -> "list[tuple[Run, Run]]":

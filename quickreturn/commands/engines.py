@@ -29,10 +29,10 @@ def _list(as_json: bool) -> None:
 
 def _describe(name: str, as_json: bool) -> None:
     from cases.jobs.job import Job
-    from quickreturn.questions import answer_of, settings
+    from quickreturn.questions import asked, settings, value_of
     from reports.output import print_json, print_table
 
-    found = answer_of(Job(name, settings, (name,)))
+    found = value_of(*asked([Job(name, settings, (name,))], name))
     if as_json:
         print_json(found)
         return

@@ -17,8 +17,22 @@ if TYPE_CHECKING:
 @options.cases
 @options.tag
 @options.engines
-@options.crank_angle
-@options.single("--count", metavar="N", type=options.WholeNumber(1, 100), default=4, show_default=True, help="How many at most.")
+@options.single(
+    "--crank-angle",
+    "crank_angles",
+    metavar="DEG",
+    required=True,
+    read=options.angles,
+    help="Angle at which the crank is held, degrees; or FROM:TO:STEP, both ends included.",
+)
+@options.single(
+    "--count",
+    metavar="N",
+    read=options.number(1, 100, 4, whole=True),
+    default="4",
+    show_default=True,
+    help="How many at most, 1 to 100.",
+)
 @options.assignments
 @options.json
 def command(
@@ -45,9 +59,8 @@ def command(
 
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
-    loaded, names = options.load_all(cases, tag, overrides), list(dict.fromkeys(engines))
-    texts = options.settings_of(settings, names)
-    asked = list(itertools.product(loaded, names))
+    texts = questions.settings_of(settings, engines)
+    asked = list(itertools.product(options.load_all(cases, tag, overrides), engines))
     for case, name in asked:
         questions.check(name, case.mechanism, texts[name])
     angles = [math.radians(angle) for angle in crank_angles]

@@ -10,29 +10,26 @@ import click
 from quickreturn.commands import options
 
 if TYPE_CHECKING:
-    from cases.case import Case
     from quickreturn.curves import Columns
 
 ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 @click.command(name="plot")
-@options.plotted
+@click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=options.complete_case)
 @options.tag
-@options.engines_if_any
+@options.engines_for(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
 @click.option("--column", "columns", metavar="NAME", multiple=True, help="Column to show; may be given again. Default: four of them.")
 @options.duration
 @options.accuracy
 @options.assignments
-@options.single(
-    "--output", metavar="FILE", required=True, callback=options.path_given, help=f"Where the picture goes: {', '.join(ENDINGS)}."
-)
+@options.output(f"Where the picture goes: {', '.join(ENDINGS)}.")
 def command(
     sources: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
     columns: Sequence[str],
-    duration: str | None,
+    duration: float | None,
     accuracy: float | None,
     assignments: Sequence[str],
     output: str,
@@ -47,18 +44,17 @@ def command(
     from reports.output import check_writable, write_file
 
     overrides, settings = options.read_assignments(assignments)
-    names = list(dict.fromkeys(engines))
-    texts = options.settings_of(settings, names)
     files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
     loaded = options.load_all(cases, tag, overrides, duration) if cases or tag or not files else []
-    if files and loaded and not names:
+    if files and loaded and not engines:
         raise click.UsageError("a case beside a file: give --engine, so that it has a trajectory as well")
-    for given, what in ((columns, "--column"), (duration, "--duration"), (accuracy, "--accuracy")):
-        if given and not names and not (files and what == "--column"):
+    given = {"--column": () if files else columns, "--duration": duration, "--accuracy": accuracy, "--set": settings}
+    for what, value in given.items():
+        if value and not engines:
             raise click.UsageError(f"{what}: without --engine nothing is simulated; give --engine as well")
     check_writable(Path(output), "", *ENDINGS)
     options.begin(f"drawing {output}")
-    if not names and not files:
+    if not engines and not files:
         from quickreturn.drawing import mechanisms
 
         figure = mechanisms(loaded)
@@ -67,15 +63,11 @@ def command(
         from quickreturn.curves import curves
 
         shown: dict[str, Columns] = {Path(file).stem: read_table(file).columns for file in files}
-        solved = trajectories(loaded, names, texts, accuracy) if loaded else {}
+        solved = trajectories(loaded, engines, settings, accuracy)
         shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
-        figure = curves(shown, columns, title=_title(loaded))
+        figure = curves(shown, columns, title=f"{loaded[0].name}: {loaded[0].title}" if len(loaded) == 1 else "")
     picture = io.BytesIO()
     figure.savefig(picture, format=Path(output).suffix.lower()[1:], dpi=150)
     write_file(Path(output), picture.getvalue())
     click.echo(output)
     return 0
-
-
-def _title(cases: "Sequence[Case]") -> str:
-    return f"{cases[0].name}: {cases[0].title}" if len(cases) == 1 else ""

@@ -19,12 +19,10 @@ if TYPE_CHECKING:
 _OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
 
 
-def _folder_given(context: click.Context, option: click.Parameter, text: str) -> str:
-    """The path as given; UsageError if it looks like that of a file and is no folder yet."""
-    folder = Path(options.path_given(context, option, text))
-    if folder.suffix.lower() in _OF_FILES and not os.path.isdir(folder):
-        accepted = "give a folder, the page in it is index.html"
-        raise click.UsageError(f'--output {as_written(text)}: the ending "{folder.suffix}" is that of a file; {accepted}')
+def _folder(option: str, text: str) -> str:
+    """The path as given; UsageError if it is none, or looks like that of a file and is no folder yet."""
+    if not text.strip() or (text.lower().endswith(_OF_FILES) and not os.path.isdir(text)):
+        raise click.UsageError(f"{option} {as_written(text)}: give a folder, the page in it is index.html")
     return text
 
 
@@ -37,40 +35,30 @@ def _folder_given(context: click.Context, option: click.Parameter, text: str) ->
     metavar="DIR",
     default="reports/output",
     show_default=True,
-    callback=_folder_given,
+    read=_folder,
     help="Folder of the page and its tables.",
 )
 @options.of_workshop
-def command(
-    cases: Sequence[str],
-    tag: str | None,
-    engines: Sequence[str],
-    output: str,
-) -> int:
+def command(cases: Sequence[str], tag: str | None, engines: Sequence[str], output: str) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
 
     Exit code 0 once the page is written and every engine completed: where engines disagree is shown in the page. Exit code 3: an engine
     failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
     as they come: an interrupted report continues where it stopped.
     """
-    from cases.recorded import tables_of
-    from engines.registry import MAIN
-    from quickreturn.catalogue import apart
+    from quickreturn.catalogue import prepared
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
-    from quickreturn.questions import check_engines
 
-    loaded, (names, paths) = options.load_all(cases, tag, {}, otherwise="thesis"), apart(engines or MAIN)
-    check_engines(names if engines else ())
-    tables = tables_of(paths, [case.name for case in loaded])
-    workshop = options.opened_workshop()
-    options.announce(loaded, names, workshop)
+    loaded = options.load_all(cases, tag, {}, otherwise=("thesis-*",))
+    names, _, tables = prepared(loaded, engines, {})
+    options.refuse_missing(names if engines else ())
+    workshop = options.opened_workshop(loaded, names)
     from reports.report import write_report
 
     written = write_report(loaded, Path(output), workshop, names, tables)
     _print(written)
-    for trouble in written.content.troubles:
-        if trouble.is_failure:
-            options.tell(f"{trouble.case}: engine {trouble.engine} {trouble.status}: {trouble.remark}")
+    for case, run in written.incomplete:
+        options.tell(f"{case}: engine {run.engine} {run.status}: {run.remark}")
     for case, run in written.unusable:
         options.tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
     if written.failed:
@@ -81,10 +69,9 @@ def command(
 def _print(written: "Written") -> None:
     content = written.content
     runs = sum(len(result.runs) for result in content.results)
-    failures = [trouble for trouble in content.troubles if trouble.is_failure]
     click.echo(str(written.page))
     cases = "1 case" if len(content.results) == 1 else f"{len(content.results)} cases"
-    click.echo(f"{cases}, {runs} simulations: {runs - len(content.troubles)} settled, {len(failures)} did not complete")
+    click.echo(f"{cases}, {runs} simulations: {runs - len(content.troubles)} settled, {len(written.incomplete)} did not complete")
     click.echo(_verdict(content.results))
     click.echo(f"{len(written.tables)} tables as CSV beside the page")
 

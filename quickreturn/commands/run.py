@@ -36,25 +36,21 @@ def command(
     installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
     interrupted run continues.
     """
-    from quickreturn.catalogue import apart
-    from quickreturn.questions import check_engines, check_settings
+    from quickreturn.catalogue import prepared
     from reports.output import print_json
 
     overrides, settings = options.read_assignments(assignments)
-    loaded, (names, paths) = options.load_all(cases, tag, overrides), apart(engines)
-    check_engines(names if engines else ())
-    texts = options.settings_of(settings, names)
-    check_settings(loaded, names, texts)
-    workshop = options.opened_workshop()
-    options.announce(loaded, names, workshop)
+    loaded = options.load_all(cases, tag, overrides)
+    names, texts, tables = prepared(loaded, engines, settings)
+    options.refuse_missing(names if engines else ())
+    workshop = options.opened_workshop(loaded, names)
+    from cases.runs.comparison import cross_validate
     from cases.runs.request import REFUSED
-    from quickreturn.cross_validation import run
     from quickreturn.verdict_text import text_of
 
-    found = run(loaded, [*names, *paths], accuracy=accuracy, settings=texts, workshop=workshop)
-    results = found.results
+    results = cross_validate(loaded, workshop, names, accuracy, texts, tables)
     if as_json:
-        print_json(as_document(results, found.notices))
+        print_json(as_document(results, workshop.store.notices))
     else:
         for result in results:
             if not all(each.status == REFUSED for each in result.runs.values()):  # else there is nothing to show

@@ -58,12 +58,7 @@ def _print_for_others(cases: "Sequence[Case]", assignments: Sequence[str]) -> No
 def _document(loaded: "Case") -> dict[str, Any]:
     from cases.case import SECTIONS
 
-    return {
-        "name": loaded.name,
-        "title": loaded.title,
-        "tags": loaded.tags,
-        "source": loaded.source,
-        "notes": loaded.notes,
+    return {name: getattr(loaded, name) for name in ("name", "title", "tags", "source", "notes")} | {
         "scene": loaded.values,
         "derived": _derived(loaded.scene),
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
@@ -84,8 +79,7 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
         "slenderness": (follower.slenderness, "", "length over thickness"),
     }
     if isinstance(scene, Mechanism) and not follower.is_rigid:
-        angles = np.linspace(0.0, np.pi, 25)
-        lowest = min(frozen_crank_modes(scene, angle, 1).frequencies[0] for angle in angles)
+        lowest = min(frozen_crank_modes(scene, angle, 1).frequencies[0] for angle in np.linspace(0.0, np.pi, 25))
         found["first_bending_frequency"] = (float(lowest), "Hz", "crank held, the least over its turn")
     elif not isinstance(scene, Mechanism):
         found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")

@@ -49,30 +49,32 @@ class Difference:
         return self.value / self.other
 
 
-@dataclass(frozen=True)
-class Spread:
-    """A set of differences in short; all relative."""
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """A set of numbers in short."""
 
-    count: int
     median: float
     lowest: float
     highest: float
+    count: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread(Summary):
+    """A set of differences in short; all relative."""
+
     worst: Difference
+
+
+def summary_of(values: Sequence[float]) -> Summary | None:
+    """Numbers in short; None if there are none."""
+    return Summary(median=float(np.median(values)), lowest=min(values), highest=max(values), count=len(values)) if values else None
 
 
 def differences(
     results: Sequence[CaseResult], engine: str, kind: Kind, other: str = REFERENCE, half: str | None = None, channel: str | None = None
 ) -> list[Difference]:
-    """All differences of a kind between two engines, where both have the number.
-
-    Args:
-        results: cases.
-        engine: whose.
-        kind: of number.
-        other: against which engine.
-        half: "pre" or "post"; None: both.
-        channel: one channel; None: all.
-    """
+    """All differences of a kind between two engines, where both have the number; in both halves and all channels unless one is given."""
     found = []
     for result in results:
         run, opposite = result.runs.get(engine), result.runs.get(other)
@@ -90,16 +92,8 @@ def differences(
 
 def spread(found: Sequence[Difference]) -> Spread | None:
     """Differences in short; None if there are none."""
-    if not found:
-        return None
-    relative = np.array([difference.relative for difference in found])
-    return Spread(
-        count=len(found),
-        median=float(np.median(relative)),
-        lowest=float(relative.min()),
-        highest=float(relative.max()),
-        worst=found[int(np.argmax(np.abs(relative)))],
-    )
+    short = summary_of([difference.relative for difference in found])
+    return Spread(**vars(short), worst=max(found, key=lambda difference: abs(difference.relative))) if short else None
 
 
 def engines_of(results: Sequence[CaseResult]) -> list[str]:

@@ -2,17 +2,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import pairwise
-from typing import Final
-
-import numpy as np
+from typing import Any, Final
 
 from cases.experiment import Statement, statements
 from cases.frozen_crank import ELEMENTS, FrozenCrank
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
-from reports.findings.agreement import differences
-from reports.findings.runs import of_run, thesis_runs
-from reports.words import listed, number, percent, size, span
+from reports.findings.agreement import differences, summary_of
+from reports.findings.runs import thesis_runs
+from reports.templates import environment
 
 HOLDS: Final = "holds"
 IN_PART: Final = "holds in part"
@@ -60,7 +59,7 @@ class Basis:
 
 def conclusions(basis: Basis) -> list[Conclusion]:
     """One per statement, in the order of the thesis."""
-    return [_RULES.get(statement.id, _relation)(statement, basis) for statement in statements()]
+    return [_conclusion(statement, basis) for statement in statements()]
 
 
 def post_over_pre(results: Sequence[CaseResult], engine: str) -> dict[int, float]:
@@ -74,69 +73,55 @@ def post_over_pre(results: Sequence[CaseResult], engine: str) -> dict[int, float
     return found
 
 
+def _conclusion(statement: Statement, basis: Basis) -> Conclusion:
+    if statement.id not in _CRANK_HELD:
+        return _RULES.get(statement.id, _relation)(statement, basis)
+    frozen = basis.frozen_crank
+    return _told("not_shown", statement, UNCHECKABLE) if frozen is None else _CRANK_HELD[statement.id](statement, frozen, basis)
+
+
+@cache
+def _sentences() -> Any:
+    return environment(escaped=False).get_template("conclusions.jinja").module
+
+
+def _told(words: str, statement: Statement, outcome: str, inference: bool = False, **facts: Any) -> Conclusion:
+    """A conclusion whose numbers are told by a macro of `templates/conclusions.jinja`."""
+    text = getattr(_sentences(), words)(facts | {"statement": statement})
+    return Conclusion(statement, outcome, text.strip().replace("\n", " "), inference)
+
+
 def _relation(statement: Statement, basis: Basis) -> Conclusion:
     """A ratio simulation / experiment, which takes a measured waveform."""
     values = basis.measured.get(statement.quantity, {})
     share = statement.share_of(values)
-    if share is None:
-        return Conclusion(statement, UNCHECKABLE, "It compares with measured waveforms, and none survives.")
-    counted = sum(run in values for run in statement.runs)
-    numbers = (
-        f"{percent(share, '.0f')} of the {counted} runs with measured curves show a ratio of {_limits(statement)};"
-        f" the words ask for {percent(statement.share, '.0f')}."
-    )
-    return Conclusion(statement, HOLDS if statement.holds(values) else NOT, numbers)
+    outcome = UNCHECKABLE if share is None else HOLDS if statement.holds(values) else NOT
+    return _told("relation", statement, outcome, share=share, counted=sum(run in values for run in statement.runs))
 
 
-def _first_mode(statement: Statement, basis: Basis) -> Conclusion:
-    if basis.frozen_crank is None:
-        return _not_shown(statement)
-    found = basis.frozen_crank.converged[0]
+def _first_mode(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
+    found = frozen.converged[0]
     overlap = max(0.0, min(found.high, statement.high) - max(found.low, statement.low)) / (statement.high - statement.low)
     outcome = HOLDS if overlap == 1.0 else IN_PART if overlap > 0.0 else NOT
-    place = "lies within" if overlap == 1.0 else "overlaps the upper part of" if found.low < statement.low else "overlaps"
-    run = of_run(basis.results, statement.runs[0])
+    run = thesis_runs(basis.results).get(statement.runs[0])
     reference = run.runs.get(REFERENCE) if run else None
     means = [reference.consensus_frequency(half) for half in HALVES] if reference is not None and reference.usable else []
-    told = listed([f"{number(mean, '.1f')} Hz" for mean in means if mean is not None])
-    numbers = (
-        f"With the crank held, the converged first mode runs from {span(found.low, found.high, '.1f')} Hz over the crank angle;"
-        f" the printed range {place} this."
-        + (f" Its time mean in the simulated cycle is {told}, before and after the return." if told else "")
-        + " The measured waveform itself is lost."
-    )
-    return Conclusion(statement, outcome, numbers)
+    return _told("first_mode", statement, outcome, found=found, overlap=overlap, means=[mean for mean in means if mean is not None])
 
 
-def _second_mode(statement: Statement, basis: Basis) -> Conclusion:
-    if basis.frozen_crank is None:
-        return _not_shown(statement)
-    second, third = basis.frozen_crank.converged[1:3]
-    numbers = (
-        f"With the crank held, the second converged mode lies at {span(second.low, second.high, '.0f')} Hz, the third at"
-        f" {span(third.low, third.high, '.0f')} Hz, the single cubic's second at"
-        f" {span(basis.frozen_crank.cubic[1].low, basis.frozen_crank.cubic[1].high, '.0f')} Hz."
-    )
-    if second.holds(statement.low):
-        return Conclusion(statement, HOLDS, numbers)
-    if third.holds(statement.low):
-        return Conclusion(statement, NOT, f"{numbers} {statement.low:g} Hz is the third mode, not the second.", inference=True)
-    return Conclusion(statement, NOT, numbers)
+def _second_mode(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
+    second, third = frozen.converged[1:3]
+    holds = second.holds(statement.low)
+    is_third = not holds and third.holds(statement.low)
+    facts = {"second": second, "third": third, "cubic": frozen.cubic[1], "is_third": is_third}
+    return _told("second_mode", statement, HOLDS if holds else NOT, inference=is_third, **facts)
 
 
-def _signs(statement: Statement, basis: Basis) -> Conclusion:
-    if basis.frozen_crank is None:
-        return _not_shown(statement)
-    alternating, alike = basis.frozen_crank.alternating, basis.frozen_crank.alike
-    fast = [str(mode + 1) for mode, share in enumerate(alternating) if share >= MOSTLY]
-    numbers = (
-        "Strains 1 and 3 against strain 2: mode "
-        + ", mode ".join(f"{mode + 1} at {percent(share, '.0f')}" for mode, share in enumerate(alternating))
-        + f" of the crank angles. All three alike: mode 1 at {percent(alike[0], '.0f')}."
-    )
-    if alike[0] >= MOSTLY and fast:
-        return Conclusion(statement, HOLDS, f"{numbers} The signs are those of mode {' and '.join(fast)}.", inference=True)
-    return Conclusion(statement, NOT, numbers)
+def _signs(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
+    fast = [mode for mode, share in enumerate(frozen.alternating, start=1) if share >= MOSTLY]
+    holds = frozen.alike[0] >= MOSTLY and bool(fast)
+    facts = {"alternating": frozen.alternating, "alike": frozen.alike[0], "modes": fast if holds else ()}
+    return _told("signs", statement, HOLDS if holds else NOT, inference=holds, **facts)
 
 
 def _depends(statement: Statement, basis: Basis) -> Conclusion:
@@ -148,12 +133,10 @@ def _depends(statement: Statement, basis: Basis) -> Conclusion:
             length, mass = mechanism.crank.length, mechanism.tip.mass
             groups["crank length"].setdefault(mass, []).append((length, mean))
             groups["tip mass"].setdefault(length, []).append((mass, mean))
-    changes = {name: _largest_change(group) for name, group in groups.items()}
-    if None in changes.values():
-        return Conclusion(statement, UNCHECKABLE, "The cases shown do not vary crank length and tip mass one at a time.")
-    numbers = "; ".join(f"{name} alone: up to {percent(change or 0.0, '.0f')}" for name, change in changes.items())
-    holds = all(change is not None and change > DEPENDS for change in changes.values())
-    return Conclusion(statement, HOLDS if holds else NOT, f"Reference, mean first-mode frequency before the return: {numbers}.")
+    changes = {name: change for name, group in groups.items() if (change := _largest_change(group)) is not None}
+    if len(changes) < len(groups):
+        return _told("depends", statement, UNCHECKABLE, changes=None)
+    return _told("depends", statement, HOLDS if min(changes.values()) > DEPENDS else NOT, changes=changes)
 
 
 def _largest_change(groups: Mapping[float, list[tuple[float, float]]]) -> float | None:
@@ -166,18 +149,12 @@ def _post_excess(statement: Statement, basis: Basis) -> Conclusion:
     """The reference in the place of the experiment: whether the single cubic alone could make the halves differ as the words say."""
     if basis.measured.get(statement.quantity):
         return _relation(statement, basis)
-    halves = {engine: post_over_pre(basis.results, engine) for engine in (MODEL, REFERENCE)}
     excess = _excess(basis.results)
-    if not excess:
-        return Conclusion(statement, UNCHECKABLE, "No run shown is resolved in both halves by both the single cubic and the reference.")
-    told = [f"{engine} {_median_and_range(list(ratios.values()))}" for engine, ratios in halves.items() if ratios]
-    numbers = (
-        f"First-mode frequency after / before the return: {'; '.join(told)}. Excess of the single cubic over the reference, after / before:"
-        f" {_median_and_range(list(excess.values()))}; the words: {_limits(statement)} in {percent(statement.share, '.0f')} of the runs."
-    )
-    if not statement.holds(excess):
-        return Conclusion(statement, CANNOT_FOLLOW, f"{numbers} The single cubic is too stiff in both halves alike.")
-    return Conclusion(statement, UNCHECKABLE, f"{numbers} The measured waveforms that would decide are lost.")
+    short = {engine: summary_of(list(post_over_pre(basis.results, engine).values())) for engine in (MODEL, REFERENCE)}
+    halves = {engine: ratios for engine, ratios in short.items() if ratios}
+    differs = statement.holds(excess)
+    outcome = CANNOT_FOLLOW if excess and not differs else UNCHECKABLE
+    return _told("post_excess", statement, outcome, excess=summary_of(list(excess.values())), halves=halves, differs=differs)
 
 
 def _excess(results: Sequence[CaseResult]) -> dict[int, float]:
@@ -190,72 +167,38 @@ def _excess(results: Sequence[CaseResult]) -> dict[int, float]:
     return found
 
 
-def _median_and_range(ratios: Sequence[float]) -> str:
-    return f"median {number(float(np.median(ratios)), '.3f')} ({span(min(ratios), max(ratios), '.3f')}, {len(ratios)} runs)"
-
-
-def _joint(statement: Statement, basis: Basis) -> Conclusion:
-    effects = [effect for effect in basis.frozen_crank.joints if effect.change_pre < 0.0] if basis.frozen_crank else []
+def _joint(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
+    effects = [effect for effect in frozen.joints if effect.change_pre < 0.0]
     if not effects:
-        return _not_shown(statement)
+        return _told("not_shown", statement, UNCHECKABLE)
     effect = min(effects, key=lambda found: found.stiffness)
     alike = abs(effect.change_post - effect.change_pre) < ALIKE * abs(effect.change_pre)
-    numbers = (
-        f"A linearly soft joint of {number(effect.stiffness / 1e3, '.3g')} kN/m lowers the first mode of run {statement.runs[-1]} by"
-        f" {percent(-effect.change_pre, '.2f')} before and {percent(-effect.change_post, '.2f')} after the return."
-    )
-    if alike:
-        return Conclusion(statement, CANNOT_FOLLOW, f"{numbers} It lowers both halves alike and cannot make them differ.", inference=True)
-    return Conclusion(statement, UNCHECKABLE, f"{numbers} It could make the halves differ.")
+    return _told("joint", statement, CANNOT_FOLLOW if alike else UNCHECKABLE, inference=alike, effect=effect, alike=alike)
 
 
 def _two_modes(statement: Statement, basis: Basis) -> Conclusion:
     ratios = [found.ratio for found in differences(basis.results, MODEL, "frequency")]
-    if not ratios:
-        return Conclusion(statement, UNCHECKABLE, "No half cycle of the runs shown is resolved by both the single cubic and the reference.")
-    numbers = (
-        f"First-mode frequency of the single cubic over the converged one: median {number(float(np.median(ratios)), '.3f')},"
-        f" {span(min(ratios), max(ratios), '.3f')} in {len(ratios)} half cycles."
-    )
-    if basis.frozen_crank is not None:
-        second = [f"{span(found.low, found.high, '.0f')} Hz" for found in (basis.frozen_crank.cubic[1], basis.frozen_crank.converged[1])]
-        numbers += f" Second mode with the crank held, run {statement.runs[-1]}: {second[0]} against {second[1]}."
     inside = [ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in ratios]
-    outcome = HOLDS if all(inside) else IN_PART if any(inside) else NOT
-    return Conclusion(statement, outcome, numbers)
+    outcome = UNCHECKABLE if not ratios else HOLDS if all(inside) else IN_PART if any(inside) else NOT
+    return _told("two_modes", statement, outcome, ratios=summary_of(ratios), frozen=basis.frozen_crank)
 
 
-def _more_elements(statement: Statement, basis: Basis) -> Conclusion:
+def _more_elements(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
     """Whether more elements of the same kind are a way to a better response."""
-    if basis.frozen_crank is None:
-        return _not_shown(statement)
-    excess = basis.frozen_crank.elements
-    told = ", ".join(f"{elements}: {size(share)}" for elements, share in zip(ELEMENTS, excess, strict=True))
-    numbers = (
-        "The model of the engine thesis takes more cubic elements as a setting. Largest excess of the first frequency over the converged"
-        f" one, crank held, by number of elements: {told}."
-    )
-    falls = all(finer < FALLS * coarser for coarser, finer in pairwise(excess))
-    return Conclusion(statement, HOLDS if falls else NOT, numbers)
-
-
-def _not_shown(statement: Statement) -> Conclusion:
-    return Conclusion(statement, UNCHECKABLE, f"Run {statement.runs[-1]} is not among the cases shown, or its reference did not settle.")
-
-
-def _limits(statement: Statement) -> str:
-    if np.isinf(statement.high):
-        return f"at least {statement.low:g}"
-    return f"at most {statement.high:g}" if np.isinf(statement.low) else f"{statement.low:g} to {statement.high:g}"
+    falls = all(finer < FALLS * coarser for coarser, finer in pairwise(frozen.elements))
+    return _told("more_elements", statement, HOLDS if falls else NOT, excess=dict(zip(ELEMENTS, frozen.elements, strict=True)))
 
 
 _RULES: Final[Mapping[str, Callable[[Statement, Basis], Conclusion]]] = {
+    "frequency-depends-on-crank": _depends,
+    "post-excess": _post_excess,
+    "two-modes": _two_modes,
+}
+#: What takes the run that the thesis shows as its example, with its crank held.
+_CRANK_HELD: Final[Mapping[str, Callable[[Statement, FrozenCrank, Basis], Conclusion]]] = {
     "first-mode-range": _first_mode,
     "second-mode": _second_mode,
     "second-mode-signs": _signs,
-    "frequency-depends-on-crank": _depends,
-    "post-excess": _post_excess,
     "joint-cause": _joint,
-    "two-modes": _two_modes,
     "more-elements": _more_elements,
 }

@@ -1,11 +1,10 @@
-"""Runs without a full result, and whether that counts as a failure of the report."""
+"""Runs without a full result, and which of them count as a failure of the report."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from cases.runs.comparison import CaseResult
-from cases.runs.request import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED, UNAVAILABLE
+from cases.runs.request import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED, UNAVAILABLE, Run
 
 #: Status -> what it means to a reader.
 MEANINGS: Final = {
@@ -18,26 +17,10 @@ MEANINGS: Final = {
 }
 
 
-@dataclass(frozen=True)
-class Trouble:
-    """A run that is not simply settled."""
-
-    case: str
-    engine: str
-    status: str
-    remark: str
-
-    @property
-    def is_failure(self) -> bool:
-        """Whether the engine did not complete. One that says what it cannot model has done what it should."""
-        return self.status in (FAILED, NOT_SETTLED, UNAVAILABLE)
+#: Of an engine that did not complete. One that says what it cannot model has done what it should.
+INCOMPLETE: Final = (FAILED, NOT_SETTLED, UNAVAILABLE)
 
 
-def troubles(results: Sequence[CaseResult]) -> list[Trouble]:
-    """All of them, in the order of the cases."""
-    return [
-        Trouble(result.case.name, name, run.status, run.remark)
-        for result in results
-        for name, run in result.runs.items()
-        if run.status != SETTLED
-    ]
+def troubles(results: Sequence[CaseResult]) -> list[tuple[str, Run]]:
+    """All runs that are not simply settled, each with the name of its case, in the order of the cases."""
+    return [(result.case.name, run) for result in results for run in result.runs.values() if run.status != SETTLED]

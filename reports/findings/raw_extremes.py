@@ -16,6 +16,8 @@ from scipy.signal import find_peaks
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from cases.runs.request import Run
+from reports.findings.agreement import Summary, summary_of
+from reports.findings.conclusions import MODEL
 
 Array = NDArray[np.float64]
 
@@ -23,9 +25,9 @@ Array = NDArray[np.float64]
 VISIBLE: Final = (0.005, 0.01, 0.02, 0.03)
 
 
-@dataclass(frozen=True)
-class Excess:
-    """By how much one engine's counted frequency exceeds another's in a half and channel: median, range and number of cases.
+@dataclass(frozen=True, kw_only=True)
+class Excess(Summary):
+    """By how much the counted frequency of one engine exceeds another's in a half and channel, over the cases.
 
     `visible` is the prominence from which on an extreme was counted.
     """
@@ -33,10 +35,6 @@ class Excess:
     visible: float
     half: str
     channel: str
-    median: float
-    lowest: float
-    highest: float
-    count: int
 
 
 def counted_frequency(run: Run, half: str, channel: str, visible: float) -> float | None:
@@ -58,23 +56,16 @@ def _extremes(time: Array, signal: Array, visible: float) -> Array:
     return time[np.sort(np.concatenate(found))]
 
 
-def counted_excess(results: Sequence[CaseResult], engine: str = "thesis", other: str = REFERENCE) -> list[Excess]:
-    """Per threshold, half and channel the excess of `engine` over `other`, of the halves in which both resolve the first mode at all."""
+def counted_excess(results: Sequence[CaseResult]) -> list[Excess]:
+    """Per threshold, half and channel the excess of the thesis' model over the reference, where both resolve the first mode at all."""
+    pairs = [(result.runs[MODEL], result.runs[REFERENCE]) for result in results if {MODEL, REFERENCE} <= set(result.runs)]
     found = []
     for visible in VISIBLE:
         for half in HALVES:
-            pairs = [pair for result in results if (pair := _resolved(result, engine, other, half))]
+            resolved = [pair for pair in pairs if all(run.usable and run.consensus_frequency(half) for run in pair)]
             for channel in CHANNELS:
-                counts = [tuple(counted_frequency(run, half, channel, visible) for run in pair) for pair in pairs]
+                counts = [tuple(counted_frequency(run, half, channel, visible) for run in pair) for pair in resolved]
                 ratios = [mine / its - 1.0 for mine, its in counts if mine and its]
-                if ratios:
-                    found.append(Excess(visible, half, channel, float(np.median(ratios)), min(ratios), max(ratios), len(ratios)))
+                if short := summary_of(ratios):
+                    found.append(Excess(**vars(short), visible=visible, half=half, channel=channel))
     return found
-
-
-def _resolved(result: CaseResult, engine: str, other: str, half: str) -> tuple[Run, Run] | None:
-    """The two runs, if both resolve the first mode in this half."""
-    runs = result.runs.get(engine), result.runs.get(other)
-    if runs[0] is None or runs[1] is None or not all(run is not None and run.usable and run.consensus_frequency(half) for run in runs):
-        return None
-    return runs[0], runs[1]

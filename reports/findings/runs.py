@@ -7,6 +7,7 @@ from cases.library.thesis import RUNS, run_name
 
 if TYPE_CHECKING:
     from cases.runs.comparison import CaseResult
+    from cases.runs.request import Run
 
 
 def run_number(case_name: str) -> int | None:
@@ -14,15 +15,18 @@ def run_number(case_name: str) -> int | None:
     return {run_name(number): number for number in RUNS}.get(case_name)
 
 
-def of_run(results: "Sequence[CaseResult]", number: int) -> "CaseResult | None":
-    """The result of a run, if it is among the cases shown. A case file of the same name is no run of the thesis."""
-    for result in results:
-        if result.case.name == run_name(number) and result.case.source == "library":
-            return result
-    return None
+def of_library(results: "Sequence[CaseResult]", name: str) -> "CaseResult | None":
+    """The result of a case of the library, if it is among the cases shown. A case file of the same name is no run of the thesis."""
+    return next((result for result in results if result.case.name == name and result.case.source == "library"), None)
 
 
 def thesis_runs(results: "Sequence[CaseResult]") -> "dict[int, CaseResult]":
     """The runs of the thesis among the cases shown, by number."""
-    found = ((number, of_run(results, number)) for number in RUNS)
+    found = ((number, of_library(results, run_name(number))) for number in RUNS)
     return {number: result for number, result in found if result is not None}
+
+
+def mean_crank_speed(run: "Run") -> float:
+    """Of a run's cycle, rad/s."""
+    angle, time = run.cycle["crank_angle"], run.cycle["time"]
+    return float(angle[-1] - angle[0]) / float(time[-1] - time[0])

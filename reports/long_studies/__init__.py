@@ -6,7 +6,6 @@ writes them; `about.csv` says of each study when, with which versions and with w
 
 import csv
 import dataclasses
-import io
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,6 +13,8 @@ from functools import cache
 from pathlib import Path
 from types import NoneType
 from typing import Any, Final, TypeVar, get_args, get_type_hints
+
+import pandas as pd
 
 from cases.benchmark import Benchmark
 from cases.benchmark.findings import Point
@@ -114,12 +115,7 @@ def text_of(rows: Iterable[Any]) -> str:
     flat = [_flat(row) for row in rows]
     if not flat:
         raise ValueError("a table without rows")
-    heads = list(dict.fromkeys(name for row in flat for name in row))
-    buffer = io.StringIO()
-    writer = csv.DictWriter(buffer, heads, restval="", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(flat)
-    return buffer.getvalue()
+    return pd.DataFrame(flat).to_csv(index=False, lineterminator="\n")
 
 
 def _flat(item: Any, prefix: str = "") -> dict[str, str]:

@@ -33,17 +33,13 @@ def main(arguments: Sequence[str]) -> int:
     found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if compute else None)) is not None]
     matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=compute)
     confirmed = confirming(workshop, compute=compute)
-    made = {study: about(study) for study in CODE}
     if found:
         _write_benchmarks(found)
-        made["benchmark"] = _made("benchmark")
     if matrix.cells:
         _write_matrix(matrix)
-        made["hard scenes"] = _made("hard scenes")
-    if confirmed:
-        _write("confirmation", confirmed)
-        made["confirmation"] = _made("confirmation")
-    _write("about", [each for each in made.values() if each])
+    _write("confirmation", confirmed)
+    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed}
+    _write("about", [each for study in CODE if (each := _made(study) if made[study] else about(study))])
     benchmarks, cells = f"{len(found)} of {len(cases)} scenes of the benchmark", f"{len(matrix.cells)} cells of the hard scenes"
     print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions")
     return 0

@@ -7,10 +7,10 @@ from cases.benchmark import Benchmark
 from cases.frozen_crank import FrozenCrank
 from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
+from cases.runs.request import Run
 from cases.studies import Studies
-from reports.findings.axes import AxisComparison, axis_comparisons
 from reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
-from reports.findings.failures import Trouble, troubles
+from reports.findings.failures import troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.runs import thesis_runs
 from reports.long_studies import About
@@ -63,11 +63,6 @@ class Content:
         return conclusions(Basis(self.thesis_results, self.frozen_crank, statement_values(self.comparisons, MODEL)))
 
     @property
-    def axes(self) -> list[AxisComparison]:
-        """Simulated peaks against printed axes."""
-        return axis_comparisons(self.results)
-
-    @property
-    def troubles(self) -> list[Trouble]:
-        """Runs that are not simply settled."""
+    def troubles(self) -> list[tuple[str, Run]]:
+        """Runs that are not simply settled, each with the name of its case."""
         return troubles(self.results)

@@ -8,7 +8,6 @@ before the next higher ones. `templates/script/unpack.js` undoes it.
 import base64
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -21,16 +20,6 @@ READ: Final = 3
 DRAWN: Final = 2
 
 
-@dataclass(frozen=True)
-class Layout:
-    """How a column lies in its blob: its values are low + step * whole number."""
-
-    name: str
-    low: float
-    step: float
-    planes: int
-
-
 def packed(tables: Mapping[str, Mapping[str, Array]], drawn: frozenset[str]) -> tuple[str, dict[str, Any]]:
     """Tables one behind the other.
 
@@ -39,16 +28,17 @@ def packed(tables: Mapping[str, Mapping[str, Array]], drawn: frozenset[str]) -> 
         drawn: columns that are drawn alone.
 
     Returns:
-        The blob in base64, and per table its rows and the layout of its columns in their order.
+        The blob in base64, and per table its rows and how its columns lie in the blob, in their order: name, low, step, planes; values are
+        low + step * whole number.
     """
     content, layouts = bytearray(), {}
     for name, columns in tables.items():
         found = [_column(column, values, DRAWN if column in drawn else READ, content) for column, values in columns.items()]
-        layouts[name] = {"rows": len(next(iter(columns.values()))), "columns": [list(vars(layout).values()) for layout in found]}
+        layouts[name] = {"rows": len(next(iter(columns.values()))), "columns": found}
     return base64.b64encode(zlib.compress(bytes(content), 9)).decode("ascii"), layouts
 
 
-def _column(name: str, values: Array, planes: int, content: bytearray) -> Layout:
+def _column(name: str, values: Array, planes: int, content: bytearray) -> list[str | float]:
     low, levels = float(values.min()), 2 ** (8 * planes) - 1
     step = (float(values.max()) - low) / levels
     whole = np.rint((values - low) / step).astype(np.int64) if step > 0.0 else np.zeros(len(values), np.int64)
@@ -59,4 +49,4 @@ def _column(name: str, values: Array, planes: int, content: bytearray) -> Layout
     zigzag = np.where(signed < 0, -2 * signed - 1, 2 * signed)
     for plane in range(planes):
         content += (zigzag >> (8 * plane)).astype(np.uint8).tobytes()
-    return Layout(name, low, step, planes)
+    return [name, low, step, planes]

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any, Final
 
 import bokeh
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment
 from markupsafe import Markup
 
 from cases.case import Case
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from engines.trajectory import Trajectory
-from reports import words
+from reports import templates, words
 from reports.looks import looks
 from reports.page.answer import answer_of
 from reports.page.chapters import Chapter
@@ -26,11 +26,6 @@ SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js")
 OF_CHAPTERS: Final = ("tables.js", "plots.js")
 #: The plotting library's files, in the folder of its package.
 BOKEH: Final = ("bokeh.min.js", "bokeh-api.min.js")
-#: What templates say numbers with.
-WORDS: Final = (
-    "number", "percent", "percents", "size", "span", "times", "duration", "counted", "listed", "in_words", "case_label", "place",
-    "channel_name", "HALF", "QUANTITY",
-)  # fmt: skip
 #: What an engine is, in two words for a person.
 KINDS: Final = {
     "thesis": "one curve, 1999",
@@ -45,9 +40,8 @@ KINDS: Final = {
 
 
 def environment() -> Environment:
-    """The templates; everything put in is escaped."""
-    made = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    made.globals |= {name: getattr(words, name) for name in WORDS}
+    """The templates of a page."""
+    made = templates.environment()
     made.filters["csv"] = csv_text
     made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return made
@@ -81,23 +75,22 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     """The page of a report."""
     results, answer = content.results, answer_of(content)
     view = cycles(results, answer.engines)
-    first = shown_first(results)
-    shown = next(result for result in results if result.case.name == first)
-    modules = environment()
+    shown = shown_first(results)
+    title_of_case = shown.case.title if len(results) == 1 else ""
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
     return rendered(
         "report.html",
         view,
         OF_CHAPTERS,
-        start=first,
-        title=shown.case.title if len(results) == 1 else "Cross-validation of flexible-multibody engines",
+        start=shown.case.name,
+        title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         answer=answer,
         of_thesis=len(content.thesis_results) == len(results),
-        title_of_case=shown.case.title if len(results) == 1 else "",
+        title_of_case=title_of_case,
         first_mode=_first_mode(shown),
-        first_mode_case=first,
-        chapters=[{**vars(chapter), "parts": modules.get_template(f"chapters/{chapter.id}.html").module} for chapter in chapters],
+        first_mode_case=shown.case.name,
+        chapters=chapters,
         bokeh=_library(),
     )
 

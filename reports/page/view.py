@@ -16,24 +16,24 @@ from cases.studies import ACCURACY_CASE
 from engines.registry import RIVALS
 from reference_model.columns import COLUMNS, SHAPE
 from reference_model.mechanism import Mechanism
-from reports.findings.runs import of_run, run_number
+from reports.findings.runs import of_library, run_number
 from reports.looks import looks
 from reports.page.packing import packed
-from reports.words import case_label
+from reports.tables.table import SHOWN
 
 Array = NDArray[np.float64]
 
-#: Signals that the curve can show -> name, unit on the screen, factor from SI to it.
+#: Signals that the curve can show -> name, and unit on the screen.
 SIGNALS: Final = {
-    "tip_acceleration": ("tip acceleration", "m/s²", 1.0),
-    "tip_deflection": ("tip deflection", "mm", 1e3),
-    "strain_1": ("strain at gauge 1", "10⁻⁶", 1e6),
-    "strain_2": ("strain at gauge 2", "10⁻⁶", 1e6),
-    "strain_3": ("strain at gauge 3", "10⁻⁶", 1e6),
-    "slider_force": ("slider force", "N", 1.0),
-    "slider_position": ("slider position", "mm", 1e3),
-    "crank_speed": ("crank speed", "rad/s", 1.0),
-    "crank_torque": ("crank torque", "N m", 1.0),
+    "tip_acceleration": ("tip acceleration", "m/s²"),
+    "tip_deflection": ("tip deflection", "mm"),
+    "strain_1": ("strain at gauge 1", "10⁻⁶"),
+    "strain_2": ("strain at gauge 2", "10⁻⁶"),
+    "strain_3": ("strain at gauge 3", "10⁻⁶"),
+    "slider_force": ("slider force", "N"),
+    "slider_position": ("slider position", "mm"),
+    "crank_speed": ("crank speed", "rad/s"),
+    "crank_torque": ("crank torque", "N m"),
 }
 #: What places the mechanism besides.
 _PLACES: Final = ("time", "crank_angle", "follower_angle")
@@ -64,7 +64,6 @@ class View:
         self.runs.append(
             {
                 "name": case.name,
-                "label": case_label(case.name) if number else case.title,
                 "title": case.title,
                 "short": str(number or case.name),
                 "group": f"crank {RUNS[number].crank_length} in" if number else "",
@@ -77,15 +76,13 @@ class View:
     @property
     def document(self) -> dict[str, Any]:
         """What goes to the script besides the blobs."""
-        signals = {name: dict(zip(("label", "unit", "factor"), about, strict=True)) for name, about in SIGNALS.items()}
-        engines = [{"name": name} for name in self.engines]
-        units = {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)}
+        factors = {unit: SHOWN[unit][1] if unit in SHOWN else 1.0 for _, unit in SIGNALS.values()}
         return {
             "axis": self.axis,
             "looks": {name: vars(look) for name, look in looks((*self.engines, *RIVALS)).items()},
-            "engines": engines,
-            "signals": signals,
-            "units": units,
+            "engines": self.engines,
+            "signals": {name: {"label": label, "unit": unit, "factor": factors[unit]} for name, (label, unit) in SIGNALS.items()},
+            "units": {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)},
             "runs": self.runs,
         }
 
@@ -135,9 +132,9 @@ def _scene(mechanism: Mechanism) -> dict[str, Any]:
     }
 
 
-def shown_first(results: Sequence[CaseResult]) -> str:
+def shown_first(results: Sequence[CaseResult]) -> CaseResult:
     """The case with which the page opens: the thesis' example, else of those where most engines have a cycle the first."""
-    example = of_run(results, run_number(ACCURACY_CASE) or 0)
+    example = of_library(results, ACCURACY_CASE)
     if example is not None and all(run.usable for run in example.runs.values()):
-        return example.case.name
-    return max(results, key=lambda result: sum(run.usable for run in result.runs.values())).case.name
+        return example
+    return max(results, key=lambda result: sum(run.usable for run in result.runs.values()))

@@ -17,7 +17,8 @@ from cases.experiment import AxisLabels
 from cases.measures import CHANNELS
 from cases.runs.comparison import CaseResult
 from cases.runs.request import Run
-from reports.plots.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, number, padded, tidy
+from reports.plots.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, padded, tidy
+from reports.words import number
 
 ACCELERATION: Final = "tip_acceleration"
 PERCENT: Final = 100.0  # strain is shown in percent of surface strain, as the thesis prints it
@@ -42,13 +43,13 @@ def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels] = ()) -> Figure:
     for axes, channel in zip(panels, channels, strict=True):
         factor = 1.0 if channel == ACCELERATION else PERCENT
         for name, run in runs.items():
-            axes.plot(fraction(run.cycle["crank_angle"]), factor * run.cycle[channel], **look(name).of_line)
+            axes.plot(fraction(run.cycle["crank_angle"]), factor * run.cycle[channel], **look(name))
         _limits(axes, [factor * run.cycle[channel] for run in runs.values()], _printed_range(labels, channel), factor)
         if channel != ACCELERATION:
             note(axes, 0.01, 0.97, f"gauge at {gauges[int(channel[-1]) - 1]:.3g} L")
     y_labels = ["tip acceleration (m/s²)" if name == ACCELERATION else f"strain {name[-1]} (%)" for name in channels]
     stacked_panels(list(panels), y_labels, direction(next(iter(runs.values()))))
-    handles: list[Artist] = [Line2D([], [], label=name, **look(name).of_sample) for name in runs]
+    handles: list[Artist] = [Line2D([], [], label=name, **look(name)) for name in runs]
     if any(_printed_range(labels, channel) for channel in CHANNELS):
         handles.append(Patch(facecolor=BAND, edgecolor="#C9A227", linewidth=0.6, label="printed axis labels"))
     legend_above(figure, handles, 3)
@@ -85,22 +86,19 @@ def direction(run: Run) -> int:
     return 1 if angle[-1] > angle[0] else -1
 
 
-def cycle_axis(panels: Sequence[Axes], turning: int, mark: str = "#444444") -> None:
-    """Fraction of the cycle below the lowest panel, crank angle above the uppermost, the quick return marked in all (in colour `mark`)."""
-    for axes in panels:
+def stacked_panels(panels: Sequence[Axes], labels: Sequence[str], turning: int) -> None:
+    """Quantities stacked over a common axis, each with its label and unit.
+
+    The fraction of the cycle stands below the lowest, the crank angle above the uppermost; the quick return is marked in all.
+    """
+    for axes, label in zip(panels, labels, strict=True):
+        tidy(axes, label)
         axes.set_xlim(0.0, 1.0)
         axes.set_xticks(TICKS)
-        axes.axvline(0.5, color=mark, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
+        axes.axvline(0.5, color="#444444", linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
         axes.tick_params(labelbottom=axes is panels[-1])
     panels[-1].set_xlabel("cycle (0.5: quick return)", fontsize=FONT_SIZE)
     above = panels[0].secondary_xaxis("top")
-    above.set_xticks(TICKS, [f"{number(180 + turning * 360 * tick)}°" for tick in TICKS])
+    above.set_xticks(TICKS, [f"{number(180 + turning * 360 * tick, 'g')}°" for tick in TICKS])
     above.tick_params(labelsize=SMALL, length=2.5, width=0.6)
     above.set_xlabel("crank angle", fontsize=FONT_SIZE)
-
-
-def stacked_panels(panels: Sequence[Axes], labels: Sequence[str], turning: int) -> None:
-    """Quantities stacked over the common cycle axis, each with its label and unit."""
-    for axes, label in zip(panels, labels, strict=True):
-        tidy(axes, None, label)
-    cycle_axis(panels, turning)

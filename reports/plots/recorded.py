@@ -37,10 +37,10 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
     for result, shown in zip(results, names, strict=True):
         for run in (run for run in result.whole.runs.values() if run.cycle and (run.usable or run.recording)):
             style = styles[run.engine]
-            handles[run.engine] = Line2D([], [], label=_plain(run.engine), **style.of_sample)
+            handles[run.engine] = Line2D([], [], label=_plain(run.engine), **style)
             for axes, name in zip(panels[place:], shown, strict=False):
                 if name in run.cycle:
-                    axes.plot(fraction(run.cycle["crank_angle"]), run.cycle[name], **style.of_line)
+                    axes.plot(fraction(run.cycle["crank_angle"]), run.cycle[name], **style)
         turn = next(iter(result.recorded.values())).turn
         note(panels[place], 0.01, 0.97, "steady state" if turn is None else f"turn {turn} from the standard start")
         labels += [f"{name.replace('_', ' ')}\n({COLUMNS[name].unit.replace('^2', '²')})" for name in shown]

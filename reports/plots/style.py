@@ -6,15 +6,12 @@ below 10, and printed it is 127 mm wide. Engines look as on the page.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
-from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
 from reports.looks import Look, looks
@@ -36,50 +33,30 @@ LIGHT: Final = "#EAEAEA"
 BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
 
 
-@dataclass(frozen=True)
-class Stroke:
-    """How a source of curves is drawn: colour, line, width in points, marker; `order` is what lies on top."""
-
-    colour: str
-    line: LineStyleType
-    width: float
-    marker: str
-    order: float
-
-    @property
-    def of_line(self) -> dict[str, Any]:
-        """Keywords of a line."""
-        return {"color": self.colour, "linestyle": self.line, "linewidth": self.width, "zorder": self.order}
-
-    @property
-    def of_sample(self) -> dict[str, Any]:
-        """Keywords of its short sample in a legend: dashes begin with the sample."""
-        line = self.line if isinstance(self.line, str) else (0.0, self.line[1])
-        return self.of_line | {"linestyle": line}
-
-
-_MARKERS: Final = {
+#: Marks of points; engines that are not the project's have `OTHERS`.
+MARKERS: Final = {
     "reference": "o", "thesis": "D", "exudyn": "^", "mujoco": "v",
     "fixed-shapes": "s", "multiplier": "X", "stiff-spring": "P", "nodal-load": "p",
 }  # fmt: skip
+OTHERS: Final = "h"
 #: Points for a CSS pixel of a line on the page; dashes are in widths of the line.
 SCALE: Final = 0.5
 
 
-def look(engine: str) -> Stroke:
-    """How an engine is drawn that stands alone or among the project's: as on the page."""
+def look(engine: str) -> dict[str, Any]:
+    """Keywords of an engine's line that stands alone or among the project's: as on the page."""
     return all_looks([engine])[engine]
 
 
-def all_looks(engines: Sequence[str]) -> dict[str, Stroke]:
-    """The look of each of some engines: as on the page, where those that are not the project's differ by their order."""
-    return {name: _drawn(name, found) for name, found in looks(engines).items()}
+def all_looks(engines: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Keywords of the line of each of some engines: as on the page, where those that are not the project's differ by their order."""
+    return {name: _of_line(found) for name, found in looks(engines).items()}
 
 
-def _drawn(engine: str, found: Look) -> Stroke:
+def _of_line(found: Look) -> dict[str, Any]:
     width = max(0.9, SCALE * found.width)
-    line: LineStyleType = (0, tuple(SCALE * part / width for part in found.dash)) if found.dash else "-"
-    return Stroke(found.light, line, width, _MARKERS.get(engine, "h"), 2.0 + 0.05 * (found.order - 1))
+    style = (0.0, tuple(SCALE * part / width for part in found.dash)) if found.dash else "-"
+    return {"color": found.light, "linestyle": style, "linewidth": width, "zorder": 2.0 + 0.05 * (found.order - 1)}
 
 
 def new_figure(height: float) -> Figure:
@@ -87,17 +64,14 @@ def new_figure(height: float) -> Figure:
     return Figure(figsize=(WIDTH, math.ceil(WHOLE * height) / WHOLE), layout="constrained", facecolor="white")
 
 
-def tidy(axes: Axes, x_label: str | None, y_label: str | None, grid: str = "both") -> None:
-    """Labels, ticks and a faint grid; `grid` is "both", "x", "y" or "none"."""
-    for axis, label in ((axes.xaxis, x_label), (axes.yaxis, y_label)):
-        if label is not None:
-            axis.set_label_text(label, fontsize=FONT_SIZE)
+def tidy(axes: Axes, y_label: str = "") -> None:
+    """A label, ticks and a faint grid."""
+    axes.set_ylabel(y_label, fontsize=FONT_SIZE)
     axes.tick_params(labelsize=SMALL, length=2.5, width=0.6)
     for spine in axes.spines.values():
         spine.set_linewidth(0.6)
     axes.set_axisbelow(True)
-    if grid != "none":
-        axes.grid(axis=grid, color="#CFCFCF", linewidth=0.5)  # type: ignore[arg-type]  # one of matplotlib's words
+    axes.grid(color="#CFCFCF", linewidth=0.5)
 
 
 def note(axes: Axes, x: float, y: float, text: str, **keywords: Any) -> None:
@@ -125,17 +99,6 @@ def _legend_width(handles: Sequence[Artist], columns: int) -> float:
     """Estimate in points: letters are about 0.58 of the size wide, a sample and its gaps take a few sizes."""
     longest = [max((len(str(handle.get_label())) for handle in column), default=0) for column in np.array_split(np.array(handles), columns)]
     return SMALL * sum(0.58 * letters + SAMPLE + 2.0 for letters in longest)
-
-
-def number(value: float, form: str = "g") -> str:
-    """A number for a reader: with a minus sign, as on matplotlib's axes, not a hyphen."""
-    return f"{value:{form}}".replace("-", "−")
-
-
-def plain_numbers(axes: Axes, which: str) -> None:
-    """Tick labels as 0.01, 1, 100 on a logarithmic axis, "x" or "y"."""
-    axis = axes.xaxis if which == "x" else axes.yaxis
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def padded(low: float, high: float, share: float = 0.06) -> tuple[float, float]:

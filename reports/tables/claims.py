@@ -9,48 +9,40 @@ import numpy as np
 from cases.runs.comparison import CLASSES, WORSE, CaseResult, Check
 from cases.runs.estimates import EXTREMES
 from reports.findings.agreement import engines_of
-from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table, TableBuilder
+from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table
 
 #: The slider is at a gauge within this part of the follower's length: half of one of sixteen elements.
 KINK: Final = 1.0 / 32.0
 #: What exceeds a tolerance by less than this part of it is marginal.
 MARGINAL: Final = 0.1
-
-
 #: Of one comparison, in every table of them.
 _COMPARISON: Final = (
     CASE,
-    Column("engine", "engine"),
+    Column("engine"),
     Column("other", "against"),
     QUANTITY_COLUMN,
     HALF_COLUMN,
     CHANNEL,
-    Column("value", "value", "SI", ".4g"),
-    Column("other_value", "other value", "SI", ".4g"),
-    Column("difference", "difference", "1", "+.2f", "%", 100.0),
-    Column("tolerance", "tolerance", "1", ".2f", "%", 100.0),
+    Column("value", unit="SI", form=".4g"),
+    Column("other_value", unit="SI", form=".4g"),
+    Column("difference", unit="%", form="+.2f"),
+    Column("tolerance", unit="%", form=".2f"),
 )
 
 
 def departures(results: Sequence[CaseResult]) -> Table:
     """One row per number in which two engines differ by more than they claim."""
-    builder = TableBuilder(
-        "departures",
-        "Every number in which two engines differ by more than they claim. Difference, claims and tolerance are relative to the other"
-        " engine's value, of an extreme to the channel's largest magnitude in its cycle. A claim is the engine's own estimate of this"
-        " number's error and the uncertainty of its measurement; the tolerance is the sum of both engines' claims. Share: the value's size"
-        " over that magnitude.",
-        (
-            *_COMPARISON,
-            Column("claim", "engine", "1", ".2g", "%", 100.0, group="claim"),
-            Column("other_claim", "other", "1", ".2g", "%", 100.0, group="claim"),
-            Column("share", "share", "1", ".2f"),
-            Column("cause", "what the numbers suggest"),
-        ),
+    columns = (
+        *_COMPARISON,
+        Column("claim", "engine", "%", ".2g", group="claim"),
+        Column("other_claim", "other", "%", ".2g", group="claim"),
+        Column("share", unit="1", form=".2f"),
+        Column("cause", "what the numbers suggest"),
     )
+    found = Table("departures", columns)
     for result in results:
         for check in result.missed:
-            builder.add(
+            found.add(
                 check,
                 **_compared(result, check) | {"difference": Cell(check.difference / check.scale, mark="missed")},
                 claim=check.mine.width / check.scale,
@@ -58,22 +50,18 @@ def departures(results: Sequence[CaseResult]) -> Table:
                 share=abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
                 cause=cause(result, check),
             )
-    return builder.table()
+    return found
 
 
 def table_departures(results: Sequence[CaseResult]) -> Table:
     """One row per number in which a recorded table and an engine differ by more than the engine claims and the measures are uncertain."""
-    heads = {"engine": ("table", "table"), "channel": ("channel", "column"), "other_value": ("other_value", "engine's value")}
-    builder = TableBuilder(
-        "table_departures",
-        "Every number in which a recorded table and an engine differ by more than the uncertainty of the measures and the engine's own"
-        " estimate together, relative to the engine's value, of an extreme to the column's largest magnitude in the turn.",
-        [replace(column, key=key, head=head) for column in _COMPARISON for key, head in [heads.get(column.key, (column.key, column.head))]],
-    )
+    of_tables = {"engine": Column("table"), "channel": replace(CHANNEL, head="column")}
+    of_tables["other_value"] = Column("other_value", "engine's value", "SI", ".4g")
+    found = Table("table_departures", [of_tables.get(column.key, column) for column in _COMPARISON])
     for result in results:
         for check in (check for check in result.table_checks if not check.passed):
-            builder.add(check, table=check.engine, **_compared(result, check))
-    return builder.table()
+            found.add(check, table=check.engine, **_compared(result, check))
+    return found
 
 
 def _compared(result: CaseResult, check: Check) -> dict[str, Any]:
@@ -114,28 +102,24 @@ def _slider_at_gauge(result: CaseResult, check: Check) -> bool:
 
 def summary(results: Sequence[CaseResult]) -> Table:
     """Per pair of engines and quantity: how much was compared, with what tolerance, and how much of it was used."""
-    builder = TableBuilder(
-        "compared",
-        "What was compared. Tolerance: what both engines claim together, relative as above, median. Used: the difference over the"
-        " tolerance; beyond 1 the engines differ by more than they claim.",
-        (
-            Column("engine", "engine"),
-            Column("other", "against"),
-            QUANTITY_COLUMN,
-            Column("compared", "compared", form="d"),
-            Column("beyond", "beyond", form="d"),
-            Column("tolerance", "tolerance", "1", ".2g", "%", 100.0),
-            Column("used_median", "median", "1", ".2f", group="used"),
-            Column("used_most", "most", "1", ".2f", group="used"),
-        ),
+    columns = (
+        "engine",
+        Column("other", "against"),
+        QUANTITY_COLUMN,
+        Column("compared", form="d"),
+        Column("beyond", form="d"),
+        Column("tolerance", unit="%", form=".2g"),
+        Column("used_median", "median", "1", ".2f", group="used"),
+        Column("used_most", "most", "1", ".2f", group="used"),
     )
+    found = Table("compared", columns)
     groups: dict[tuple[str, str, str], list[Check]] = {}
     for check in (check for result in results for check in result.checks):
         groups.setdefault((check.engine, check.other, check.quantity), []).append(check)
     for (engine, other, quantity), checks in groups.items():
         used = [abs(check.difference) / check.tolerance for check in checks if check.tolerance > 0.0]
         beyond = sum(not check.passed for check in checks)
-        builder.add(
+        found.add(
             engine=engine,
             other=other,
             quantity=quantity,
@@ -145,19 +129,14 @@ def summary(results: Sequence[CaseResult]) -> Table:
             used_median=float(np.median(used)) if used else None,
             used_most=max(used, default=None),
         )
-    return builder.table()
+    return found
 
 
 def classes(results: Sequence[CaseResult]) -> Table:
     """Per engine: on how many runs it is how good."""
     names = [*(f"{100.0 * width:g} %" for width in CLASSES), WORSE, "unknown"]
-    builder = TableBuilder(
-        "accuracy_classes",
-        "How good each engine is: on how many runs the accuracy class is the least that covers the engine's own estimates and its deviation"
-        " from the reference, in the consensus frequencies and in all extremes (relative to the channel's largest magnitude).",
-        (Column("engine", "engine"), *(Column(f"class {name}", name, form="d", group="class") for name in names)),
-    )
+    found = Table("accuracy_classes", ("engine", *(Column(f"class {name}", name, form="d", group="class") for name in names)))
     for engine in engines_of(results):
-        found = [result.accuracy_class(engine) or "unknown" for result in results if engine in result.runs]
-        builder.add(engine=engine, **{f"class {name}": found.count(name) for name in names})
-    return builder.table()
+        reached = [result.accuracy_class(engine) or "unknown" for result in results if engine in result.runs]
+        found.add(engine=engine, **{f"class {name}": reached.count(name) for name in names})
+    return found

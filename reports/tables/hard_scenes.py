@@ -6,7 +6,7 @@ from typing import Any, Final
 from cases.judging.conditioning import CHANGE, ILL
 from cases.judging.matrix import Judged, Matrix
 from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, NOT_CONVERGED, REFUSED
-from reports.tables.table import Cell, Column, Mark, Table, TableBuilder
+from reports.tables.table import Cell, Column, Columns, Mark, Table
 from reports.words import TIED, number, percent, size
 
 #: How a verdict looks. Its words are in the cell, so that nothing rests on colour.
@@ -18,25 +18,17 @@ _MARKS: Final[Mapping[str, Mark]] = {
     DIVERGED: "missed",
     REFUSED: "open",
 }
+#: The name of a scene is for the files; the page says what is changed in it.
+_SCENE: Final = (Column("scene", in_page=False), Column("title", "run 24 with"))
 
 
 def verdicts(matrix: Matrix) -> Table:
     """A row per scene, a column per engine."""
-    builder = TableBuilder(
-        "hard_scenes",
-        "Verdict on every engine in every hard scene, with the error that it claims of its tip deflection (RMS over RMS, from coarser and"
-        " finer settings of its own, not from the right answer) and, where the run or the judgement ends before the scene's duration, up to"
-        " when. The reason is where the pointer rests, and in the CSV file.",
-        (
-            Column("scene", "scene", in_page=False),
-            Column("title", "run 24 with"),
-            *(Column(name, name) for name in matrix.engines),
-        ),
-    )
+    found = Table("hard_scenes", (*_SCENE, *(Column(name, name) for name in matrix.engines)))
     for case in matrix.cases:
         cells = {name: _cell(matrix.cells.get((case.name, name)), case.duration) for name in matrix.engines}
-        builder.add(scene=case.name, title=short_title(case.title), **cells)
-    return builder.table()
+        found.add(scene=case.name, title=short_title(case.title), **cells)
+    return found
 
 
 def short_title(title: str) -> str:
@@ -48,19 +40,15 @@ def _cell(judged: Judged | None, duration: float) -> Cell:
     if judged is None:
         return Cell(None, "not computed", mark="open")
     verdict = judged.verdict
+    claimed = _size(verdict.claimed_error)
     if judged.silently_wrong:
-        return Cell(
-            "silently wrong", f"silently wrong: claims {_size(verdict.claimed_error)}, is {_size(judged.true_error)}", mark="failed"
-        )
-    texts = {
-        ACCURATE: f"accurate {_size(verdict.claimed_error)}" + _until(verdict.stretch, duration),
-        ENDED: f"ends at {_time(verdict.time)}, until then accurate {_size(verdict.claimed_error)}",
-        NOT_CONVERGED: NOT_CONVERGED,
-        CONTRADICTED: CONTRADICTED,
+        return Cell("silently wrong", f"silently wrong: claims {claimed}, is {_size(judged.true_error)}", mark="failed")
+    told = {
+        ACCURATE: f"accurate {claimed}{_until(verdict.stretch, duration)}",
+        ENDED: f"ends at {_time(verdict.time)}, until then accurate {claimed}",
         DIVERGED: "no result" if verdict.time is None else f"diverged at {_time(verdict.time)}",
-        REFUSED: REFUSED,
     }
-    text = texts[verdict.kind]
+    text = told.get(verdict.kind, verdict.kind)
     if judged.model_error is not None and verdict.kind in (ACCURATE, ENDED):
         text += f" (its model: {size(judged.model_error)} off)"
     return Cell(verdict.kind, text, verdict.reason, _MARKS[verdict.kind])
@@ -84,32 +72,20 @@ def conditioning(matrix: Matrix) -> Table:
     """What a small change of a parameter does to the answer of each scene."""
     part = f"{number(100.0 * CHANGE, 'g')}{TIED}%"
     changes = ("stiffness", "damping", "speed", "speed at the same crank angle")
-    builder = TableBuilder(
-        "hard_scenes_conditioning",
-        "Change of the tip deflection (RMS over RMS, by the reference, over the scene's duration or until it ends) when a parameter grows"
-        f" by {part}. Horizon: until when no change reaches {percent(ILL, '.0f')}, where a change of speed counts at the same crank angle;"
-        " beyond it two good solutions run apart. Converged: estimated error of the solution that the verdicts are checked against.",
-        (
-            Column("scene", "scene", in_page=False),
-            Column("title", "run 24 with"),
-            *(Column(_key(name), name, "1", ".2g", "%", 100.0, group=f"change of the answer for {part} of") for name in changes),
-            Column("horizon", "horizon", "s", ".3g"),
-            Column("duration", "duration", "s", "g"),
-            Column("converged", "converged", "1", ".2g", "%", 100.0),
-        ),
+    columns = (
+        *_SCENE,
+        *(Column(_key(name), name, "%", ".2g", group=f"change of the answer for {part} of") for name in changes),
+        Column("horizon", unit="s", form=".3g"),
+        Column("duration", unit="s", form="g"),
+        Column("converged", unit="%", form=".2g"),
     )
+    table = Table("hard_scenes_conditioning", columns, part=part, ill=percent(ILL, ".0f"))
     for case in matrix.cases:
         found = matrix.conditionings.get(case.name)
         values: dict[str, Any] = {_key(name): found.changes.get(name) for name in changes} if found else {}
-        builder.add(
-            scene=case.name,
-            title=short_title(case.title),
-            horizon=found.horizon if found else None,
-            duration=case.duration,
-            converged=matrix.converged.get(case.name),
-            **values,
-        )
-    return builder.table()
+        converged = matrix.converged.get(case.name)
+        table.add(found, scene=case.name, title=short_title(case.title), duration=case.duration, converged=converged, **values)
+    return table
 
 
 def _key(change: str) -> str:
@@ -118,30 +94,17 @@ def _key(change: str) -> str:
 
 def cells(matrix: Matrix) -> Table:
     """Every cell with its evidence, as a file."""
-    builder = TableBuilder(
-        "hard_scenes_cells",
-        "Every cell of the matrix: verdict and reason, claimed error, the error found afterwards against the converged solution, settings.",
-        (
-            Column("scene", "scene"),
-            Column("engine", "engine"),
-            Column("verdict", "verdict"),
-            Column("reason", "reason"),
-            Column("claimed_error", "claimed", "1", ".2g"),
-            Column("stretch", "up to", "s", "g"),
-            Column("time", "time", "s", "g"),
-            Column("true_error", "found afterwards", "1", ".2g"),
-            Column("claim_holds", "holds"),
-            Column("model_error", "model error", "1", ".2g"),
-            Column("settings", "settings"),
-        ),
-        in_page=False,
+    numbers = {"claimed_error": "1", "stretch": "s", "time": "s", "true_error": "1"}
+    columns: Columns = (
+        *("scene", "engine", "verdict", "reason"),
+        *(Column(key, unit=unit) for key, unit in numbers.items()),
+        "claim_holds",
+        Column("model_error", unit="1"),
+        "settings",
     )
+    table = Table("hard_scenes_cells", columns, in_page=False)
     known = (matrix.cells.get((case.name, name)) for case in matrix.cases for name in matrix.engines)
     for cell in filter(None, known):
-        builder.add(
-            {**vars(cell.verdict), **vars(cell)},
-            verdict=cell.verdict.kind,
-            claim_holds=cell.holds,
-            settings=", ".join(f"{name} = {value}" for name, value in cell.settings.items()),
-        )
-    return builder.table()
+        settings = ", ".join(f"{name} = {value}" for name, value in cell.settings.items())
+        table.add({**vars(cell.verdict), **vars(cell)}, verdict=cell.verdict.kind, claim_holds=cell.holds, settings=settings)
+    return table

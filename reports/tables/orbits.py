@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from cases.runs.comparison import REFERENCE, CaseResult
 from cases.studies import BothStarts
-from reports.tables.table import CASE, Column, Table, TableBuilder
+from reports.tables.table import CASE, Column, Columns, Table
 
 #: What is left of the way to the steady state when a marched run counts as settled, and a distance at which no measure sees it any more.
 SETTLED_AT, GONE_AT = 1e-3, 1e-6
@@ -18,24 +18,18 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         results: of all cases.
         marching: engines that wait for their steady state, whose cycles stand beside.
     """
-    builder = TableBuilder(
-        "periodic_orbits",
-        "Steady states that the reference finds directly, by Newton's method on the map from one passage of the slider's farthest place to"
-        " the next. Work is counted in cycles simulated. The largest Floquet multiplier is what a cycle leaves of a disturbance; from it"
-        " follow the cycles that marching takes to shrink one to a part of itself. Beside it the cycles that engines marched: from this"
-        " state, or from the standard start (thesis, whose steady state is another one).",
-        (
-            CASE,
-            Column("period", "period", "s", ".4f"),
-            Column("iterations", "Newton steps", form="d"),
-            Column("cycles_of_work", "cycles' work", form=".3g"),
-            Column("multiplier", "largest multiplier", "1", ".3f"),
-            Column("stable", "stable"),
-            Column("cycles_to_settled", f"to {SETTLED_AT:g}", form=".1f", group="cycles of marching"),
-            Column("cycles_to_gone", f"to {GONE_AT:g}", form=".1f", group="cycles of marching"),
-            *(Column(f"{name}_cycles", name, form="d", group="cycles marched") for name in marching),
-        ),
+    columns: Columns = (
+        CASE,
+        Column("period", unit="s", form=".4f"),
+        Column("iterations", "Newton steps", form="d"),
+        Column("cycles_of_work", "cycles' work", form=".3g"),
+        Column("multiplier", "largest multiplier", "1", ".3f"),
+        "stable",
+        Column("cycles_to_settled", f"to {SETTLED_AT:g}", form=".1f", group="cycles of marching"),
+        Column("cycles_to_gone", f"to {GONE_AT:g}", form=".1f", group="cycles of marching"),
+        *(Column(f"{name}_cycles", name, form="d", group="cycles marched") for name in marching),
     )
+    found = Table("periodic_orbits", columns)
     for result in results:
         run = result.runs.get(REFERENCE)
         orbit = None if run is None else run.periodic_orbit
@@ -44,7 +38,7 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         modulus = math.hypot(*orbit.multipliers[0])
         shrinking = 0.0 < modulus < 1.0
         cycles = {f"{name}_cycles": result.runs[name].cycles for name in marching if name in result.runs}
-        builder.add(
+        found.add(
             orbit,
             case=result.case.name,
             cycles_of_work=run.cycles if orbit.stable else None,
@@ -53,31 +47,19 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
             cycles_to_gone=math.log(GONE_AT) / math.log(modulus) if shrinking else None,
             **cycles,
         )
-    return builder.table()
+    return found
 
 
-def both_starts(found: Sequence[BothStarts]) -> Table:
+def both_starts(studied: Sequence[BothStarts]) -> Table:
     """One row per engine that marched from both starts."""
-    builder = TableBuilder(
-        "both_starts",
-        "Run 24 marched from the periodic state of the reference and, with the same settings, from the standard start: cycles until"
-        " settled, the distance that is left to steady by the run's own estimate, and the difference of the two last cycles (RMS over the"
-        " channels, relative to theirs).",
-        (
-            Column("engine", "engine"),
-            Column("orbit_cycles", "cycles", form="d", group="from the periodic state"),
-            Column("orbit_settling_error", "left", "1", ".2g", "%", 100.0, group="from the periodic state"),
-            Column("straight_cycles", "cycles", form="d", group="from the standard start"),
-            Column("straight_settling_error", "left", "1", ".2g", "%", 100.0, group="from the standard start"),
-            Column("difference", "difference", "1", ".2g", "%", 100.0),
-        ),
-    )
-    for each in found:
-        builder.add(
-            each,
-            orbit_cycles=each.orbit.cycles,
-            orbit_settling_error=each.orbit.settling_error,
-            straight_cycles=each.straight.cycles,
-            straight_settling_error=each.straight.settling_error,
-        )
-    return builder.table()
+    starts = {"orbit": "from the periodic state", "straight": "from the standard start"}
+    columns = [Column("engine")]
+    for key, group in starts.items():
+        columns.append(Column(f"{key}_cycles", "cycles", form="d", group=group))
+        columns.append(Column(f"{key}_settling_error", "left", "%", ".2g", group=group))
+    found = Table("both_starts", (*columns, Column("difference", unit="%", form=".2g")))
+    for each in studied:
+        runs = {"orbit": each.orbit, "straight": each.straight}
+        cycles = {f"{key}_cycles": run.cycles for key, run in runs.items()}
+        found.add(each, **cycles, **{f"{key}_settling_error": run.settling_error for key, run in runs.items()})
+    return found

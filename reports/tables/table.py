@@ -1,8 +1,14 @@
-"""What a table is: a data frame in SI units, and how its columns and cells are shown. Page and CSV file are made from the same cells."""
+"""What a table is: a data frame in SI units, and how its columns and cells are shown. Page and CSV file are made from the same cells.
+
+What stands above a table is in `templates/captions.toml`, under the table's name.
+"""
 
 import math
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from importlib.resources import files
+from itertools import groupby
 from typing import Any, Final, Literal
 
 import pandas as pd
@@ -12,13 +18,19 @@ from reports.words import HALF, QUANTITY, case_label, channel_name, number
 Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed"]
 
-#: A sign before a marked value, so that no mark rests on colour alone.
-SIGNS: Final = {"": "", "good": "", "missed": "✗ ", "open": "", "failed": "✗ "}
-
+CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("reports") / "templates" / "captions.toml").read_text("utf-8"))
+#: Units of the page that are not those of the CSV file -> its unit, value in the page / value in the file.
+SHOWN: Final = {
+    "%": ("1", 100.0),
+    "% of range": ("1", 100.0),
+    "10⁻⁶": ("1", 1e6),
+    "mm": ("m", 1e3),
+    "ms": ("s", 1e3),
+    "µs": ("s", 1e6),
+    "kN/m": ("N/m", 1e-3),
+}
 #: Letters of a text that is kept on one line.
 LONGEST_LINE: Final = 26
-
-_NOTE: Final = " remark"
 
 
 @dataclass(frozen=True)
@@ -40,17 +52,18 @@ class Cell:
     run: str = ""
 
 
+Row = Mapping[str, Cell]
+
+
 @dataclass(frozen=True)
 class Column:
     """A column.
 
     Attributes:
         key: heading in the CSV file, without the unit.
-        head: heading in the page.
-        unit: of the values in the CSV file; "" for texts and counts.
-        form: format of numbers in the page, e.g. ".3f".
-        shown_unit: unit in the page, if another one.
-        factor: value in the page / value in the CSV file.
+        head: heading in the page; the key in words where it is not given.
+        unit: in the page; "" for texts and counts, "1" is not shown, and in brackets it is told by each cell.
+        form: format of numbers in the page, e.g. ".3f"; "" for texts, which are aligned left.
         in_page: whether the page shows it; the CSV file has it anyway.
         uncertainty: key of the column that is shown behind this one's values, after ±.
         group: heading above this and its neighbours of the same group.
@@ -59,11 +72,9 @@ class Column:
     """
 
     key: str
-    head: str
+    head: str = ""
     unit: str = ""
     form: str = ""
-    shown_unit: str | None = None
-    factor: float = 1.0
     in_page: bool = True
     uncertainty: str = ""
     group: str = ""
@@ -71,61 +82,83 @@ class Column:
     words: Callable[[Any], str] | None = None
 
     @property
+    def page_head(self) -> str:
+        """Heading in the page."""
+        return self.head or self.key.replace("_", " ")
+
+    @property
     def page_unit(self) -> str:
-        """Unit in the page."""
-        unit = self.unit if self.shown_unit is None else self.shown_unit
-        return "" if unit == "1" else unit
+        """Unit beside the heading in the page."""
+        return "" if self.unit == "1" or self.unit.startswith("[") else self.unit
+
+    @property
+    def csv_unit(self) -> str:
+        """Unit in the CSV file."""
+        return SHOWN[self.unit][0] if self.unit in SHOWN else self.unit.strip("[]")
 
     @property
     def csv_head(self) -> str:
         """Heading in the CSV file."""
-        return f"{self.key} [{self.unit}]" if self.unit else self.key
+        return f"{self.key} [{self.csv_unit}]" if self.unit else self.key
 
     def text(self, cell: Cell) -> str:
         """A cell as the page shows it, without its sign and uncertainty."""
+        value = cell.value
         if cell.text:
             return cell.text
-        value = cell.value
         if self.words:
             return self.words(value)
         if value is None:
             return "–"
         if isinstance(value, bool):
             return "yes" if value else "no"
-        if isinstance(value, str) or not self.form:
-            return str(value)
-        return number(value if self.factor == 1.0 else value * self.factor, self.form)  # counts stay whole
+        return str(value) if isinstance(value, str) or not self.form else self.number(value)
 
-    @property
-    def is_text(self) -> bool:
-        """Whether the column holds words: they are aligned left."""
-        return not self.form
+    def number(self, value: float) -> str:
+        """A number of the CSV file as the page shows it."""
+        return number(value * SHOWN[self.unit][1] if self.unit in SHOWN else value, self.form)  # counts stay whole
 
+
+#: Of a table; a text is the key of a column of texts.
+Columns = Sequence[Column | str]
 
 #: Columns that many tables have.
 CASE: Final = Column("case", "run", words=case_label)
-QUANTITY_COLUMN: Final = Column("quantity", "quantity", words=QUANTITY.__getitem__)
-HALF_COLUMN: Final = Column("half", "half", words=HALF.__getitem__)
-CHANNEL: Final = Column("channel", "channel", words=channel_name)
+QUANTITY_COLUMN: Final = Column("quantity", words=QUANTITY.__getitem__)
+HALF_COLUMN: Final = Column("half", words=HALF.__getitem__)
+CHANNEL: Final = Column("channel", words=channel_name)
 
 
-@dataclass(frozen=True)
 class Table:
     """A table of the report.
 
-    Attributes:
-        name: of the CSV file, without ".csv".
-        caption: one or two sentences, with what the numbers are relative to.
+    Args:
+        name: of its caption, and of the CSV file, without ".csv".
         columns: at least one.
-        rows: each with one cell per column; plain values are taken as cells.
+        of: what the name of the file has besides.
         in_page: False for a table that is offered as a file only.
+        numbers: what is put into the caption.
     """
 
-    name: str
-    caption: str
-    columns: tuple[Column, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-    in_page: bool = True
+    def __init__(self, name: str, columns: Columns, of: str = "", in_page: bool = True, **numbers: object) -> None:
+        self.name = name + of
+        self.caption = CAPTIONS[name].format(**numbers)
+        self.columns = [Column(column) if isinstance(column, str) else column for column in columns]
+        self.in_page = in_page
+        self.rows: list[Row] = []
+
+    def add(self, row: object = None, /, **values: Value | Cell) -> None:
+        """Add a row; columns that are not named hold what `row` has under their key, an attribute or an item, or nothing.
+
+        Raises:
+            KeyError: a name that is no column.
+        """
+        known = [column.key for column in self.columns]
+        if unknown := sorted(set(values) - set(known)):
+            raise KeyError(f"table {self.name} has no column {unknown[0]}")
+        of_row = row if isinstance(row, Mapping) else {key: getattr(row, key, None) for key in known}
+        cells = {key: values[key] if key in values else of_row.get(key) for key in known}
+        self.rows.append({key: cell if isinstance(cell, Cell) else Cell(cell) for key, cell in cells.items()})
 
     @property
     def file(self) -> str:
@@ -133,50 +166,45 @@ class Table:
         return f"{self.name}.csv"
 
     @property
-    def shown(self) -> tuple[int, ...]:
-        """Indices of the columns that the page shows."""
-        return tuple(index for index, column in enumerate(self.columns) if column.in_page)
+    def shown(self) -> list[Column]:
+        """The columns that the page shows."""
+        return [column for column in self.columns if column.in_page]
 
     @property
     def heads(self) -> list[tuple[str, int]]:
         """Groups of the shown columns with their widths, in order; empty if no column has a group."""
-        spans: list[tuple[str, int]] = []
-        for index in self.shown:
-            group = self.columns[index].group
-            if spans and group and spans[-1][0] == group:
-                spans[-1] = (group, spans[-1][1] + 1)
-            else:
-                spans.append((group, 1))
+        groups = groupby(self.shown, lambda column: (column.group, "" if column.group else column.key))
+        spans = [(group, len(list(columns))) for (group, _), columns in groups]
         return spans if any(group for group, _ in spans) else []
 
-    def looks(self, index: int) -> str:
+    def looks(self, column: Column) -> str:
         """How a column is set: "" numbers, "words" texts that stay on a line, "words prose" texts that need several."""
-        if not self.columns[index].is_text:
+        if column.form:
             return ""
-        longest = max((len(self.columns[index].text(row[index])) for row in self.rows), default=0)
+        longest = max((len(column.text(row[column.key])) for row in self.rows), default=0)
         return "words prose" if longest > LONGEST_LINE else "words"
 
-    def page_text(self, row: Sequence[Cell], index: int) -> str:
-        """A cell as the page shows it."""
-        column, cell = self.columns[index], row[index]
-        text = SIGNS[cell.mark] + column.text(cell)
+    def page_text(self, row: Row, column: Column) -> str:
+        """A cell as the page shows it: with a sign, so that no mark rests on colour alone."""
+        cell = row[column.key]
+        text = ("✗ " if cell.mark in ("missed", "failed") else "") + column.text(cell)
         if column.uncertainty and cell.value is not None and not cell.text:
-            position = [other.key for other in self.columns].index(column.uncertainty)
-            half_width = row[position].value
+            half_width = row[column.uncertainty].value
             if isinstance(half_width, (int, float)):
-                text += f" ± {number(half_width * column.factor, column.form)}"
+                text += f" ± {column.number(half_width)}"
         return text
 
     @property
     def frame(self) -> pd.DataFrame:
         """Every column in SI units under its heading with the unit, and a column of remarks beside each that has any."""
         columns: dict[str, list[Value]] = {}
-        for index, column in enumerate(self.columns):
-            columns[column.csv_head] = [row[index].value for row in self.rows]
-            if any(row[index].note for row in self.rows):
-                columns[column.key + _NOTE] = [row[index].note for row in self.rows]
+        for column in self.columns:
+            cells = [row[column.key] for row in self.rows]
+            columns[column.csv_head] = [cell.value for cell in cells]
+            if any(cell.note for cell in cells):
+                columns[f"{column.key} remark"] = [cell.note for cell in cells]
         found = pd.DataFrame(columns, dtype=object)
-        found.attrs |= {"caption": self.caption, "units": {column.csv_head: column.unit for column in self.columns}}
+        found.attrs |= {"caption": self.caption, "units": {column.csv_head: column.csv_unit for column in self.columns}}
         return found
 
     def csv(self) -> str:
@@ -189,32 +217,3 @@ def csv_text(value: Value) -> str:
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
     return repr(float(value)) if isinstance(value, float) else str(value)
-
-
-@dataclass
-class TableBuilder:
-    """Collects rows given as plain values or cells."""
-
-    name: str
-    caption: str
-    columns: Sequence[Column]
-    in_page: bool = True
-    rows: list[tuple[Cell, ...]] = field(default_factory=list)
-
-    def add(self, row: object = None, /, **values: Value | Cell) -> None:
-        """Add a row; columns that are not named hold what `row` has under their key, an attribute or an item, or nothing.
-
-        Raises:
-            KeyError: a name that is no column.
-        """
-        known = [column.key for column in self.columns]
-        unknown = set(values) - set(known)
-        if unknown:
-            raise KeyError(f"table {self.name} has no column {sorted(unknown)[0]}")
-        of_row = row if isinstance(row, Mapping) else {key: getattr(row, key, None) for key in known}
-        cells = [values[key] if key in values else of_row.get(key) for key in known]
-        self.rows.append(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in cells))
-
-    def table(self) -> Table:
-        """The finished table."""
-        return Table(self.name, self.caption, tuple(self.columns), tuple(self.rows), self.in_page)

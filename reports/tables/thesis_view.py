@@ -2,53 +2,42 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from cases.frozen_crank import LBF_PER_IN, JointEffect
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, CaseResult
-from reports.findings.agreement import Difference, Kind, differences
+from reports.findings.agreement import Difference, Kind, Summary, differences, summary_of
 from reports.findings.conclusions import HOLDS, IN_PART, MODEL, NOT, Conclusion
 from reports.findings.raw_extremes import Excess
-from reports.tables.table import Cell, Column, Table, TableBuilder
+from reports.tables.table import Cell, Column, Mark, Table
 from reports.words import HALF, channel_name
 
 
 def ratios(results: Sequence[CaseResult]) -> Table:
     """Medians and ranges over the runs of thesis / reference."""
-    builder = TableBuilder(
-        "thesis_over_reference",
-        "The single cubic (thesis) over the converged solution (reference): medians and ranges over the runs, of first-mode frequency and"
-        " amplitude where both resolve them, and of the peak over the half cycle.",
-        (
-            Column("quantity", "quantity"),
-            Column("channel", "channel"),
-            *(
-                Column(f"{half}_{key}", head, "1" if form else "", form or "d", group=HALF[half])
-                for half in HALVES
-                for key, head, form in (
-                    ("median", "median", ".3f"),
-                    ("low", "least", ".3f"),
-                    ("high", "greatest", ".3f"),
-                    ("runs", "runs", ""),
-                )
-            ),
-        ),
-    )
+    table = Table("thesis_over_reference", ("quantity", "channel", *_spread_columns("1", ".3f")))
     rows: list[tuple[str, Kind, str | None]] = [("first-mode frequency", "frequency", None)]
     rows += [("first-mode amplitude", "amplitude", channel) for channel in CHANNELS]
     rows += [("peak", "extreme", channel) for channel in CHANNELS]
     for label, kind, channel in rows:
-        cells: dict[str, Cell | float | int] = {}
+        cells: dict[str, float] = {}
         for half in HALVES:
             found = differences(results, MODEL, kind, half=half, channel=channel)
             values = _peak_ratios(found) if kind == "extreme" else [difference.ratio for difference in found]
-            if values:
-                numbers = {"median": float(np.median(values)), "low": min(values), "high": max(values), "runs": len(values)}
-                cells |= {f"{half}_{key}": value for key, value in numbers.items()}
+            if short := summary_of(values):
+                cells |= _spread_cells(half, short)
         if cells:
-            builder.add(quantity=label, channel=channel_name(channel), **cells)
-    return builder.table()
+            table.add(quantity=label, channel=channel_name(channel), **cells)
+    return table
+
+
+def _spread_columns(unit: str, form: str) -> list[Column]:
+    """Median, range and number of runs in each half."""
+    columns = (("median", "median", unit, form), ("low", "least", unit, form), ("high", "greatest", unit, form), ("runs", "runs", "", "d"))
+    return [Column(f"{half}_{key}", head, of, how, group=HALF[half]) for half in HALVES for key, head, of, how in columns]
+
+
+def _spread_cells(half: str, found: Summary) -> dict[str, float]:
+    return {f"{half}_median": found.median, f"{half}_low": found.lowest, f"{half}_high": found.highest, f"{half}_runs": found.count}
 
 
 def _peak_ratios(found: Sequence[Difference]) -> list[float]:
@@ -61,79 +50,45 @@ def _peak_ratios(found: Sequence[Difference]) -> list[float]:
 
 def counted(excesses: Sequence[Excess]) -> Table:
     """Excess of frequencies counted off a plot."""
-    kinds = (("median", "median", "1", "+.1f"), ("low", "least", "1", "+.1f"), ("high", "greatest", "1", "+.1f"), ("runs", "runs", "", "d"))
-    builder = TableBuilder(
-        "counted_off_plots",
-        "Excess of the single cubic's frequency over the converged one if both are counted off plots: half oscillations between visible"
-        " extremes of the raw signal over their time, in the halves where both resolve the first mode. An extreme is counted if it stands"
-        " out by the part of the signal's range in the first column. Not a measure of this report; see the text.",
-        (
-            Column("visible", "counted from", "1", ".1f", "% of range", 100.0),
-            Column("channel", "channel"),
-            *(
-                Column(f"{half}_{key}", head, unit, form, "%" if unit else None, 100.0 if unit else 1.0, group=HALF[half])
-                for half in HALVES
-                for key, head, unit, form in kinds
-            ),
-        ),
-    )
-    for visible in dict.fromkeys(found.visible for found in excesses):
+    visible = Column("visible", "counted from", "% of range", ".1f")
+    table = Table("counted_off_plots", (visible, "channel", *_spread_columns("%", "+.1f")))
+    for threshold in dict.fromkeys(each.visible for each in excesses):
         for channel in CHANNELS:
-            cells: dict[str, float | int] = {}
-            for excess in (found for found in excesses if (found.visible, found.channel) == (visible, channel)):
-                numbers = {"median": excess.median, "low": excess.lowest, "high": excess.highest, "runs": excess.count}
-                cells |= {f"{excess.half}_{key}": value for key, value in numbers.items()}
+            cells: dict[str, float] = {}
+            for each in (each for each in excesses if (each.visible, each.channel) == (threshold, channel)):
+                cells |= _spread_cells(each.half, each)
             if cells:
-                builder.add(visible=visible, channel=channel_name(channel), **cells)
-    return builder.table()
+                table.add(visible=threshold, channel=channel_name(channel), **cells)
+    return table
 
 
-def statements(found: Sequence[Conclusion]) -> Table:
+def statements(conclusions: Sequence[Conclusion]) -> Table:
     """The statements, and what becomes of each."""
-    builder = TableBuilder(
-        "statements",
-        "What the thesis says about frequencies and amplitudes, in our words, and what becomes of it. An inference is a reading that the"
-        " numbers allow and do not prove.",
-        (
-            Column("section", "section"),
-            Column("statement", "statement"),
-            Column("verdict", "verdict"),
-            Column("inference", "inference"),
-            Column("numbers", "numbers"),
-        ),
-    )
-    for each in found:
-        mark = "good" if each.outcome in (HOLDS, IN_PART) else "missed" if each.outcome == NOT else "open"
-        builder.add(
+    table = Table("statements", ("section", "statement", "verdict", "inference", "numbers"))
+    for each in conclusions:
+        mark: Mark = "good" if each.outcome in (HOLDS, IN_PART) else "missed" if each.outcome == NOT else "open"
+        table.add(
             each,
             section=each.statement.section,
             statement=each.statement.words,
-            verdict=Cell(each.outcome, mark=mark),  # type: ignore[arg-type]  # one of the marks
+            verdict=Cell(each.outcome, mark=mark),
             inference=Cell(each.inference, "inference" if each.inference else "–"),
         )
-    return builder.table()
+    return table
 
 
-def joints(effects: Sequence[JointEffect], run: str) -> Table:
+def joints(effects: Sequence[JointEffect]) -> Table:
     """What a linearly soft slider joint does."""
-    builder = TableBuilder(
-        "joint_stiffness",
-        f"A linearly soft slider joint in {run}, crank held: change of the first mode's mean frequency in each half of the reference's"
-        " cycle, and where the third converged mode lies over the crank angle.",
-        (
-            Column("stiffness", "joint stiffness", "N/m", ".3g", "kN/m", 1e-3),
-            Column("stiffness_in_lbf_per_in", "the same", "lbf/in", ".4g"),
-            Column("change_pre", "pre-return", "1", "+.2f", "%", 100.0, group="change of f₁"),
-            Column("change_post", "post-return", "1", "+.2f", "%", 100.0, group="change of f₁"),
-            Column("third_mode_low", "from", "Hz", ".0f", group="f₃"),
-            Column("third_mode_high", "to", "Hz", ".0f", group="f₃"),
-        ),
+    columns = (
+        Column("stiffness", "joint stiffness", "kN/m", ".3g"),
+        Column("stiffness_in_lbf_per_in", "the same", "lbf/in", ".4g"),
+        Column("change_pre", "pre-return", "%", "+.2f", group="change of f₁"),
+        Column("change_post", "post-return", "%", "+.2f", group="change of f₁"),
+        Column("third_mode_low", "from", "Hz", ".0f", group="f₃"),
+        Column("third_mode_high", "to", "Hz", ".0f", group="f₃"),
     )
+    table = Table("joint_stiffness", columns)
     for effect in effects:
-        builder.add(
-            effect,
-            stiffness_in_lbf_per_in=effect.stiffness / LBF_PER_IN,
-            third_mode_low=effect.third_mode.low,
-            third_mode_high=effect.third_mode.high,
-        )
-    return builder.table()
+        mode = effect.third_mode
+        table.add(effect, stiffness_in_lbf_per_in=effect.stiffness / LBF_PER_IN, third_mode_low=mode.low, third_mode_high=mode.high)
+    return table

@@ -1,1 +1,20 @@
-"""HTML templates of the report and its style."""
+"""Templates of the report, its style and script, and what they say numbers with."""
+
+from typing import Final
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from reports import words
+
+WORDS: Final = (
+    "number", "percent", "percents", "size", "span", "times", "duration", "counted", "listed", "in_words", "case_label", "place",
+    "channel_name", "HALF", "QUANTITY",
+)  # fmt: skip
+
+
+def environment(escaped: bool = True) -> Environment:
+    """The templates; with `escaped` everything put in is text and nothing else to a browser."""
+    loader = PackageLoader("reports")
+    made = Environment(loader=loader, autoescape=escaped, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    made.globals |= {name: getattr(words, name) for name in WORDS}
+    return made

@@ -64,7 +64,7 @@ def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
         (lambda: qr.simulate(None), "^None: this is no case"),  # type: ignore[arg-type]
         (lambda: qr.simulate(Path("absent.toml")), "^absent.toml: there is no such file"),
         (lambda: qr.run([]), "^cases: none is given"),
-        (lambda: qr.run([qr.case("example"), qr.case("example", {"crank.length": "99 mm"})]), "dataclasses.replace"),
+        (lambda: qr.run([qr.case("example"), qr.case("example", {"crank.length": "99 mm"})]), "^example: .*a name of its own"),
         (lambda: qr.run(qr.case("shaper-cutting", {"crank.prescribed_speed": "0 rpm"}), "thesis", quiet=True), "the crank stands still"),
         (lambda: qr.simulate("example", FakeEngine), r"^FakeEngine: this is a class; give an engine, FakeEngine\(\)"),  # type: ignore[arg-type]
         (lambda: qr.run("example", None), "^None: no engine"),  # type: ignore[arg-type]
@@ -75,10 +75,20 @@ def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
         (lambda: qr.run("example", jobs=0), "^jobs=0: at least 1"),
         (lambda: qr.modes("example", "thesis", "90 deg"), "^crank_angle='90 deg': degrees"),  # type: ignore[arg-type]
         (lambda: qr.modes("example", "thesis", count=0), "^count=0: a whole number"),
+        (lambda: qr.case("thesis-25"), "^.thesis-25.*thesis-"),
+        (lambda: qr.case("thesis-24", {"crank.lenght": "5 in"}), r"crank\.lenght.*crank\.length"),
+        (lambda: qr.cases("thesys"), "thesys.*thesis"),
+        (lambda: qr.simulate("small.toml", "mujco"), "mujco.*perhaps mujoco"),
+        (lambda: qr.run("small.toml", ["mujco"]), "mujco.*perhaps mujoco"),
+        (lambda: qr.simulate("small.toml", "fake", settings={"stp": 1}), "stp.*step"),
+        (lambda: qr.run("small.toml", "fake", settings={"mujoco": {"links": 16}}), "mujoco does not run here"),
+        (lambda: qr.simulate("small.toml", "fake", accuracy=0.5), r"accuracy=0\.5.*0\.0001 to 0\.05"),
+        (lambda: qr.simulate("small.toml", "fake")["tip_deflecton"], "tip_deflecton.*tip_deflection"),
+        (lambda: qr.simulate("small.toml", "fake").plot("tip_deflecton"), "tip_deflecton.*tip_deflection"),
     ],
 )
-def test_values_of_a_wrong_kind_are_answered_with_a_sentence(place: Path, ask: Callable[[], object], told: str) -> None:
-    with pytest.raises((qr.CaseError, qr.UnknownEngine, qr.SettingError, ValueError), match=told):
+def test_what_cannot_be_is_answered_with_a_sentence(place: Path, ask: Callable[[], object], told: str) -> None:
+    with pytest.raises((qr.CaseError, qr.UnknownEngine, qr.UnknownColumn, qr.SettingError, ValueError), match=told):
         ask()
 
 
@@ -133,29 +143,6 @@ def test_a_failure_carries_what_was_computed(place: Path) -> None:
         qr.simulate("small.toml", "fake", settings={"behaviour": "fails"})
     assert failure.value.partial is not None
     assert len(failure.value.partial) == 3
-
-
-def test_a_misspelt_name_is_answered_with_the_nearest(place: Path) -> None:
-    with pytest.raises(qr.CaseError, match="nearest one is thesis-"):
-        qr.case("thesis-25")
-    with pytest.raises(qr.CaseError, match=r"crank\.length"):
-        qr.case("thesis-24", {"crank.lenght": "5 in"})
-    with pytest.raises(qr.CaseError, match=r"accepted: .*thesis"):
-        qr.cases("thesys")
-    with pytest.raises(qr.UnknownEngine, match="perhaps mujoco"):
-        qr.simulate("small.toml", "mujco")
-    with pytest.raises(qr.UnknownEngine, match="perhaps mujoco"):
-        qr.run("small.toml", ["mujco"])
-    with pytest.raises(qr.SettingError, match="step"):
-        qr.simulate("small.toml", "fake", settings={"stp": 1})
-    with pytest.raises(qr.SettingError, match="mujoco is not among"):
-        qr.run("small.toml", "fake", settings={"mujoco": {"links": 16}})
-    with pytest.raises(ValueError, match=r"0\.0001 to 0\.05"):
-        qr.simulate("small.toml", "fake", accuracy=0.5)
-    solution = qr.simulate("small.toml", "fake")
-    for asked in (lambda: solution["tip_deflecton"], lambda: solution.plot("tip_deflecton")):
-        with pytest.raises(qr.UnknownColumn, match="nearest known one is tip_deflection"):
-            asked()
 
 
 def test_lists_are_small_tables_of_things_with_names() -> None:

@@ -14,7 +14,7 @@ from cases.case_file import load_case
 from engines.registry import engine
 from engines.scene import simulate_scene
 from engines.trajectory import Trajectory
-from quickreturn.animation import FRAMES, last_turn, webp
+from quickreturn.animation import FRAMES, last_turn, moving
 from quickreturn.drawing import POINTS, SHOWN, factor_for, motion_of, unbent
 from reference_model.columns import SHAPE
 from reference_model.mechanism import Mechanism
@@ -65,7 +65,7 @@ def test_the_last_whole_turn_is_shown(trajectory: Trajectory) -> None:
 
 
 def test_the_moving_picture_moves_and_is_small(trajectory: Trajectory) -> None:
-    content = webp(CASE, {"reference": trajectory})
+    content = moving(CASE, {"reference": trajectory}, ".webp")
     assert len(content) < 500_000
     image = Image.open(io.BytesIO(content))
     frames = []
@@ -99,7 +99,7 @@ def test_a_case_without_a_crank_can_be_drawn() -> None:
     case = load_case("spin-up")
     assert not isinstance(case.scene, Mechanism)
     found = simulate_scene(engine("reference"), case.scene, 1.0, 0.05, {"modes": "3", "tolerance": "1e-6"}).trajectory
-    assert Image.open(io.BytesIO(webp(case, {"reference": found}))).size == (720, 390)
+    assert Image.open(io.BytesIO(moving(case, {"reference": found}, ".webp"))).size == (720, 390)
 
 
 @pytest.mark.parametrize(("ending", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF"), ("webp", b"RIFF")])

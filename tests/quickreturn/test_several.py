@@ -65,21 +65,9 @@ def test_angles_give_a_list_with_both_ends(call: Call) -> None:
 
 
 def test_show_takes_patterns_and_tags(call: Call) -> None:
-    found = json.loads(call("show", "small*.toml", "--json").output)
-    assert [each["name"] for each in found] == ["small", "smaller"]
+    found = json.loads(call("show", "small*.toml", "--tag", "example", "--json").output)
+    assert [each["name"] for each in found] == ["small", "smaller", "example", "shaper-cutting"]
     assert call("show", "other.toml", "small.toml").output.count("what follows") == 2
-
-
-def test_run_takes_a_pattern(call: Call) -> None:
-    found = json.loads(call("run", "small*.toml", "--engine", "sound", "--json").output)
-    assert [each["case"] for each in found["cases"]] == ["small", "smaller"]
-
-
-def test_a_tag_stands_for_its_cases() -> None:
-    from quickreturn.commands.options import load_all
-
-    assert next(case.name for case in load_all(["example"], "literature", {})) == "example"
-    assert all("literature" in case.tags for case in load_all([], "literature", {}))
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -1,17 +1,12 @@
 """The page of the hard scenes, on a made-up matrix."""
 
-from pathlib import Path
-
-import pytest
+from dataclasses import replace
 
 from cases.case_file import load_case
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning
 from cases.judging.matrix import Judged, Matrix
 from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
 from cases.library.hard import IMPOSSIBLE
-from reports.page.facts.methods import stored_matrix
 from reports.tables import hard_scenes as tables
 from tests.reports import pages
 from tests.reports.reported_results import PageReader
@@ -30,28 +25,14 @@ VERDICTS = {
 
 
 def matrix(*, wrong: bool = False) -> Matrix:
-    cells = {
-        (scene, engine): Judged(scene=scene, engine=engine, verdict=verdict, settings={"modes": 5}, true_error=0.003, holds=True)
-        for (scene, engine), verdict in VERDICTS.items()
-        if verdict.claimed_error is not None
-    } | {
-        (scene, engine): Judged(scene=scene, engine=engine, verdict=verdict, settings={})
-        for (scene, engine), verdict in VERDICTS.items()
-        if verdict.claimed_error is None
-    }
-    model = cells["hard-speed-x3", "thesis"]
-    cells["hard-speed-x3", "thesis"] = Judged(
-        scene=model.scene, engine=model.engine, verdict=model.verdict, settings={}, true_error=1e-5, holds=True, model_error=0.81
-    )
+    cells = {}
+    for (scene, engine), verdict in VERDICTS.items():
+        known = {} if verdict.claimed_error is None else {"settings": {"modes": 5}, "true_error": 0.003, "holds": True}
+        cells[scene, engine] = Judged(scene=scene, engine=engine, verdict=verdict, **{"settings": {}, **known})  # type: ignore[arg-type]
+    of_model = {"settings": {}, "true_error": 1e-5, "model_error": 0.81}
+    cells["hard-speed-x3", "thesis"] = replace(cells["hard-speed-x3", "thesis"], **of_model)  # type: ignore[arg-type]
     if wrong:
-        cells["hard-speed-x2", "reference"] = Judged(
-            scene="hard-speed-x2",
-            engine="reference",
-            verdict=VERDICTS["hard-speed-x2", "reference"],
-            settings={},
-            true_error=0.83,
-            holds=False,
-        )
+        cells["hard-speed-x2", "reference"] = replace(cells["hard-speed-x2", "reference"], settings={}, true_error=0.83, holds=False)
     changes = {"stiffness": 0.108, "damping": 0.006, "speed": 0.14, "speed at the same crank angle": 0.07}
     conditionings = {"hard-speed-x2": Conditioning(changes, 0.42)}
     return Matrix(tuple(load_case(name) for name in SCENES), ENGINES, cells, conditionings, {"hard-speed-x2": 5e-4})
@@ -103,7 +84,5 @@ def test_a_claim_that_does_not_hold_is_shouted() -> None:
     assert "none silently wrong" not in found.text
 
 
-def test_without_results_there_is_no_matrix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_results_there_is_no_matrix() -> None:
     assert "hard" not in read(None).anchors
-    monkeypatch.setattr("reports.page.facts.methods.catalogue", lambda tag: ())
-    assert stored_matrix(Workshop(Store(tmp_path))) is None

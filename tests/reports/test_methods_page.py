@@ -19,9 +19,7 @@ def test_the_fastest_the_next_and_the_packages_are_named_at_each_error() -> None
 def test_the_answer_names_the_fastest_and_the_next_engine() -> None:
     found = answer_of(one_run(benchmarks=[made_up_benchmark()])).fastest
     assert found is not None
-    assert (found.engine, found.next_engine) == ("reference", "multiplier")
-    assert found.seconds == 4e-3  # 0.1 / 4^4 < 0.1 % with 4 degrees of freedom
-    assert found.times == 160e-3 / 4e-3
+    assert found.found[:2] == [("reference", 4e-3), ("multiplier", 160e-3)]  # 0.1 / 4^4, 1 / 16^3 < 0.1 % with 4 and 16 degrees of freedom
     assert answer_of(one_run()).fastest is None
 
 
@@ -30,7 +28,7 @@ def test_a_model_that_does_not_converge_is_said_to() -> None:
 
 
 def test_observed_orders_are_those_of_the_power_laws() -> None:
-    rows = {row[0].value: row[1].value for row in tables.orders([made_up_benchmark()]).rows}
+    rows = {row["method"].value: row["thesis-24"].value for row in tables.orders([made_up_benchmark()]).rows}
     assert round(float(str(rows["multiplier"])), 6) == 3.0
     assert round(float(str(rows["exudyn"])), 6) == 2.0
     assert rows["nodal-load"] is None
@@ -38,8 +36,8 @@ def test_observed_orders_are_those_of_the_power_laws() -> None:
 
 def test_points_that_failed_are_listed() -> None:
     (row,) = tables.failures([made_up_benchmark()]).rows
-    assert row[1].value == "nodal-load"
-    assert "the beam snapped" in str(row[3].value)
+    assert row["method"].value == "nodal-load"
+    assert "the beam snapped" in str(row["status"].value)
     everything = tables.points([made_up_benchmark()])
     assert len(everything.rows) == len(made_up_benchmark().points)
 

@@ -136,20 +136,15 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
     page.wait_for_selector("#signals .bk-Figure, #signals [class*=bk-]")
     page.locator("#methods summary").click()
     page.wait_for_timeout(400)
-    before = [
-        drawn(page, "stage"),
-        drawn(page, "curve"),
-        page.locator("#signals").screenshot(),
-        page.locator("#methods .drawn").first.screenshot(),
-    ]
+    plots = page.locator("#signals"), page.locator("#methods .drawn").first
+
+    def pictures() -> list[str | bytes]:
+        return [drawn(page, "stage"), drawn(page, "curve"), *(plot.screenshot() for plot in plots)]
+
+    before = pictures()
     page.locator("#engines input[value=thesis]").uncheck()
     page.wait_for_timeout(400)
-    after = [
-        drawn(page, "stage"),
-        drawn(page, "curve"),
-        page.locator("#signals").screenshot(),
-        page.locator("#methods .drawn").first.screenshot(),
-    ]
+    after = pictures()
     assert all(one != other for one, other in zip(before, after, strict=True))
     assert "engines=reference,exudyn,mujoco" in page.url
     page.locator("#engines input[value=thesis]").check()

@@ -3,7 +3,7 @@
 import dataclasses
 import io
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -26,17 +26,11 @@ TROUBLES = {
     "backwards": made_up_result("thesis-06", turning=-1),
     "rigid": made_up_result("rigid"),
 }
-OF_ONE_CASE: dict[str, Callable[[CaseResult], Figure]] = {
-    "cycle": lambda result: cycle.draw_cycle(result, _labels(result)),
-}
-OF_ALL: dict[str, Callable[[], Figure]] = {
-    "work precision": lambda: work_precision.draw(made_up_benchmark()),
-}
 
 
-def _labels(result: CaseResult) -> tuple:  # type: ignore[type-arg]
+def of_cycle(result: CaseResult) -> Figure:
     name = result.case.name
-    return axis_labels(int(name[-2:])) if name.startswith("thesis-") else ()
+    return cycle.draw_cycle(result, axis_labels(int(name[-2:])) if name.startswith("thesis-") else ())
 
 
 @pytest.fixture(autouse=True)
@@ -69,19 +63,12 @@ def _texts(figure: Figure) -> list[str]:
 
 
 @pytest.mark.parametrize("trouble", TROUBLES)
-@pytest.mark.parametrize("kind", OF_ONE_CASE)
-def test_a_case_renders_whatever_became_of_its_runs(kind: str, trouble: str) -> None:
-    _check(OF_ONE_CASE[kind](TROUBLES[trouble]))
+def test_a_case_renders_whatever_became_of_its_runs(trouble: str) -> None:
+    _check(of_cycle(TROUBLES[trouble]))
 
 
-@pytest.mark.parametrize("kind", OF_ALL)
-def test_pictures_of_all_runs_render(kind: str) -> None:
-    _check(OF_ALL[kind]())
-
-
-@pytest.mark.parametrize("kind", ["cycle"])
-def test_every_axis_has_its_unit(kind: str) -> None:
-    figure = OF_ONE_CASE[kind](TROUBLES["settled"])
+def test_every_axis_has_its_unit() -> None:
+    figure = of_cycle(TROUBLES["settled"])
     assert all("(" in axes.get_ylabel() for axes in figure.axes)
     assert figure.axes[-1].get_xlabel().startswith("cycle")
 
@@ -98,7 +85,7 @@ def test_recorded_tables_are_drawn_over_the_engines_under_their_plain_names() ->
 
 def test_strain_is_drawn_in_percent_and_acceleration_in_si() -> None:
     result = TROUBLES["settled"]
-    figure = cycle.draw_cycle(result, _labels(result))
+    figure = of_cycle(result)
     reference = result.runs["reference"]
     for axes, channel, factor in zip(
         figure.axes, ("tip_acceleration", "strain_1", "strain_2", "strain_3"), (1.0, 100.0, 100.0, 100.0), strict=False
@@ -109,33 +96,32 @@ def test_strain_is_drawn_in_percent_and_acceleration_in_si() -> None:
 
 def test_the_printed_range_is_shaded_in_si() -> None:
     """Figure A.24's labels reach from -5000 to 5000 in/s²: ±127 m/s²."""
-    result = TROUBLES["settled"]
-    figure = cycle.draw_cycle(result, _labels(result))
+    figure = of_cycle(TROUBLES["settled"])
     (band,) = figure.axes[0].patches
     corners = band.get_extents().transformed(figure.axes[0].transData.inverted())
     np.testing.assert_allclose([corners.y0, corners.y1], [-127.0, 127.0], rtol=1e-9)  # 0.0254 is exact, products round
 
 
 def test_a_rigid_follower_has_no_strain_panel() -> None:
-    figure = OF_ONE_CASE["cycle"](TROUBLES["rigid"])
+    figure = of_cycle(TROUBLES["rigid"])
     assert [axes.get_ylabel() for axes in figure.axes] == ["tip acceleration (m/s²)"]
 
 
 def test_a_single_engine_has_pictures_of_its_own_but_no_comparison() -> None:
     result = TROUBLES["settled"]
     alone = dataclasses.replace(result, runs={"own": dataclasses.replace(result.runs["exudyn"])}, checks=())
-    for draw in OF_ONE_CASE.values():
-        _check(draw(alone))
+    _check(of_cycle(alone))
 
 
 def test_methods_that_completed_nothing_have_no_mark() -> None:
-    figure = OF_ALL["work precision"]()
+    figure = work_precision.draw(made_up_benchmark())
+    _check(figure)
     assert "nodal-load" not in _texts(figure)
     assert {"reference", "multiplier, elements"} <= set(_texts(figure))
 
 
 def test_the_front_lies_below_the_points() -> None:
-    figure = OF_ALL["work precision"]()
+    figure = work_precision.draw(made_up_benchmark())
     lowest = min(figure.axes[0].lines, key=lambda line: line.get_zorder())
     seconds, errors = np.asarray(lowest.get_xdata()), np.asarray(lowest.get_ydata())
     assert np.all(np.diff(seconds) > 0.0)

@@ -19,12 +19,12 @@ from cases.runs.request import Run
 from cases.studies import BothStarts, Moved, StudiedRun, Studies
 from reports import report as report_module
 from reports.machine import machine_facts
-from reports.output import OutputError
+from reports.output import OutputError, check_folder
 from reports.page.answer import answer_of
 from reports.page.chapters import chapters_of
 from reports.page.content import Content
 from reports.page.render import report_page
-from reports.report import CATALOGUE, check_folder, write, write_report
+from reports.report import CATALOGUE, PAGE, write, write_report
 from reports.tables.table import Table
 from reports.verification import FILE, PARTS, verification
 from reports.words import size
@@ -119,9 +119,9 @@ def test_every_table_in_the_page_says_what_its_csv_file_says(folder: Path, read:
 
 def test_shown_numbers_are_the_files_numbers_rounded(folder: Path) -> None:
     table = next(table for table in tables_of(folder) if table.name == "run_by_engine")
-    frequency = [column.key for column in table.columns].index("pre_frequency")
+    (frequency,) = (column for column in table.columns if column.key == "pre_frequency")
     for row in table.rows:
-        value = row[frequency].value
+        value = row["pre_frequency"].value
         if isinstance(value, float):
             shown = table.page_text(row, frequency).split(" ± ")[0]
             assert float(shown) == pytest.approx(value, abs=0.005)  # two decimals
@@ -257,7 +257,7 @@ def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for bad in (tmp_path / "file", tmp_path / "file" / "below", Path("/proc/nowhere")):
         with pytest.raises(OutputError, match=r"^/.*: (this is a file|it cannot be written)"):
-            check_folder(bad)
+            check_folder(bad, PAGE)
 
 
 def test_a_bad_folder_is_told_before_anything_runs(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,8 +21,9 @@ from cases.runs.comparison import HALVES, CaseResult, Check, compare
 from cases.runs.estimates import EstimatedConsensus
 from cases.runs.request import Run
 from reports.findings.agreement import differences, spread
+from reports.findings.axes import axis_comparisons
 from reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
-from reports.findings.failures import troubles
+from reports.findings.failures import INCOMPLETE, troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
 from reports.page.answer import answer_of
@@ -152,8 +153,9 @@ def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
     others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
     before, after = Content(results=[run_24]), Content(results=[others])
     assert after.conclusions == before.conclusions
-    assert after.axes
-    assert all(axis.ratio("tool.csv") is None for axis in after.axes)
+    axes = axis_comparisons(after.results)
+    assert axes
+    assert not any("tool.csv" in axis.ratios for axis in axes)
     facts_before, facts_after = ({chapter.id: chapter.facts for chapter in chapters_of(content)} for content in (before, after))
     assert facts_after["experiment"]["ratios"] == facts_before["experiment"]["ratios"]
     assert facts_after["recorded"]["names"] == ["tool.csv"]
@@ -179,7 +181,7 @@ def test_differences_are_relative_to_the_other_engine_and_extremes_to_its_peak()
 
 def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
-    found = {trouble.engine: trouble.is_failure for trouble in troubles([reported_result("thesis-24", statuses)])}
+    found = {run.engine: run.status in INCOMPLETE for _, run in troubles([reported_result("thesis-24", statuses)])}
     assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
 
 
@@ -258,14 +260,13 @@ def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Chec
 def test_a_departure_is_told_with_what_both_claim() -> None:
     result, check = departing(reported_result("thesis-24"))
     assert check in result.missed
-    rows = [row for row in departures([result]).rows if row[4].value == "pre" and row[5].value == "strain_3" and row[3].value == "maximum"]
-    (row,) = (row for row in rows if row[1].value == "exudyn")
-    numbers = dict(zip([column.key for column in departures([result]).columns], row, strict=True))
+    wanted = {"engine": "exudyn", "quantity": "maximum", "half": "pre", "channel": "strain_3"}
+    (numbers,) = (row for row in departures([result]).rows if all(row[key].value == value for key, value in wanted.items()))
     # made up: estimates of 1 % of the peak, settling errors of 5e-4 of it
     assert numbers["claim"].value == pytest.approx(0.01 + 5e-4)
     assert numbers["tolerance"].value == pytest.approx(2.0 * (0.01 + 5e-4))
     assert numbers["difference"].value == pytest.approx(3.0 * numbers["tolerance"].value)  # type: ignore[operator]
-    beyond = {(row[0].value, row[1].value, row[2].value): row[4].value for row in summary([result]).rows}
+    beyond = {(row["engine"].value, row["other"].value, row["quantity"].value): row["beyond"].value for row in summary([result]).rows}
     assert beyond["exudyn", "reference", "maximum"] == sum(c.engine == "exudyn" and c.quantity == "maximum" for c in result.missed) >= 1
 
 
@@ -295,7 +296,7 @@ def test_a_strain_extreme_while_the_slider_is_at_the_gauge_is_told() -> None:
 
 def test_classes_count_runs() -> None:
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
-    rows = {row[0].value: [cell.value for cell in row[1:]] for row in classes(results).rows}
+    rows = {row["engine"].value: [cell.value for key, cell in row.items() if key != "engine"] for row in classes(results).rows}
     assert {engine: sum(counts) for engine, counts in rows.items()} == dict.fromkeys(("thesis", "reference", "exudyn", "mujoco"), 2)  # type: ignore[arg-type]
     # the cubic is 13 % off in these made-up results, the reference claims 1 % of the peaks, and what failed has no class
     assert rows["thesis"][-2:] == [2, 0]

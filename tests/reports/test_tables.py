@@ -6,57 +6,53 @@ import math
 
 import pytest
 
-from reports.tables.table import Cell, Column, TableBuilder
+from reports.tables.table import Cell, Column, Table
 from reports.words import cost, counted, listed, number, percent, size
 
 
-def builder() -> TableBuilder:
+def made(**cells: object) -> Table:
+    """A table with one row; its caption is another's."""
     columns = (
-        Column("run", "run"),
+        "run",
         Column("frequency", "f", "Hz", ".2f", uncertainty="width"),
-        Column("width", "±", "Hz", ".2f", in_page=False),
-        Column("strain", "strain", "1", ".1f", "10⁻⁶", 1e6),
-        Column("cycles", "cycles", form="d"),
+        Column("width", "±", "Hz", in_page=False),
+        Column("strain", unit="10⁻⁶", form=".1f"),
+        Column("cycles", form="d"),
     )
-    return TableBuilder("example", "An example.", columns)
+    table = Table("machine", columns)
+    table.add(run="a", **cells)  # type: ignore[arg-type]
+    return table
+
+
+def shown(table: Table) -> list[str]:
+    return [table.page_text(table.rows[0], column) for column in table.shown]
 
 
 def test_a_csv_file_has_every_column_in_full_precision_with_units() -> None:
-    table = builder()
-    table.add(run="a", frequency=1.0 / 3.0, width=0.1, strain=1.23456789e-4, cycles=7)
-    rows = list(csv.DictReader(io.StringIO(table.table().csv())))
+    table = made(frequency=1.0 / 3.0, width=0.1, strain=1.23456789e-4, cycles=7)
+    rows = list(csv.DictReader(io.StringIO(table.csv())))
     assert list(rows[0]) == ["run", "frequency [Hz]", "width [Hz]", "strain [1]", "cycles"]
     assert float(rows[0]["frequency [Hz]"]) == 1.0 / 3.0  # to the last bit
     assert rows[0]["cycles"] == "7"
 
 
 def test_the_page_shows_units_of_its_own_uncertainties_and_whole_counts() -> None:
-    table = builder()
-    table.add(run="a", frequency=16.6667, width=0.1234, strain=1.2346e-4, cycles=7)
-    shown = table.table()
-    assert [shown.page_text(shown.rows[0], index) for index in shown.shown] == ["a", "16.67 ± 0.12", "123.5", "7"]
+    assert shown(made(frequency=16.6667, width=0.1234, strain=1.2346e-4, cycles=7)) == ["a", "16.67 ± 0.12", "123.5", "7"]
 
 
 def test_what_is_missing_is_a_dash_in_the_page_and_empty_in_the_file() -> None:
-    table = builder()
-    table.add(run="a", frequency=Cell(None, "n. r.", "too, faint", "open"), strain=math.nan)
-    shown = table.table()
-    assert [shown.page_text(shown.rows[0], index) for index in shown.shown] == ["a", "n. r.", "–", "–"]
-    (row,) = csv.DictReader(io.StringIO(shown.csv()))
+    table = made(frequency=Cell(None, "n. r.", "too, faint", "open"), strain=math.nan)
+    assert shown(table) == ["a", "n. r.", "–", "–"]
+    (row,) = csv.DictReader(io.StringIO(table.csv()))
     assert (row["frequency [Hz]"], row["frequency remark"], row["strain [1]"]) == ("", "too, faint", "")
 
 
 def test_a_mark_does_not_rest_on_colour_alone() -> None:
-    table = builder()
-    table.add(run="a", frequency=Cell(1.0, mark="missed"))
-    shown = table.table()
-    assert shown.page_text(shown.rows[0], 1).startswith("✗ ")
+    assert shown(made(frequency=Cell(1.0, mark="missed")))[1].startswith("✗ ")
 
 
 def test_a_table_is_a_frame_with_units() -> None:
-    table = builder()
-    table.add(run="a", frequency=Cell(16.0, note="told"))
-    frame = table.table().frame
+    frame = made(frequency=Cell(16.0, note="told")).frame
     assert frame.attrs["units"] == {"run": "", "frequency [Hz]": "Hz", "width [Hz]": "Hz", "strain [1]": "1", "cycles": ""}
     assert frame["frequency [Hz]"][0] == 16.0
     assert frame["frequency remark"][0] == "told"
@@ -64,7 +60,7 @@ def test_a_table_is_a_frame_with_units() -> None:
 
 def test_a_column_that_does_not_exist_is_an_error() -> None:
     with pytest.raises(KeyError, match="no column typo"):
-        builder().add(typo=1.0)
+        made(typo=1.0)
 
 
 def test_numbers_are_written_as_people_write_them() -> None:

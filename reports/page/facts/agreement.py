@@ -5,11 +5,10 @@ from typing import Any
 
 from cases.runs.comparison import REFERENCE, CaseResult, not_judged
 from reports.findings.agreement import differences, engines_of
-from reports.findings.conclusions import MODEL
 from reports.page.answer import answer_of
 from reports.page.content import Content
 from reports.tables import claims
-from reports.tables.table import Cell, Column, Mark, Table, TableBuilder
+from reports.tables.table import Cell, Column, Mark, Table
 from reports.words import case_label
 
 
@@ -25,10 +24,8 @@ def agreement(content: Content) -> dict[str, Any] | None:
         "answer": answer_of(content),
         "checks": len(checks),
         "missed": [check for check in checks if not check.passed],
-        "cases": [result.case.name for result in results if result.missed],
         "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
         "unjudged": {name: _why(results, name) for name in names if name not in judged},
-        "model": MODEL,
         "map": run_map(results),
         "summary": claims.summary(results),
         "departures": claims.departures(results),
@@ -43,31 +40,19 @@ def _why(results: Sequence[CaseResult], name: str) -> str:
 def run_map(results: Sequence[CaseResult]) -> Table:
     """A row per case: of each engine how far it is from the reference, and in how many numbers they differ by more than they claim."""
     names = [name for name in engines_of(results) if name != REFERENCE]
-    builder = TableBuilder(
-        "map",
-        f"Differences to {REFERENCE}: the larger of first-mode frequency (consensus of the channels) before and after the return, the"
-        " largest of the extremes (relative to the channel's largest magnitude), and in how many numbers the two differ by more than they"
-        " claim (✗). A cell opens its run.",
-        (
-            Column("case", "run"),
-            *(
-                column
-                for name in names
-                for column in (
-                    Column(f"{name}_frequency_difference", "f₁", "1", "+.2f", "%", 100.0, group=name),
-                    Column(f"{name}_extreme_difference", "peaks", "1", "+.2f", "%", 100.0, group=name),
-                    Column(f"{name}_beyond", "beyond", form="d", group=name),
-                )
-            ),
-        ),
-    )
+    columns = [Column("case", "run")]
+    for name in names:
+        columns.append(Column(f"{name}_frequency_difference", "f₁", "%", "+.2f", group=name))
+        columns.append(Column(f"{name}_extreme_difference", "peaks", "%", "+.2f", group=name))
+        columns.append(Column(f"{name}_beyond", "beyond", form="d", group=name))
+    table = Table("map", columns)
     for result in results:
         cells: dict[str, Any] = {"case": Cell(result.case.name, case_label(result.case.name), run=result.case.name)}
         for name in names:
             if name in result.runs:
                 cells |= _map_cells(result, name)
-        builder.add(**cells)
-    return builder.table()
+        table.add(**cells)
+    return table
 
 
 def _map_cells(result: CaseResult, name: str) -> dict[str, Cell]:

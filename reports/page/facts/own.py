@@ -11,7 +11,7 @@ from reports.findings.runs import thesis_runs
 from reports.page.content import Content
 from reports.tables import engines as engine_tables
 from reports.tables import provenance as tables
-from reports.tables.table import Column, Table, TableBuilder
+from reports.tables.table import Column, Table
 
 STANDARD_GRAVITY: Final = 9.80665  # m/s²
 
@@ -35,7 +35,7 @@ def provenance(content: Content) -> dict[str, Any]:
     torque, weight = _gravity(content)
     return {
         "troubles": content.troubles,
-        "meanings": {status: meaning for status, meaning in MEANINGS.items() if status in {each.status for each in content.troubles}},
+        "meanings": {status: meaning for status, meaning in MEANINGS.items() if status in {run.status for _, run in content.troubles}},
         "settled": MEANINGS[SETTLED],
         "study_failures": () if content.studies is None else content.studies.failures,
         "notices": content.notices,
@@ -48,7 +48,7 @@ def provenance(content: Content) -> dict[str, Any]:
         "engines": tables.engines(content.results, content.conformance),
         "machine": tables.machine({**content.facts, "code": content.code}),
         "settings": engine_tables.settings(content.results),
-        "verified": [_table(f"verification_{index}", part) for index, part in enumerate(content.verification.chapters, start=1)],
+        "verified": [_table(index, part) for index, part in enumerate(content.verification.chapters, start=1)],
     }
 
 
@@ -61,14 +61,14 @@ def _gravity(content: Content) -> tuple[float | None, float | None]:
     return None, None
 
 
-def _table(name: str, part: dict[str, Any]) -> Table:
-    heads, rows = list(part["columns"]), list(part["rows"])
-    numeric = [any(isinstance(row[i], float) for row in rows) for i in range(len(heads))]
-    columns = [Column(f"column_{i}", str(head), form=".4g" if numeric[i] else "") for i, head in enumerate(heads)]
-    builder = TableBuilder(name, str(part["title"]), columns)
+def _table(number: int, part: dict[str, Any]) -> Table:
+    heads, rows = part["columns"], part["rows"]
+    forms = [".4g" if any(isinstance(row[i], float) for row in rows) else "" for i in range(len(heads))]
+    columns = [Column(f"column_{i}", str(head), form=form) for i, (head, form) in enumerate(zip(heads, forms, strict=True))]
+    table = Table("verification_", columns, of=str(number), title=part["title"])
     for row in rows:
-        builder.add(**{column.key: value for column, value in zip(columns, row, strict=True)})
-    return builder.table()
+        table.add(**{column.key: value for column, value in zip(columns, row, strict=True)})
+    return table
 
 
 def files(content: Content, listed: Sequence[Table]) -> dict[str, Any]:

@@ -15,7 +15,6 @@ def runs(content: Content) -> dict[str, Any]:
     names = engines_of(content.results)
     return {
         "troubles": content.troubles,
-        "cases": len(content.results),
         "resolved": {name: resolvable(content.results, name) for name in names},
         "table": engines.run_by_engine(content.results),
         "measures": engines.measures(content.results),

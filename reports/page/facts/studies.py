@@ -102,11 +102,8 @@ def _convergence(runs: Sequence[StudiedRun]) -> Plot | None:
 
 def _saved(found: Table) -> dict[str, float] | None:
     """Work of a direct search, in cycles, and how many times as many marching takes, in the median."""
-    columns = [column.key for column in found.columns]
-    work, settled, gone = (
-        np.array([row[columns.index(key)].value for row in found.rows], dtype=float)
-        for key in ("cycles_of_work", "cycles_to_settled", "cycles_to_gone")
-    )
+    keys = ("cycles_of_work", "cycles_to_settled", "cycles_to_gone")
+    work, settled, gone = (np.array([row[key].value for row in found.rows], dtype=float) for key in keys)
     if not len(work):
         return None
     ratios = {"settled": settled / work, "gone": gone / work}

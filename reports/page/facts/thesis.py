@@ -11,6 +11,7 @@ from cases.library import inconsistencies
 from cases.measures import CHANNELS
 from engines.registry import OWN
 from reports.findings.agreement import differences, engines_of
+from reports.findings.axes import axis_comparisons
 from reports.findings.conclusions import CANNOT_FOLLOW, MODEL, NOT
 from reports.findings.raw_extremes import Excess, counted_excess
 from reports.page.content import Content
@@ -31,19 +32,15 @@ def thesis(content: Content) -> dict[str, Any] | None:
     results = content.thesis_results
     if not results:
         return None
-    medians = {}
-    for half in HALF:
-        ratios = [difference.ratio for difference in differences(results, MODEL, "frequency", half=half)]
-        if ratios:
-            medians[half] = float(np.median(ratios))
-    excesses = counted_excess(results)
+    conclusions, excesses = content.conclusions, counted_excess(results)
+    found = {half: [each.ratio for each in differences(results, MODEL, "frequency", half=half)] for half in HALF}
     fitted = [difference.relative for difference in differences(results, MODEL, "frequency")]
     joints = content.frozen_crank.joints if content.frozen_crank is not None else ()
     return {
-        "conclusions": content.conclusions,
-        "contradicted": [each.statement.words for each in content.conclusions if each.outcome == NOT],
-        "not_following": [each.statement.words for each in content.conclusions if each.outcome == CANNOT_FOLLOW],
-        "medians": medians,
+        "conclusions": conclusions,
+        "contradicted": [each.statement.words for each in conclusions if each.outcome == NOT],
+        "not_following": [each.statement.words for each in conclusions if each.outcome == CANNOT_FOLLOW],
+        "medians": {half: float(np.median(ratios)) for half, ratios in found.items() if ratios},
         "fitted": fitted,
         "strains": {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF},
         "larger_after": _larger_after(excesses),
@@ -52,9 +49,9 @@ def thesis(content: Content) -> dict[str, Any] | None:
         "second_mode": SECOND_MODE,
         "stiffness": stiffness_reading(fitted),
         "ratios": tables.ratios(results),
-        "statements": tables.statements(content.conclusions),
+        "statements": tables.statements(conclusions),
         "counted": tables.counted(excesses),
-        "joint_table": tables.joints(joints, "run 24"),
+        "joint_table": tables.joints(joints),
     }
 
 
@@ -74,17 +71,18 @@ def experiment(content: Content) -> dict[str, Any] | None:
     """What is left of the experiment; None without a run of the thesis."""
     if not content.thesis_results:
         return None
+    axes = axis_comparisons(content.results)
     ratios: dict[str, dict[str, list[float]]] = {}
     for channel in ("strain", "tip_acceleration"):
         for engine in (name for name in engines_of(content.results) if name in OWN):
-            found = [ratio for axis in content.axes if axis.channel == channel and (ratio := axis.ratio(engine)) is not None]
+            found = [axis.ratios[engine] for axis in axes if axis.channel == channel and engine in axis.ratios]
             if found:
                 ratios.setdefault(channel, {})[engine] = found
     return {
         "model": MODEL,
         "ratios": ratios,
         "recorded": any(item.counts for item in content.comparisons),
-        "speeds": experiment_tables.speeds_and_axes(content.results, content.axes),
+        "speeds": experiment_tables.speeds_and_axes(content.results, axes),
     }
 
 

@@ -81,10 +81,9 @@ class Curve {
     const y = (value) => height - below - (height - above - below) * (value - low) / (high - low);
     pen.save();
     pen.beginPath(); pen.rect(left, 0, width - left - right, height); pen.clip();
-    const { quick } = motion.scene;
-    if (quick !== null && motion.cyclic) {
-      const [a, b] = [180 - quick * 180 / Math.PI, 180 + quick * 180 / Math.PI];
-      pen.fillStyle = colours["quick-wash"]; pen.fillRect(x(a), above, x(b) - x(a), height - above - below);
+    const quick = motion.quickReturn;
+    if (quick) {
+      pen.fillStyle = colours["quick-wash"]; pen.fillRect(x(quick[0]), above, x(quick[1]) - x(quick[0]), height - above - below);
     }
     if (this.drag && this.hover !== null && this.drag[1] !== "touch") {
       pen.globalAlpha = 0.15; pen.fillStyle = colours.ink;
@@ -104,9 +103,9 @@ class Curve {
         }
       }, "butt", dash);
     }
-    if (quick !== null && motion.cyclic) {
+    if (quick) {
       pen.font = "600 12px system-ui, sans-serif"; pen.textAlign = "left";
-      const begin = Math.max(x(180 - quick * 180 / Math.PI), left) + 5, end = begin + pen.measureText("quick return").width;
+      const begin = Math.max(x(quick[0]), left) + 5, end = begin + pen.measureText("quick return").width;
       let [highest, lowest] = [height - below, above];  // of the curves there
       for (const engine of this.engines) this.series[engine].forEach((value, k) => {
         const across = x(motion.cursors[engine][k]);

@@ -12,14 +12,30 @@ function roundBelow(value) {
   return Math.max(...STEPS.map((step) => step * decade).filter((round) => round <= value * (1 + 1e-12)));
 }
 
+/** The index of the last of rising values that does not exceed one, and how far that is on the way to the next, 0 to 1. */
+function placeIn(values, wanted) {
+  let low = 0, high = values.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (values[middle] <= wanted) low = middle; else high = middle;
+  }
+  const step = values[high] - values[low];
+  return { row: low, part: step > 0 ? Math.min(1, Math.max(0, (wanted - values[low]) / step)) : 0 };
+}
+
+function valueAt(values, { row, part }) {
+  return values[row] * (1 - part) + values[Math.min(row + 1, values.length - 1)] * part;
+}
+
 class Motion {
   constructor(run, tables, axis) {
+    this.cyclic = axis === "crank_angle";
     this.scene = run.scene;
     this.tables = tables;
     this.cursors = {};
     for (const [engine, columns] of Object.entries(tables)) {
       const raw = columns[axis];
-      this.cursors[engine] = axis === "time" ? raw.map((t) => t - raw[0]) : raw.map((angle) => Math.abs(angle - raw[0]) * 180 / Math.PI);
+      this.cursors[engine] = raw.map((value) => this.cyclic ? Math.abs(value - raw[0]) * 180 / Math.PI : value - raw[0]);
     }
     this.engines = Object.keys(tables);
     const lead = this.engines.includes("reference") ? "reference" : this.engines[0];
@@ -33,21 +49,8 @@ class Motion {
     this.turnSeconds = first ? this.duration * 2 * Math.PI / Math.abs(first[first.length - 1] - first[0]) : 0;
   }
 
-  /** The row before a cursor and how far it is to the next. */
-  place(engine, at) {
-    const cursor = this.cursors[engine];
-    let low = 0, high = cursor.length - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (cursor[middle] <= at) low = middle; else high = middle;
-    }
-    const step = cursor[high] - cursor[low];
-    return { row: low, part: step > 0 ? Math.min(1, Math.max(0, (at - cursor[low]) / step)) : 0 };
-  }
-
-  value(engine, column, at, place = this.place(engine, at)) {
-    const values = this.tables[engine][column];
-    return values[place.row] * (1 - place.part) + values[Math.min(place.row + 1, values.length - 1)] * place.part;
+  value(engine, column, at, place = placeIn(this.cursors[engine], at)) {
+    return valueAt(this.tables[engine][column], place);
   }
 
   /** Time since the start of the cycle or trajectory, by the leading engine; and the cursor at a time. */
@@ -56,14 +59,14 @@ class Motion {
   }
 
   cursorAt(time) {
-    const times = this.tables[this.lead].time, cursor = this.cursors[this.lead];
-    let low = 0, high = times.length - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (times[middle] - times[0] <= time) low = middle; else high = middle;
-    }
-    const part = (time - (times[low] - times[0])) / (times[high] - times[low]);
-    return cursor[low] + Math.min(1, Math.max(0, part)) * (cursor[high] - cursor[low]);
+    const times = this.tables[this.lead].time;
+    return valueAt(this.cursors[this.lead], placeIn(times, times[0] + time));
+  }
+
+  /** Between which cursors the follower swings back; null where that is not known, or the motion is no cycle. */
+  get quickReturn() {
+    const { quick } = this.scene;
+    return this.cyclic && quick !== null ? [180 - quick * 180 / Math.PI, 180 + quick * 180 / Math.PI] : null;
   }
 
   crankAngle(at) {
@@ -80,7 +83,7 @@ class Motion {
 
   /** The centre line's places along and across the straight line from P through the slider, and that line's angle. */
   chordwise(engine, at) {
-    const place = this.place(engine, at);
+    const place = placeIn(this.cursors[engine], at);
     const read = (column) => this.value(engine, column, at, place);
     const [x, y] = this.slider(read("crank_angle"));
     const chord = Math.atan2(y, x - this.scene.pivot);
@@ -120,13 +123,11 @@ class Motion {
   /** What all instants reach: least and greatest x and y. */
   bounds(engines, factor) {
     const { crank, pivot } = this.scene;
-    const found = [-crank, Math.max(pivot, crank), -crank, crank];
+    let [left, right, low, high] = [-crank, Math.max(pivot, crank), -crank, crank];
     for (const engine of engines.filter((name) => this.hasShape(name)))
       for (const at of this.instants(60))
-        for (const [x, y] of this.line(engine, at, factor)) {
-          found[0] = Math.min(found[0], x); found[1] = Math.max(found[1], x);
-          found[2] = Math.min(found[2], y); found[3] = Math.max(found[3], y);
-        }
-    return found;
+        for (const [x, y] of this.line(engine, at, factor))
+          [left, right, low, high] = [Math.min(left, x), Math.max(right, x), Math.min(low, y), Math.max(high, y)];
+    return [left, right, low, high];
   }
 }

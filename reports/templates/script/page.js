@@ -4,11 +4,11 @@ const element = (id) => document.getElementById(id);
 const DATA = JSON.parse(element("view").textContent);
 const looks = DATA.looks;
 const SPEEDS = [1, 2, 5, 10, 20, 50, 100];
-const state = { run: DATA.start, engines: DATA.engines.map((engine) => engine.name), at: 0, signal: "tip_acceleration", bend: "auto", chapter: "" };
+const state = { run: DATA.start, engines: DATA.engines, at: 0, signal: "tip_acceleration", bend: "auto", chapter: "" };
 const still = window.matchMedia("(prefers-reduced-motion: reduce)");
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
-const listeners = [];  // of plots in the chapters: called with the state when engines or run change
 let motion = null, playing = false, before = 0, factor = 1, loading = 0, writing = 0;
+let showPlots = () => {};  // of the chapters, where there are any: called when engines, run, colours or width change
 
 const isDark = () => (document.documentElement.dataset.theme ?? (dark.matches ? "dark" : "light")) === "dark";
 const engineColour = (name) => looks[name] ? looks[name][isDark() ? "dark" : "light"] : colour("soft");
@@ -26,7 +26,7 @@ function readAddress(hash) {
   const given = new URLSearchParams(hash.slice(1));
   const wanted = { ...state };
   if (runOf(given.get("run"))) wanted.run = given.get("run");
-  if (given.has("engines")) wanted.engines = DATA.engines.map((engine) => engine.name).filter((name) => given.get("engines").split(",").includes(name));
+  if (given.has("engines")) wanted.engines = DATA.engines.filter((name) => given.get("engines").split(",").includes(name));
   if (Object.hasOwn(DATA.signals, given.get("signal") ?? "")) wanted.signal = given.get("signal");
   if (given.has("at") && Number.isFinite(Number(given.get("at")))) wanted.at = Math.max(0, Number(given.get("at")));
   if (given.get("bend") === "auto" || Number(given.get("bend")) >= 1) wanted.bend = given.get("bend");
@@ -66,11 +66,7 @@ async function change(changes) {
   Object.assign(state, changes);
   if (other) {
     const run = runOf(state.run), turn = ++loading;
-    run.motion ??= unpack(`motion-${DATA.runs.indexOf(run)}`, run.engines).then((tables) => {
-      const found = new Motion(run, tables, DATA.axis);
-      found.cyclic = DATA.axis === "crank_angle";
-      return found;
-    });
+    run.motion ??= unpack(`motion-${DATA.runs.indexOf(run)}`, run.engines).then((tables) => new Motion(run, tables, DATA.axis));
     const found = await run.motion;
     if (turn !== loading) return;
     motion = found;
@@ -107,7 +103,7 @@ function show() {
   element("apart").textContent = finding;
   element("curve").setAttribute("aria-label", `${DATA.signals[state.signal].label} of ${run.title}. ${finding}`);
   element("stage").setAttribute("aria-label", `The mechanism of ${run.title}, drawn by ${names.join(", ")}, deflection magnified ${written(factor)} times. ${finding}`);
-  for (const listener of listeners) listener();
+  showPlots();
   moveTo(state.at);
 }
 
@@ -250,11 +246,11 @@ element("run")?.addEventListener("change", (event) => change({ run: event.target
 for (const chapter of chapters()) chapter.addEventListener("toggle", () => {
   if (chapter.open) state.chapter = chapter.id;
   else if (state.chapter === chapter.id) state.chapter = "";
-  if (chapter.open) for (const listener of listeners) listener();
+  if (chapter.open) showPlots();
   writeAddress();
 });
 window.addEventListener("hashchange", follow);
-window.addEventListener("resize", () => { if (motion) moveTo(state.at); for (const listener of listeners) listener(); });
+window.addEventListener("resize", () => { if (motion) moveTo(state.at); showPlots(); });
 dark.addEventListener("change", () => show());
 window.addEventListener("beforeprint", () => {
   pause();

@@ -58,8 +58,8 @@ function draw(Bokeh, holder, plot) {
   if (plot.categories.length) { about.y_range = [...plot.categories].reverse(); about.y_axis_type = "auto"; about.x_axis_label = plot.y; about.y_axis_label = null; about.height = 90 + 34 * plot.categories.length; }
   about.x_range = spread(plot.series.flatMap((series) => plot.categories.length ? series.y : series.x), plot.log.includes("x"), plot.categories.length ? 0.1 : Math.min(0.4, 140 / holder.clientWidth));
   const made = figure(Bokeh, about);
-  const known = DATA.engines.map((engine) => engine.name);  // others are not on the first screen, and cannot be switched off
-  const shown = plot.series.filter((series) => !known.includes(series.engine) || state.engines.includes(series.engine));
+  // engines that are not on the first screen cannot be switched off
+  const shown = plot.series.filter((series) => !DATA.engines.includes(series.engine) || state.engines.includes(series.engine));
   const heights = shown.flatMap((series) => series.y), part = (value, low, high, axis) => plot.log.includes(axis) ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
   const moved = shifts(shown.map((series) => plot.categories.length || !series.x.length ? [0, 0] : [
     (holder.clientWidth - 80) * part(series.x.at(-1), ...about.x_range, "x"),
@@ -122,4 +122,4 @@ async function drawOpened() {
   const signals = document.getElementById("signals");
   if (signals && motion) await drawSignals(signals);
 }
-listeners.push(() => { drawOpened(); });
+showPlots = () => { drawOpened(); };

@@ -79,33 +79,17 @@ def job(**changes: Any) -> Job[Any]:
 
 
 def test_a_result_is_told_apart_by_all_that_determines_it_and_by_nothing_else() -> None:
-    others = [
-        job(function=sum),
-        job(arguments=((1, 3),)),
-        job(inputs="other"),
-        job(kind="other"),
-        job(engines=()),
-        job(code=("cases.jobs.worker",)),
-    ]
+    changes: list[dict[str, Any]] = [{"function": sum}, {"arguments": ((1, 3),)}, {"inputs": "other"}, {"kind": "other"}, {"engines": ()}]
+    others = [job(**change) for change in (*changes, {"code": ("cases.jobs.worker",)})]
     assert len({key_of(each) for each in (job(), *others)}) == 1 + len(others)
     assert key_of(job()) == key_of(job(name="two", limits=Limits(seconds=1.0))) == key_of(job(inputs=((1, 2),)))
 
 
 def test_key_tells_everything_apart_that_matters() -> None:
     one_bit = math.nextafter(0.1, 1.0)
-    contents: list[dict[str, Any]] = [
-        {"a": 1},
-        {"a": 1.0},
-        {"a": "1"},
-        {"a": True},
-        {"a": None},
-        {"a": [1]},
-        {"b": 1},
-        {"a": math.inf},
-        {"a": math.nan},
-    ]
-    contents += [{"a": 0.1}, {"a": one_bit}, {"a": run_24()}, {"a": run_24(tip=None)}, {"a": run_24(gravity=(0.0, -9.81))}]
-    contents += [{"a": np.zeros(3)}, {"a": np.zeros((3, 1))}, {"a": np.ones(3)}]
+    values = [1, 1.0, "1", True, None, [1], math.inf, math.nan, 0.1, one_bit, np.zeros(3), np.zeros((3, 1)), np.ones(3)]
+    scenes = [run_24(), run_24(tip=None), run_24(gravity=(0.0, -9.81))]
+    contents = [{"b": 1}, *({"a": value} for value in (*values, *scenes))]
     assert len({hash_of(content) for content in contents}) == len(contents)
 
 

@@ -2,7 +2,6 @@
 
 import math
 import os
-import resource
 import subprocess
 import sys
 import textwrap
@@ -111,27 +110,6 @@ def test_nothing_but_plain_data_is_stored(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="JSON compliant"):
         store.put(KEY, Record({"a": math.nan}))
     assert list(tmp_path.iterdir()) == []
-
-
-def test_full_disk_leaves_the_old_entry_and_no_rubbish(tmp_path: Path) -> None:
-    """A limit on the size of files stands for the full disk: it holds for root too."""
-    filled(tmp_path)
-    code = f"""
-        import numpy, resource
-        from pathlib import Path
-        from cases.jobs.store import Record, Store
-        store = Store(Path({str(tmp_path)!r}))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
-        for turn in range(2):
-            store.put({KEY!r}, Record({{}}, {{"a": numpy.zeros(10000)}}))
-        print(store.lost, *store.notices)
-    """
-    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] == resource.RLIM_INFINITY
-    answer = subprocess.run([sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, check=True)
-    sentence = f"store folder {tmp_path}: results cannot be written (file too large); they are computed anew next time"
-    assert answer.stdout == f"2 {sentence}\n"
-    assert fetched(Store(tmp_path)).document["error"] == 1e-3
-    assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_temporary_files_of_killed_runs_are_cleared_but_not_those_of_living_ones(tmp_path: Path) -> None:
