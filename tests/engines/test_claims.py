@@ -1,5 +1,7 @@
 """Estimates hold where coarser runs mislead: what each engine says of its error, against `reference` with nine modes."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from engines.trajectory import Trajectory
 from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed
 
 
+@cache
 def truth_of(scene: Mechanism, duration: float) -> Trajectory:
     """Good to 1e-4 at the very most in the scenes of this file."""
     settings = ReferenceSettings(modes=9, tolerance=1e-8)

@@ -82,7 +82,7 @@ def test_second_order_in_step_and_elements():
     fine = simulate(run_24(), 0.3, elements=32, step=1.25e-4)["tip_deflection"]
     errors = {
         (n, h): relative_error(simulate(run_24(), 0.3, elements=n, step=h)["tip_deflection"], fine)
-        for n, h in ((32, 1e-3), (32, 5e-4), (8, 1.25e-4), (16, 1.25e-4), (12, 1e-3), (16, 5e-4))
+        for n, h in ((32, 1e-3), (32, 5e-4), (8, 1.25e-4), (16, 1.25e-4))
     }
     # second order: 4.2 to 5 against a reference that is itself only a fourth of the step (third of the elements) finer
     assert 3.5 < errors[32, 1e-3] / errors[32, 5e-4] < 5.5

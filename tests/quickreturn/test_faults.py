@@ -50,7 +50,6 @@ _PLACE = f"faulty_engines.py, line {next(number for number, line in enumerate(_L
 FAULTS = {
     "raises": f"failed at t = 0 s: the engine raised ZeroDivisionError at {_PLACE}: a bug; report this to the author of the engine",
     "returns-nan": "failed at t = 0.0008 s: strain_2 is no longer a finite number; try finer settings",
-    "hangs": "stopped at the time limit of 12 s",
     "hoards": "ran out of memory (limit 1024 MiB)",
     "hoards-in-c": 'killed by SIGABRT (its last words: "fatal error: cannot allocate memory")',
     "segfaults": "killed by SIGSEGV",
@@ -59,6 +58,7 @@ FAULTS = {
     "cuts-the-line": "cut its connection to the runner",
     "fills-the-disk": "raised OSError: [Errno 28] No space left on device",
     "says-nonsense": "its result cannot be stored: Out of range float values are not JSON compliant",
+    "hangs": "stopped at the time limit of 12 s",  # the last engines are started first: all others run meanwhile
 }
 
 

@@ -16,8 +16,15 @@ from tests.quickreturn.scene_file import SCENE
 HEAVY = ("--set", "slider.mass=1 kg")  # which the made-up engines refuse, all but one
 
 
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same engines run in most of these tests: each once is enough."""
+    return tmp_path_factory.mktemp("store")
+
+
 @pytest.fixture(autouse=True)
-def _place(tmp_path: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def _place(tmp_path: Path, call: Call, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QUICKRETURN_STORE", str(store))
     install_faulty_engines(tmp_path)
     (tmp_path / "small.toml").write_text(SCENE)
 

@@ -12,6 +12,7 @@ from reference_model.mechanism import Mechanism
 from reference_model.model import BeamModel, _of_family
 from reference_model.motion.parameters import parameters
 from reference_model.shapes import clamped_free_modes
+from reference_model.thesis.model import ThesisModel
 from reference_model.treatment import CLOSED, Treatment
 
 Array = NDArray[np.float64]
@@ -38,14 +39,28 @@ def with_fine_tables(
     return BeamModel(mechanism, constants, partial(_of_family, family), usual._size)
 
 
-def run(model: BeamModel, duration: float, intervals: int, tolerance: float, state: Array | None = None) -> tuple[Array, dict[str, Array]]:
+def run(
+    model: BeamModel | ThesisModel, duration: float, intervals: int, tolerance: float, state: Array | None = None
+) -> tuple[Array, dict[str, Array]]:
     """States and observables on a uniform grid, from the standard start or a given state."""
     assert isinstance(model.scene, Mechanism)
-    crank = model.scene.crank
-    y = model.straight_state(crank.initial_angle, crank.drive.initial_speed) if state is None else state
+    crank, begin = model.scene.crank, model.straight_state if isinstance(model, BeamModel) else model.initial_state
+    y = begin(crank.initial_angle, crank.drive.initial_speed) if state is None else state
     result = model.integrate(y, duration / intervals, intervals, tolerance)
     assert result.status == REACHED_END
     return result.states, model.observe(result.states)
+
+
+def balance(columns: dict[str, Array]) -> Array:
+    """Stored energy and what was dissipated, less the work of the drive, J: constant but for the work of a joint that is not conjugate."""
+    stored = columns["kinetic_energy"] + columns["strain_energy"] + columns["gravity_energy"]
+    return np.asarray(stored + columns["dissipated_energy"] - columns["drive_work"], dtype=np.float64)
+
+
+def follower_energy(model: BeamModel | ThesisModel, columns: dict[str, Array]) -> float:
+    """Largest kinetic energy of all but the crank, plus strain energy, J: the flywheel's would hide any drift."""
+    crank = 0.5 * model.parameters.crank_inertia * columns["crank_speed"] ** 2
+    return float(np.max(columns["kinetic_energy"] - crank + columns["strain_energy"]))
 
 
 def staying(mechanism: Mechanism, shapes: int) -> BeamModel:

@@ -10,11 +10,11 @@ a linear system, and in `_locate` and `place_at` the gradient that only steers N
 import ast
 import inspect
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from types import CodeType, FunctionType, ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,9 @@ class Site:
     """One place where a sign can be flipped."""
 
     module: str
+    statement: int  # of the module, a function as a rule
     function: str
-    number: int  # among the sites of the module
+    number: int  # among the sites of the statement
     line: int
     flip: str  # the mutated code
 
@@ -61,9 +62,10 @@ class Site:
 
 
 class _Marker(ast.NodeTransformer):
-    """Visits the sites of one module in a fixed order; flips one of them, or wraps each term in a probe of its type."""
+    """Visits the sites of one statement in a fixed order; flips one of them, or wraps each term in a probe of its type."""
 
-    def __init__(self, source: Source, flip: int | None = None, probe: bool = False) -> None:
+    def __init__(self, source: Source, flip: int | None = None, probe: int | None = None) -> None:
+        """`flip`: the number of a site; `probe`: that of the statement."""
         self.source, self.flip, self.probe = source, flip, probe
         self.sites: list[tuple[str, int, str]] = []
         self.function = ""
@@ -107,7 +109,7 @@ class _Marker(ast.NodeTransformer):
         flipped = ast.AugAssign(node.target, ast.Sub() if isinstance(node.op, ast.Add) else ast.Add(), node.value)
         if self._site(node, flipped):
             return flipped
-        if self.probe:
+        if self.probe is not None:
             node.value = self._probed(node.value)
         return node
 
@@ -121,12 +123,12 @@ class _Marker(ast.NodeTransformer):
             flipped_left = ast.BinOp(ast.UnaryOp(ast.USub(), node.left), node.op, node.right)
             if self._site(node, flipped_left):
                 return flipped_left
-            if self.probe:
+            if self.probe is not None:
                 node.left = self._probed(node.left)
         flipped = ast.BinOp(node.left, ast.Sub() if isinstance(node.op, ast.Add) else ast.Add(), node.right)
         if self._site(node, flipped):
             return flipped
-        if self.probe:
+        if self.probe is not None:
             node.right = self._probed(node.right)
         return node
 
@@ -136,7 +138,7 @@ class _Marker(ast.NodeTransformer):
             return ast.UnaryOp(node.op, operand)
         if self._site(node, operand):
             return operand
-        return ast.UnaryOp(node.op, self._probed(operand) if self.probe else operand)
+        return ast.UnaryOp(node.op, self._probed(operand) if self.probe is not None else operand)
 
     def _term(self, value: ast.expr) -> ast.expr:
         """An assigned or returned value; a tuple's elements each."""
@@ -148,7 +150,7 @@ class _Marker(ast.NodeTransformer):
             flipped = ast.UnaryOp(ast.USub(), visited)
             if self._site(value, flipped):
                 return flipped
-            if self.probe:
+            if self.probe is not None:
                 return self._probed(visited)
         return visited
 
@@ -157,7 +159,7 @@ class _Marker(ast.NodeTransformer):
 
     def _site(self, node: ast.stmt | ast.expr, flipped: ast.AST) -> bool:
         """Record a site; whether it is the one to flip."""
-        text = ast.unparse(flipped) if self.flip is None and not self.probe else ""
+        text = ast.unparse(flipped) if self.flip is self.probe is None else ""
         self.sites.append((self.function, node.lineno, text))
         return len(self.sites) - 1 == self.flip
 
@@ -165,7 +167,8 @@ class _Marker(ast.NodeTransformer):
         return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == PROBE
 
     def _probed(self, value: Any) -> ast.expr:
-        return ast.Call(ast.Name(PROBE, ast.Load()), [ast.Constant(len(self.sites) - 1), value], [])
+        place = [ast.Constant(self.probe), ast.Constant(len(self.sites) - 1)]
+        return ast.Call(ast.Name(PROBE, ast.Load()), [*place, value], [])
 
 
 def plain(value: Any, *_: Any) -> Any:
@@ -173,30 +176,38 @@ def plain(value: Any, *_: Any) -> Any:
     return value
 
 
-def _compiled(tree: ast.Module) -> CodeType:
-    """The code of a module without its imports from the package."""
-    body = [s for s in tree.body if not (isinstance(s, ast.ImportFrom) and (s.module or "").startswith("reference_model"))]
-    return compile(ast.fix_missing_locations(ast.Module(body, [])), "mutant", "exec")
+@cache
+def _statements(name: str) -> tuple[str, ...]:
+    """Source of each statement of a module at its line, without imports from the package."""
+    text = inspect.getsource(sys.modules[name])
+    lines, found = text.splitlines(), []
+    for statement in ast.parse(text).body:
+        if not (isinstance(statement, ast.ImportFrom) and (statement.module or "").startswith("reference_model")):
+            first = min([statement.lineno, *(each.lineno for each in getattr(statement, "decorator_list", ()))]) - 1
+            found.append("\n" * first + "\n".join(lines[first : statement.end_lineno]))
+    return tuple(found)
 
 
-def _parsed(name: str) -> ast.Module:
-    return ast.parse(inspect.getsource(sys.modules[name]))
+def _compiled(text: str, marker: _Marker | None = None) -> CodeType:
+    tree = ast.parse(text)
+    return compile(ast.fix_missing_locations(marker.visit(tree)) if marker else tree, "mutant", "exec")
 
 
 @cache
-def _unchanged(name: str) -> CodeType:
-    return _compiled(_parsed(name))
+def _unchanged(name: str) -> tuple[CodeType, ...]:
+    return tuple(_compiled(text) for text in _statements(name))
 
 
-def _execute(source: Source, codes: Mapping[str, CodeType], probe: Callable[[str], Callable[[int, Any], Any]] | None = None) -> Any:
+def _execute(source: Source, codes: Mapping[str, Sequence[CodeType]], probes: Mapping[str, Callable[..., Any]] | None = None) -> Any:
     """The modules as plain Python, one after the other; what they define replaces what the next ones would import."""
     defined: dict[str, Any] = dict(source.stand_ins)
     for name in source.names:
         imported = {key: getattr(value, "py_func", value) for key, value in vars(sys.modules[name]).items() if not key.startswith("__")}
         space = imported | defined | {"__name__": name}
-        if probe:
-            space[PROBE] = probe(name)
-        exec(codes.get(name) or _unchanged(name), space)
+        if probes:
+            space[PROBE] = probes[name]
+        for code in codes.get(name) or _unchanged(name):
+            exec(code, space)
         defined |= {key: value for key, value in space.items() if isinstance(value, FunctionType) and value.__module__ == name}
     return source.entry(defined)
 
@@ -208,7 +219,9 @@ def original(source: Source) -> Any:
 
 def mutant(source: Source, site: Site) -> Any:
     """The source with one sign flipped."""
-    return _execute(source, {site.module: _compiled(_Marker(source, flip=site.number).visit(_parsed(site.module)))})
+    codes = list(_unchanged(site.module))
+    codes[site.statement] = _compiled(_statements(site.module)[site.statement], _Marker(source, flip=site.number))
+    return _execute(source, {site.module: codes})
 
 
 def sites(source: Source, exercise: Callable[[Any], object]) -> tuple[list[Site], list[Site]]:
@@ -218,23 +231,71 @@ def sites(source: Source, exercise: Callable[[Any], object]) -> tuple[list[Site]
         source: the equations.
         exercise: evaluates the equations it is given at states that reach every branch.
     """
-    kinds: dict[tuple[str, int], type] = {}
+    kinds: dict[tuple[str, int, int], type] = {}
 
-    def probe(name: str) -> Callable[[int, Any], Any]:
-        def note(number: int, value: Any) -> Any:
-            kinds[name, number] = type(value)
+    def probe(name: str) -> Callable[[int, int, Any], Any]:
+        def note(statement: int, number: int, value: Any) -> Any:
+            kinds[name, statement, number] = type(value)
             return value
 
         return note
 
-    exercise(_execute(source, {name: _compiled(_Marker(source, probe=True).visit(_parsed(name))) for name in source.names}, probe))
-    every = list(_all_sites(source))
-    return [s for s in every if kinds.get((s.module, s.number)) not in (int, None)], [s for s in every if (s.module, s.number) not in kinds]
+    probed = {
+        name: [_compiled(text, _Marker(source, probe=number)) for number, text in enumerate(_statements(name))] for name in source.names
+    }
+    exercise(_execute(source, probed, {name: probe(name) for name in source.names}))
+    every = [(site, kinds.get((site.module, site.statement, site.number))) for site in _all_sites(source)]
+    return [site for site, kind in every if kind not in (int, None)], [site for site, kind in every if kind is None]
 
 
 def _all_sites(source: Source) -> Iterator[Site]:
     for name in source.names:
-        marker = _Marker(source)
-        marker.visit(_parsed(name))
-        for number, (function, line, text) in enumerate(marker.sites):
-            yield Site(name, function, number, line, text)
+        for statement, text in enumerate(_statements(name)):
+            marker = _Marker(source)
+            marker.visit(ast.parse(text))
+            for number, (function, line, flip) in enumerate(marker.sites):
+                yield Site(name, statement, function, number, line, flip)
+
+
+class Check(Protocol):
+    """A state and what is known of it."""
+
+    def difference(self, functions: Any) -> float:
+        """How far the functions are from what is known, infinite where they cannot be evaluated."""
+
+
+@dataclass(frozen=True)
+class Hunt:
+    """Equations, and checks of which every mutant must miss one.
+
+    Attributes:
+        source: the equations.
+        checks: makes the checks.
+        tolerance: within which they hold.
+        equivalent: function and flip of mutants that change nothing, and why.
+        least: number of signs that the equations have at least, or the search for them is broken.
+    """
+
+    source: Source
+    checks: Callable[[], tuple[Check, ...]]
+    tolerance: float
+    equivalent: Mapping[tuple[str, str], str]
+    least: int
+
+    @cached_property
+    def sites(self) -> tuple[list[Site], list[Site]]:
+        """See `sites`."""
+        return sites(self.source, self.exercise)
+
+    def exercise(self, functions: Any) -> list[float]:
+        """The differences of all checks."""
+        return [check.difference(functions) for check in self.checks()]
+
+    def survivors(self) -> list[str]:
+        """Mutants that no check notices."""
+        return [
+            str(site)
+            for site in self.sites[0]
+            if (site.function, site.flip) not in self.equivalent
+            and all(check.difference(mutated) <= self.tolerance for mutated in [mutant(self.source, site)] for check in self.checks())
+        ]

@@ -149,7 +149,7 @@ class Line:
         for part, length in zip(self.series, np.diff(self.edges), strict=True):
             series = np.asarray(legendre.legint(part, lbnd=-1) * (0.5 * length))
             series[0] += start
-            start = legendre.legval(1.0, series)
+            start = series.sum()  # every polynomial is 1 at the end
             found.append(series)
         return Line(self.edges, found)
 
@@ -216,6 +216,7 @@ class PlainBeam:
         self.scene, self.shapes, self.treatment, self.near, self.damps_along = scene, shapes, treatment, near, damps_along
         self.kind = BASE if isinstance(scene, FollowerAlone) else treatment.kind
         self.node_edges = node_edges
+        self._placed: dict[tuple[float, bytes], Configuration] = {}
         self.speeds = shapes.count + (1 if self.kind in (ELIMINATED, BASE) else 2)
 
     @property
@@ -239,11 +240,14 @@ class PlainBeam:
         return self.scene.crank.length * cmath.exp(1j * q1) - self.scene.pivot_distance
 
     def at_place(self, s: float, eta: Array) -> Configuration:
-        """The follower with the slider at s, not yet hung into the loop."""
-        edges = self.shapes.edges(s)
-        psi = Line.through(edges, self.shapes.angles(s, _points(edges)[0]) @ eta)
-        z = Line.through(edges, np.exp(1j * psi.on_pieces_of(edges))).integral()
-        return Configuration(psi, z, 0.5 * float(eta @ self.shapes.stiffness(s) @ eta))
+        """The follower with the slider at s, not yet hung into the loop. The last one is kept: shapes that stay are the same at any s."""
+        key = s if isinstance(self.shapes, Following) else self.near, eta.tobytes()
+        if key not in self._placed:
+            edges = self.shapes.edges(s)
+            psi = Line.through(edges, self.shapes.angles(s, _points(edges)[0]) @ eta)
+            z = Line.through(edges, np.exp(1j * psi.on_pieces_of(edges))).integral()
+            self._placed = {key: Configuration(psi, z, 0.5 * float(eta @ self.shapes.stiffness(s) @ eta))}
+        return self._placed[key]
 
     def hung(self, q: Array) -> Configuration:
         """The follower with the slider where it belongs."""

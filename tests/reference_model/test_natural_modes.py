@@ -7,26 +7,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from reference_model.mechanism import Base, Crank, Follower, Mechanism, Slider, Tip, TorqueDrive
+from reference_model.mechanism import Base, Mechanism, Slider
 from reference_model.natural_modes import frozen_crank_modes, supported_modes
+from tests.engines.scenes import INCH, run_24
 from tests.verification.ladder.overhung_beam import determinant
 
-INCH = 0.0254  # m
-POUND_FORCE = 4.4482216152605  # N
-
-RUN_24 = Mechanism(
-    pivot_distance=18.0 * INCH,
-    crank=Crank(length=4.0 * INCH, drive=TorqueDrive(torque=1.0, damping=1.0, initial_speed=1.0)),
-    base=Base(inertia=1.5e-4 * POUND_FORCE * INCH),
-    follower=Follower(
-        length=25.0 * INCH,
-        mass_per_length=4.75987e-5 * POUND_FORCE / INCH**2,
-        bending_stiffness=2128.22 * POUND_FORCE * INCH**2,
-        thickness=0.125 * INCH,
-        width=1.5 * INCH,
-    ),
-    tip=Tip(mass=2.9e-4 * POUND_FORCE / INCH, inertia=1.96e-5 * POUND_FORCE * INCH),
-)
+RUN_24 = run_24()
 BARE = dataclasses.replace(RUN_24, base=Base(), tip=None)
 
 

@@ -12,8 +12,8 @@ from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Torque
 from reference_model.rigid import rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
 from tests.reference_model import beam_runs
-from tests.reference_model.beam_runs import staying
-from tests.reference_model.thesis_runs import Array, error, rigid, run, thesis
+from tests.reference_model.beam_runs import Array, run, staying
+from tests.reference_model.thesis_runs import error, rigid, thesis
 
 STIFF = {"bending_stiffness": math.inf}
 

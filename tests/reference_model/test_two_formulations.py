@@ -13,8 +13,8 @@ from reference_model.model import BeamModel
 from reference_model.shapes import clamped_free_modes
 from reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import INCH, run_24
-from tests.reference_model import beam_runs
-from tests.reference_model.thesis_runs import error, run, thesis
+from tests.reference_model.beam_runs import run
+from tests.reference_model.thesis_runs import error, thesis
 
 CHANNELS = ("tip_deflection", "tip_acceleration", "slider_force", "follower_angle")
 SCENES = {
@@ -26,7 +26,7 @@ SCENES = {
 
 def errors(mechanism: Mechanism, modes: int, elements: int, duration: float, tolerance: float) -> dict[str, float]:
     intervals = round(duration / 1e-3)
-    following = beam_runs.run(BeamModel.following(mechanism, modes), duration, intervals, 1e-9)[1]
+    following = run(BeamModel.following(mechanism, modes), duration, intervals, 1e-9)[1]
     witness = run(thesis(mechanism, elements=elements, exact=True), duration, intervals, tolerance)[1]
     return {name: error(witness[name], following[name]) for name in CHANNELS}
 
@@ -48,7 +48,7 @@ def test_the_witness_confirms_the_reference_in_run_24() -> None:
     from their limit. Cubic elements need as long for less: 24 of them are 6.4e-5 off after two minutes.
     """
     mechanism, duration, intervals = run_24(), 0.4, 400
-    following = beam_runs.run(BeamModel.following(mechanism, 12), duration, intervals, 1e-9)[1]["tip_deflection"]
+    following = run(BeamModel.following(mechanism, 12), duration, intervals, 1e-9)[1]["tip_deflection"]
     counts = (24, 40)
     models = (ThesisModel(mechanism, clamped_free_modes(mechanism.follower.length, count), True) for count in counts)
     coarse, fine = (run(model, duration, intervals, 1e-8)[1]["tip_deflection"] for model in models)

@@ -5,15 +5,12 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reference_model.integrate import REACHED_END
 from reference_model.mechanism import Mechanism, TorqueDrive
 from reference_model.shapes import hermite_elements, no_shapes
 from reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24
-
-Array = NDArray[np.float64]
+from tests.reference_model.beam_runs import Array
 
 
 def thesis(mechanism: Mechanism, *, elements: int = 1, exact: bool = False) -> ThesisModel:
@@ -29,18 +26,6 @@ def undriven(**changes: Any) -> Mechanism:
     drive = TorqueDrive(torque=0.0, damping=0.0, initial_speed=run_24().crank.drive.initial_speed)
     still = run_24(crank={"drive": drive}, base={"damping": 0.0}, follower={"damping": 0.0})
     return dataclasses.replace(still, **changes)
-
-
-def run(
-    model: ThesisModel, duration: float, intervals: int, tolerance: float, *, state: Array | None = None
-) -> tuple[Array, dict[str, Array]]:
-    """States and observables on a uniform grid from the standard start or a given state."""
-    assert isinstance(model.scene, Mechanism)
-    crank = model.scene.crank
-    y = model.initial_state(crank.initial_angle, crank.drive.initial_speed) if state is None else state
-    result = model.integrate(y, duration / intervals, intervals, tolerance)
-    assert result.status == REACHED_END
-    return result.states, model.observe(result.states)
 
 
 def period(mechanism: Mechanism) -> float:

@@ -22,7 +22,7 @@ from mpmath.calculus.quadrature import GaussLegendre  # type: ignore[import-unty
 from numpy.typing import ArrayLike, NDArray
 
 DIGITS = 60
-GAUSS_DEGREE = 4  # mpmath's count: 24 points
+GAUSS_DEGREE = 3  # mpmath's count: 12 points
 Array = NDArray[np.float64]
 Objects = NDArray[np.object_]  # of mpmath numbers
 Geometry = Literal["exact", "second order"]

@@ -29,17 +29,16 @@ import pandas as pd
 from cases.case_file import load_case
 from cases.jobs.job import Job
 from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store, StoreError
+from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.library import case_names
-from cases.units import plain_number
 from engines.accurate import ESTIMATED, run_once, simulate
 from engines.accurate import Result as Accurate
 from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.exudyn.settings import ExudynSettings
 from engines.mujoco.settings import ChainSettings
 from engines.own.reference import ReferenceSettings
-from engines.registry import UnknownEngine, engine, usable_engine
+from engines.registry import MAIN, RIVALS, engine
 from engines.settings import Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
@@ -234,51 +233,25 @@ def campaign(scenes: Iterable[tuple[Scene, Sequence[Request]]], workshop: Worksh
     return table.sort_values(["engine", "asked", "scene"], kind="stable", ignore_index=True), broken
 
 
-def _accuracy(text: str) -> float | None:
-    if text == "default":
-        return None
-    value = plain_number(text)
-    if value is None or not 0.0 < value < 1.0:
-        raise argparse.ArgumentTypeError(f'"{text}": give default or a plain number between 0 and 1, e.g. 1e-3')
-    return value
-
-
-def _engine(text: str) -> str:
-    try:
-        return usable_engine(text).name
-    except (UnknownEngine, Refusal) as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f'"{text}": give a whole number from 1')
-    return int(text)
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line, see the top of this file; 1 if a scene could not be computed."""
     parser = argparse.ArgumentParser(prog="python -m tests.verification.accuracy_campaign", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--library", action="store_true", help="the scenes of the library")
-    parser.add_argument("--machines", type=_count, default=0, metavar="N", help="number of sensible machines")
-    parser.add_argument("--random", type=_count, default=0, metavar="N", help="number of random scenes around the thesis' mechanism")
-    parser.add_argument("--engine", action="append", type=_engine, help="default: reference, exudyn and mujoco")
-    parser.add_argument("--accuracy", action="append", type=_accuracy, help="default: the engine's own, 1e-2 and 1e-3")
+    parser.add_argument("--machines", type=int, default=0, metavar="N", help="number of sensible machines")
+    parser.add_argument("--random", type=int, default=0, metavar="N", help="number of random scenes around the thesis' mechanism")
+    parser.add_argument("--engine", action="append", choices=(*MAIN, *RIVALS), help="default: reference, exudyn and mujoco")
+    parser.add_argument("--accuracy", action="append", type=float, help="default: the engine's own, 1e-2 and 1e-3")
     parser.add_argument("--seed", type=int, default=SEED)
-    parser.add_argument("--jobs", type=_count, default=None)
+    parser.add_argument("--jobs", type=int, default=None)
     parser.add_argument("--no-confirmation", action="store_true", help="without the confirming run, and therefore without a judgement")
     parser.add_argument("--output", type=Path, help="CSV file of all rows")
     given = parser.parse_args(arguments)
     if not (given.random or given.machines or given.library):
         parser.error("no scenes; give --library, --machines N or --random N")
-    try:
-        store = Store()
-    except StoreError as error:
-        parser.error(str(error))
     requests = tuple(itertools.product(given.engine or ENGINES, given.accuracy or ACCURACIES))
     drawn = (itertools.islice(sensible_machines(given.seed), given.machines), itertools.islice(random_scenes(given.seed), given.random))
     scenes = itertools.chain(library_scenes() if given.library else (), *drawn)
-    workshop = Workshop(store, LocalProcesses(given.jobs))
+    workshop = Workshop(Store(), LocalProcesses(given.jobs))
     table, broken = campaign([(scene, requests) for scene in scenes], workshop, not given.no_confirmation)
     if given.output:
         table.to_csv(given.output, index=False)

@@ -1,8 +1,7 @@
 """What becomes of the claims of a campaign (`accuracy_campaign`): which can be judged, which hold, and what is left out."""
 
-from typing import Any, Final
+from typing import Final
 
-import numpy as np
 import pandas as pd
 
 from tests.verification.random_scenes import LARGEST_CONDITION
@@ -68,19 +67,3 @@ def left_out(table: pd.DataFrame) -> pd.DataFrame:
         (numbers["condition"] >= LARGEST_CONDITION) | (MARGIN * numbers["truth_error"] > 1e-3) | ~(numbers["confirmation"] <= CONFIRMED)
     )
     return once[unknown][["scene", "column", "condition", "truth_error", "confirmation", "confirmed_by"]].reset_index(drop=True)
-
-
-def chapter(table: pd.DataFrame, title: str, text: str) -> dict[str, Any]:
-    """A table as a chapter of the verification's outcome (`reports.verification`)."""
-    rows = [[_plain(value) for value in row] for row in table.itertuples(index=False)]
-    return {"title": title, "text": text, "columns": [str(name).replace("_", " ") for name in table.columns], "rows": rows}
-
-
-def _plain(value: Any) -> str | float | int | None:
-    if value is None or (isinstance(value, float) and not np.isfinite(value)):
-        return None
-    if isinstance(value, bool | np.bool_):
-        return "yes" if value else "no"
-    if isinstance(value, float | np.floating):
-        return float(f"{float(value):.3g}")
-    return int(value) if isinstance(value, np.integer) else value

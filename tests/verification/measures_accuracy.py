@@ -12,11 +12,10 @@ from cases.measures.consensus import consensus
 from cases.measures.first_mode import FirstMode, fit_first_modes
 from cases.measures.half_cycle import channel_half, half_cycle
 from cases.measures.time_scale import TimeScale, time_scale
-from reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
+from reference_model.mechanism import Mechanism, TorqueDrive
+from tests.engines.scenes import INCH, POUND_FORCE, POUND_MASS, run_24
 from tests.verification.synthetic import SyntheticHalf, synthetic_half
 
-INCH = 0.0254  # m
-POUND_FORCE = 4.4482216152605  # N
 RUNS = {  # crank length (in), tip mass (lbf s^2/in), tip inertia (lbf s^2 in), crank speed (rad/s): thesis, tables 5.1 and 5.2
     6: (6.0, 2.07e-4, 1.40e-5, 11.808269),
     10: (5.0, 4.10e-5, 2.80e-6, 19.696489),
@@ -62,27 +61,14 @@ class Accuracy:
 
 
 def thesis_scene(run: int) -> tuple[Mechanism, float]:
-    """The mechanism of a thesis run and its crank speed in rad/s."""
+    """Mechanism of a thesis run, undamped but for the crank, and its crank speed in rad/s."""
     crank_length, mass, inertia, speed = RUNS[run]
-    mechanism = Mechanism(
-        pivot_distance=18.0 * INCH,
-        crank=Crank(
-            length=crank_length * INCH,
-            drive=TorqueDrive(torque=10.0 * POUND_FORCE * INCH, damping=10.0 * POUND_FORCE * INCH / speed, initial_speed=speed),
-            mass=0.1 * POUND_FORCE / INCH,
-            center_of_mass=3.0 * INCH,
-            inertia=4.0e-4 * POUND_FORCE * INCH,
-        ),
-        base=Base(inertia=1.5e-4 * POUND_FORCE * INCH),
-        follower=Follower(
-            length=25.0 * INCH,
-            mass_per_length=4.75987e-5 * POUND_FORCE / INCH**2,
-            bending_stiffness=2128.22 * POUND_FORCE * INCH**2,
-            thickness=0.125 * INCH,
-            width=1.5 * INCH,
-            strain_gauges=(6.25 * INCH, 12.5 * INCH, 18.75 * INCH),
-        ),
-        tip=Tip(mass=mass * POUND_FORCE / INCH, inertia=inertia * POUND_FORCE * INCH),
+    torque = 10.0 * POUND_FORCE * INCH
+    mechanism = run_24(
+        crank={"length": crank_length * INCH, "drive": TorqueDrive(torque=torque, damping=torque / speed, initial_speed=speed)},
+        base={"damping": 0.0},
+        follower={"damping": 0.0},
+        tip={"mass": mass * POUND_MASS, "inertia": inertia * POUND_FORCE * INCH},
     )
     return mechanism, speed
 

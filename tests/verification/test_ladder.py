@@ -10,10 +10,10 @@ import pytest
 from cases.case_file import load_case
 from reference_model.mechanism import Base
 from tests.verification.ladder.overhung_beam import natural_modes
-from tests.verification.ladder.row import Row, chapter, failures, smoothed, table
 from tests.verification.ladder.statics_and_modes import mode_rows, rigid_rows, sag_rows, scene_of
 from tests.verification.ladder.terms import mean_rows, state_of, term_rows
 from tests.verification.ladder.trajectories import ladders, scene, trajectory_rows
+from tests.verification.row import Row, chapter_of_rows, failures, smoothed, table
 
 Keep = Callable[[str, object], None]
 RUN_24 = load_case("thesis-24").mechanism
@@ -79,7 +79,7 @@ def test_rows_and_their_chapter() -> None:
     assert good.passed
     assert not bad.passed
     assert failures([good, bad]).startswith("a, b, c: nan instead of 0")
-    found = chapter([good, bad], "T", "Text.")
+    found = chapter_of_rows([good, bad], "T", "Text.")
     assert found["text"] == "Text. 1 of 2 comparisons passed."
     assert found["rows"][1][3] is None
     assert list(table([good])) == found["columns"]
@@ -110,7 +110,9 @@ def test_statics_and_modes_of_every_engine(record_property: Keep) -> None:
         rows += mode_rows(scene_of(mechanism) if mechanism.tip else mechanism, f"{name}, tip offset", 2, (180.0, 90.0, 0.0))
         rows += sag_rows(mechanism, name, (180.0, 90.0, 0.0))
         rows += rigid_rows(scene_of(mechanism) if mechanism.tip else mechanism, name)
-    record_property("chapter", chapter(rows, "Verification ladder 1: statics, modes and the rigid limit against closed forms", STATICS))
+    record_property(
+        "chapter", chapter_of_rows(rows, "Verification ladder 1: statics, modes and the rigid limit against closed forms", STATICS)
+    )
     check(rows)
 
 
@@ -127,7 +129,7 @@ def test_terms_of_every_engine(record_property: Keep) -> None:
         for fineness in (1, 2):
             rows += term_rows(mechanism, label, state, fineness)
             rows += mean_rows(mechanism, label, state, fineness)
-    record_property("chapter", chapter(rows, "Verification ladder 2: terms of the equations of motion in one state", TERMS))
+    record_property("chapter", chapter_of_rows(rows, "Verification ladder 2: terms of the equations of motion in one state", TERMS))
     check(rows)
 
 
@@ -136,5 +138,5 @@ def test_trajectories_converge_to_the_reference(record_property: Keep) -> None:
     rows: list[Row] = []
     for label, which, duration, links in SCENES:
         rows += trajectory_rows(label, scene(*which), duration, ladders(24, 6.25e-5, links))
-    record_property("chapter", chapter(rows, "Verification ladder 3: trajectories", TRAJECTORIES))
+    record_property("chapter", chapter_of_rows(rows, "Verification ladder 3: trajectories", TRAJECTORIES))
     check(rows)

@@ -24,12 +24,14 @@ SEED = 603
 SURELY_SETTLING = 0.85
 #: Part of the machines that may be too violent, and are listed.
 TOO_VIOLENT = 0.05
+#: Twelve that are quick to compute: driven and prescribed, with a tip body and without, turning either way, 7 to 255 times as fast in
+#: bending as the crank turns, keeping 0 to 0.7 of a disturbance in a cycle. All are among the two hundred.
+QUICK = (6, 13, 25, 28, 40, 41, 43, 46, 53, 55, 66, 70)
 
 
-def machines(count: int, longest_turn: float = math.inf) -> list[Case]:
-    """Cases of the first `count` machines whose crank takes no longer for a turn (s), their error estimated over one turn."""
-    some = (case_of(scene) for scene in sensible_machines(SEED))
-    return list(itertools.islice((case for case in some if case.duration <= longest_turn), count))
+def machines(count: int) -> list[Case]:
+    """Cases of the first `count` machines, their error estimated over one turn."""
+    return [case_of(scene) for scene in itertools.islice(sensible_machines(SEED), count)]
 
 
 def case_of(scene: Scene) -> Case:
@@ -83,9 +85,8 @@ def test_machines_are_the_same_each_time() -> None:
 
 
 def test_twelve_quick_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
-    """Quick to compute, too: machines of 5 to 60 rpm are among the two hundred."""
-    found = machines(12, longest_turn=1.0)
-    assert len({case.mechanism for case in found}) == 12
+    every = machines(QUICK[-1])
+    found = [every[number - 1] for number in QUICK]
     assert all(stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO for case in found)
     check(cross_validate(found, Workshop(Store(tmp_path)), ENGINES), record_property)
 

@@ -28,7 +28,7 @@ from engines.trajectory import Trajectory
 from reference_model.mechanism import Follower, Mechanism, PrescribedSpeed, Slider, TorqueDrive
 from tests.verification.ladder.overhung_beam import Mode, Sag, cubic_frequencies, cubic_sag, natural_modes, sag
 from tests.verification.ladder.rigid_loop import RigidLoop, rigid_loop
-from tests.verification.ladder.row import Row, smoothed
+from tests.verification.row import Row, smoothed
 
 Array = NDArray[np.float64]
 

@@ -32,7 +32,7 @@ from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.start_state import StartState, reconstruct
 from reference_model.mechanism import Mechanism, Tip, TorqueDrive
-from tests.verification.ladder.row import Row, smoothed
+from tests.verification.row import Row, smoothed
 
 Array = NDArray[np.float64]
 

@@ -28,7 +28,7 @@ from engines.settings import Settings
 from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import Mechanism, PrescribedSpeed
-from tests.verification.ladder.row import Row, smoothed
+from tests.verification.row import Row, smoothed
 
 Array = NDArray[np.float64]
 

@@ -6,31 +6,29 @@ rotating cantilever by power series (`rotating_cantilever`), or from the statics
 
 import dataclasses
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from cases.case import Case
 from cases.case_file import load_case
 from cases.data import read_toml
 from engines.accurate import Result
-from engines.base import EngineFailure, Refusal
-from engines.registry import MAIN, engine
+from engines.registry import engine
 from engines.scene import simulate_scene
-from engines.settings import SettingError
 from reference_model.mechanism import FollowerAlone, SpinUp
 from reference_model.spin_up import base_motion
-from tests.verification.literature.comparison import Comparison
 from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection, time_unit
+from tests.verification.row import Row
 
 Array = NDArray[np.float64]
 
 CASE: Final = "spin-up"
+PUBLISHED: Final = read_toml("literature.toml")["rotating_cantilever"][0]
 
 #: Runs at published rates: the spin-up ends at this instant and the vibration that it leaves is watched up to the other, s.
 SPUN_UP, WATCHED = 4.0, 20.0
@@ -50,76 +48,104 @@ class Vibration:
     mean: float
 
 
-def spin_up_table(engines: Sequence[str] = MAIN, rates: Sequence[float] = (2.0, 4.0, 6.0)) -> tuple[list[Comparison], dict[str, str]]:
-    """All comparisons for engines by name, at their default accuracies.
+def scene() -> FollowerAlone:
+    """That of the manoeuvre."""
+    found = load_case(CASE).scene
+    assert isinstance(found, FollowerAlone)
+    return found
 
-    Args:
-        engines: names.
-        rates: those of the published frequencies to run as well, in units of 1 / `time_unit`; each costs a run.
 
-    Returns:
-        The rows, and for engines that have no such model or failed the sentence why.
+def manoeuvre(name: str) -> Iterator[Row]:
+    """The engine's largest lag, axial stretch and remaining vibration in the manoeuvre itself, at its default accuracy.
 
     Raises:
-        UnknownEngine: no engine has this name.
+        Refusal: the engine has no model of a follower alone.
     """
-    case, rows, failures = load_case(CASE), list[Comparison](), dict[str, str]()
-    for name in engines:
-        try:
-            rows += manoeuvre(case, name)
-            rows += [row for rate in rates for row in at_rate(case, name, rate)]
-        except (Refusal, SettingError, EngineFailure) as trouble:
-            failures[name] = str(trouble)
-    return rows, failures
-
-
-def manoeuvre(case: Case, name: str) -> list[Comparison]:
-    """The engine's largest lag, axial stretch and remaining vibration in the manoeuvre itself."""
-    scene = _follower_of(case)
-    result = simulate_scene(engine(name), scene, case.duration, case.output_step)
-    trajectory, accuracy = result.trajectory, _estimate(result)
+    case, alone = load_case(CASE), scene()
+    result = simulate_scene(engine(name), alone, case.duration, case.output_step)
+    trajectory, accuracy, unit = result.trajectory, _estimate(result), time_unit(alone.follower)
     time, deflection = trajectory["time"], trajectory["tip_deflection"]
-    steady = time >= scene.spin_up.time
-    return [
-        *_lag(case, name, -float(np.min(deflection)), accuracy),
-        *_vibration(case, name, fitted_vibration(time[steady], deflection[steady], _expected_frequency(scene)), accuracy),
-        *(
-            _stretch(case, name, float(np.mean(trajectory["axial_stretch"][steady])), accuracy)
-            if "axial_stretch" in trajectory.columns
-            else ()
-        ),
-    ]
+    steady = time >= alone.spin_up.time
+    row = partial(Row, scene=CASE, engine=name)
+
+    lag, theory = -float(np.min(deflection)), linear_lag(alone)
+    printed = _published("largest tip lag")
+    yield row(
+        quantity="largest tip lag, linear theory",
+        value=lag,
+        expected=theory,
+        tolerance=(theory / alone.follower.length) ** 2 + accuracy,
+        reason="linear theory leaves out the square of the lag over the length; the engine's error estimate",
+    )
+    yield row(
+        quantity="largest tip lag, published",
+        value=lag,
+        expected=printed["value"],
+        tolerance=printed["digits"] / printed["value"] + accuracy,
+        reason="reading of a figure; the engine's error estimate",
+    )
+
+    rate = alone.spin_up.speed * unit
+    frequency = float(frequencies(rate, 1)[0])
+    found = fitted_vibration(time[steady], deflection[steady], frequency / unit / (2.0 * math.pi))
+    of_engine, reason = _frequency_bound(name, accuracy, rate, frequency)
+    yield row(
+        quantity="frequency in steady spin",
+        value=found.frequency,
+        expected=frequency / unit / (2.0 * math.pi),
+        tolerance=of_engine + (found.amplitude / alone.follower.length) ** 2,
+        reason=f"{reason}; the square of amplitude over length",
+    )
+    yield row(
+        quantity="mean tip deflection in steady spin",
+        value=found.mean,
+        expected=0.0,
+        scale=theory,
+        tolerance=1e-5,
+        reason="what other modes leave in the fit of one sinusoid",
+    )
+
+    if "axial_stretch" in trajectory.columns:
+        stretch, printed = float(np.mean(trajectory["axial_stretch"][steady])), _published("steady axial stretch")
+        yield row(
+            quantity="steady axial stretch, closed form",
+            value=stretch,
+            expected=spinning_rod_stretch(alone),
+            tolerance=accuracy,
+            reason="the engine's error estimate",
+        )
+        yield row(
+            quantity="steady axial stretch, published",
+            value=stretch,
+            expected=printed["value"],
+            tolerance=printed["digits"] / printed["value"] + accuracy,
+            reason="the digits printed; the engine's error estimate",
+        )
 
 
-def at_rate(case: Case, name: str, rate: float) -> Iterator[Comparison]:
+def at_rate(name: str, rate: float) -> Row:
     """Frequency of the vibration about the steady spin at a rate (1 / `time_unit`) for which one is published."""
-    published = _published_frequencies()
-    out_of_plane = dict(zip(published["rates"], published["frequencies"], strict=True))[rate]
-    scene = _follower_of(case)
-    unit = time_unit(scene.follower)
-    spun = dataclasses.replace(scene, spin_up=SpinUp(speed=rate / unit, time=SPUN_UP))
-    result = simulate_scene(engine(name), spun, WATCHED, case.output_step)
+    out_of_plane = dict(zip(PUBLISHED["rates"], PUBLISHED["frequencies"], strict=True))[rate]
+    alone = scene()
+    unit = time_unit(alone.follower)
+    spun = dataclasses.replace(alone, spin_up=SpinUp(speed=rate / unit, time=SPUN_UP))
+    result = simulate_scene(engine(name), spun, WATCHED, load_case(CASE).output_step)
     steady = result.trajectory["time"] >= SPUN_UP
-    expected = math.sqrt(out_of_plane**2 - rate**2) / unit / (2.0 * math.pi)
+    in_plane = math.sqrt(out_of_plane**2 - rate**2)
+    expected = in_plane / unit / (2.0 * math.pi)
     found = fitted_vibration(result.trajectory["time"][steady], result.trajectory["tip_deflection"][steady], expected)
     # what the print leaves open, and what the finite amplitude adds to the frequency of infinitely small ones
-    open_in_print = out_of_plane * published["digits"] / (out_of_plane**2 - rate**2)
-    finite = (found.amplitude / scene.follower.length) ** 2
-    of_engine, reason = _frequency_bound(name, result, rate, expected * unit * 2.0 * math.pi)
-    yield Comparison(
-        case=case.name,
+    open_in_print = out_of_plane * PUBLISHED["digits"] / in_plane**2
+    finite = (found.amplitude / alone.follower.length) ** 2
+    of_engine, reason = _frequency_bound(name, _estimate(result), rate, in_plane)
+    return Row(
+        scene=CASE,
         engine=name,
         quantity=f"frequency in steady spin at {rate:g} / sqrt(rho A L^4 / EI)",
-        unit="Hz",
-        computed=found.frequency,
+        value=found.frequency,
         expected=expected,
-        scale=expected,
-        bound=of_engine + open_in_print + finite,
+        tolerance=of_engine + open_in_print + finite,
         reason=f"{reason}; the digits printed; the square of amplitude over length",
-        kind="published",
-        source=published["source"],
-        seen=published["seen"],
-        note=f"square of the printed frequency out of the plane less square of the rate; {published['note']}",
     )
 
 
@@ -167,91 +193,7 @@ def spinning_rod_stretch(scene: FollowerAlone) -> float:
     return scene.follower.length * (math.tan(a) / a - 1.0)
 
 
-def _lag(case: Case, name: str, lag: float, accuracy: float) -> Iterator[Comparison]:
-    scene = _follower_of(case)
-    expected = linear_lag(scene)
-    common: dict[str, Any] = {"case": case.name, "engine": name, "quantity": "largest tip lag", "unit": "m", "computed": lag}
-    yield Comparison(
-        **common,
-        expected=expected,
-        scale=expected,
-        bound=(expected / scene.follower.length) ** 2 + accuracy,
-        reason="linear theory leaves out the square of the lag over the length; the engine's error estimate",
-        kind="closed form",
-        source="linear theory of the rotating cantilever by power series: equilibrium and its inertia",
-    )
-    yield _against_print(common, accuracy, "reading of a figure")
-
-
-def _stretch(case: Case, name: str, stretch: float, accuracy: float) -> Iterator[Comparison]:
-    closed = spinning_rod_stretch(_follower_of(case))
-    common: dict[str, Any] = {"case": case.name, "engine": name, "quantity": "steady axial stretch", "unit": "m", "computed": stretch}
-    yield Comparison(
-        **common,
-        expected=closed,
-        scale=closed,
-        bound=accuracy,
-        reason="the engine's error estimate",
-        kind="closed form",
-        source="rod that spins steadily, L (tan(aL)/(aL) - 1)",
-    )
-    yield _against_print(common, accuracy, "the digits printed")
-
-
-def _against_print(common: dict[str, Any], accuracy: float, uncertain: str) -> Comparison:
-    """A quantity beside its published value; `uncertain` is what the value's digits stand for."""
-    published = _published(common["quantity"])
-    return Comparison(
-        **common,
-        expected=published["value"],
-        scale=published["value"],
-        bound=published["digits"] / published["value"] + accuracy,
-        reason=f"{uncertain}; the engine's error estimate",
-        kind="published",
-        source=published["source"],
-        seen=published["seen"],
-        note=published["note"],
-    )
-
-
-def _vibration(case: Case, name: str, found: Vibration, result_accuracy: float) -> Iterator[Comparison]:
-    scene = _follower_of(case)
-    rate = scene.spin_up.speed * time_unit(scene.follower)
-    expected = _expected_frequency(scene)
-    of_engine, reason = _frequency_bound_for(name, result_accuracy, rate, expected * time_unit(scene.follower) * 2.0 * math.pi)
-    yield Comparison(
-        case=case.name,
-        engine=name,
-        quantity="frequency in steady spin",
-        unit="Hz",
-        computed=found.frequency,
-        expected=expected,
-        scale=expected,
-        bound=of_engine + (found.amplitude / scene.follower.length) ** 2,
-        reason=f"{reason}; the square of amplitude over length",
-        kind="closed form",
-        source="linear theory of the rotating cantilever by power series",
-    )
-    yield Comparison(
-        case=case.name,
-        engine=name,
-        quantity="mean tip deflection in steady spin",
-        unit="m",
-        computed=found.mean,
-        expected=0.0,
-        scale=linear_lag(scene),
-        bound=1e-5,
-        reason="what other modes leave in the fit of one sinusoid",
-        kind="closed form",
-        source="in steady spin nothing bends the follower",
-    )
-
-
-def _frequency_bound(name: str, result: Result, rate: float, expected: float) -> tuple[float, str]:
-    return _frequency_bound_for(name, _estimate(result), rate, expected)
-
-
-def _frequency_bound_for(name: str, accuracy: float, rate: float, expected: float) -> tuple[float, str]:
+def _frequency_bound(name: str, accuracy: float, rate: float, expected: float) -> tuple[float, str]:
     """Largest relative difference to be expected of an engine's frequency, and why; `expected` over 1 / `time_unit`."""
     if name == "thesis":
         return cubic_frequency(rate) / expected - 1.0 + accuracy, "a single cubic is stiffer by as much as Ritz's method says"
@@ -263,23 +205,6 @@ def _estimate(result: Result) -> float:
     return result.error_estimate if result.error_estimate is not None else result.accuracy or math.nan
 
 
-def _expected_frequency(scene: FollowerAlone) -> float:
-    unit = time_unit(scene.follower)
-    return float(frequencies(scene.spin_up.speed * unit, 1)[0]) / unit / (2.0 * math.pi)
-
-
-def _follower_of(case: Case) -> FollowerAlone:
-    assert isinstance(case.scene, FollowerAlone)
-    return case.scene
-
-
-@cache
 def _published(quantity: str) -> dict[str, Any]:
     (found,) = (number for number in read_toml("literature.toml")["number"] if number["quantity"] == quantity)
-    return dict(found)
-
-
-@cache
-def _published_frequencies() -> dict[str, Any]:
-    (found,) = read_toml("literature.toml")["rotating_cantilever"]
     return dict(found)

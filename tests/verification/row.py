@@ -1,4 +1,4 @@
-"""One comparison of the ladder, and tables of them."""
+"""A computed value beside one that comes from elsewhere, and tables as chapters of the verification's outcome."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -70,16 +70,22 @@ def failures(rows: Iterable[Row]) -> str:
     return "\n".join(lines)
 
 
-def chapter(rows: Sequence[Row], title: str, text: str) -> dict[str, Any]:
-    """A chapter of the stored verification (`reports.verification`): plain numbers and texts."""
-    passed = sum(row.passed for row in rows)
-    cells = [[_plain(getattr(row, name)) for name in COLUMNS] for row in rows]
-    return {"title": title, "text": f"{text} {passed} of {len(rows)} comparisons passed.", "columns": list(COLUMNS), "rows": cells}
+def chapter_of_rows(rows: Sequence[Row], title: str, text: str) -> dict[str, Any]:
+    """A chapter that tells how many rows passed."""
+    return chapter(table(rows), title, f"{text} {sum(row.passed for row in rows)} of {len(rows)} comparisons passed.")
 
 
-def _plain(value: Any) -> str | float | None:
-    if isinstance(value, str):
-        return value
-    if isinstance(value, bool):
+def chapter(table: pd.DataFrame, title: str, text: str, digits: int = 17) -> dict[str, Any]:
+    """A table as a chapter of the verification's outcome (`reports.verification`), its numbers of so many digits."""
+    rows = [[_plain(value, digits) for value in row] for row in table.itertuples(index=False)]
+    return {"title": title, "text": text, "columns": [str(name).replace("_", " ") for name in table.columns], "rows": rows}
+
+
+def _plain(value: Any, digits: int) -> str | float | int | None:
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return None
+    if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
-    return float(value) if math.isfinite(value) else None
+    if isinstance(value, float | np.floating):
+        return float(f"{float(value):.{digits}g}")
+    return int(value) if isinstance(value, np.integer) else value
