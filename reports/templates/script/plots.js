@@ -61,10 +61,12 @@ function draw(Bokeh, holder, plot) {
   // engines that are not on the first screen cannot be switched off
   const shown = plot.series.filter((series) => !DATA.engines.includes(series.engine) || state.engines.includes(series.engine));
   const heights = shown.flatMap((series) => series.y), part = (value, low, high, axis) => plot.log.includes(axis) ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
-  const moved = shifts(shown.map((series) => plot.categories.length || !series.x.length ? [0, 0] : [
-    (holder.clientWidth - 80) * part(series.x.at(-1), ...about.x_range, "x"),
-    -290 * part(series.y.at(-1), Math.min(...heights), Math.max(...heights), "y"),
-  ]));
+  const lowest = Math.min(...heights), highest = Math.max(...heights);
+  const pixel = (series, i) => [(holder.clientWidth - 80) * part(series.x.at(i), ...about.x_range, "x"), -290 * part(series.y.at(i), lowest, highest, "y")];
+  const ends = shown.map((series) => plot.categories.length || !series.x.length ? [0, 0] : pixel(series, -1)), moved = shifts(ends);
+  // a name stands behind the marks of others at its height
+  const marks = plot.categories.length ? [] : shown.flatMap((series) => series.x.map((_, i) => pixel(series, i)));
+  const aside = ends.map(([x, y], k) => Math.max(...marks.filter((mark) => mark[0] < x + 30 && Math.abs(mark[1] - y - moved[k]) < 10).map((mark) => mark[0] - x), 0));
   if (plot.below) made.add_layout(new Bokeh.BoxAnnotation({ top: plot.below, fill_color: colour("soft"), fill_alpha: 0.16, line_color: null }));
   shown.forEach((series, k) => {
     const across = plot.categories.length ? series.y : series.x, up = plot.categories.length ? series.x : series.y;
@@ -77,7 +79,7 @@ function draw(Bokeh, holder, plot) {
       line_color: look.line_color, line_width: 1.5, fill_color: series.hollow ? colour("ground") : look.line_color, ...(series.engine ? {} : { legend_label: series.name }),
     });
     made.add_tools(new Bokeh.HoverTool({ renderers: [dots], tooltips: [["", "@name"], ["", "@text"]], toggleable: false }));
-    if (series.engine && series.line) made.add_layout(new Bokeh.Label({ x: across.at(-1), y: up.at(-1), text: series.name, x_offset: 7, y_offset: -6 - moved[k], text_color: look.line_color, text_font_size: "13px" }));
+    if (series.engine && series.line) made.add_layout(new Bokeh.Label({ x: across.at(-1), y: up.at(-1), text: series.name, x_offset: 7 + aside[k], y_offset: -6 - moved[k], text_color: look.line_color, text_font_size: "13px" }));
   });
   if (made.legend) Object.assign(made.legend, { background_fill_color: colour("ground"), label_text_color: colour("ink"), border_line_color: colour("faint"), click_policy: "hide", location: plot.legend });
   holder.replaceChildren();
