@@ -31,6 +31,8 @@ TABLES = 1e-5
 #: A prescribed speed's torque is that of the recovered slider force, which meets the projected equations as well as three modes
 #: describe the follower: 1.3e-3 in run 24 (`engines.own.reference.LADDER`).
 THREE_MODES = 1.3e-3
+#: The same with two modes. In a scene where two leave 2.9e-5 of the energies, three leave 3e-6 and five 3e-7, at any tolerance.
+TWO_MODES = 1.5e-3
 
 
 def imbalance(trajectory: Trajectory) -> float:
@@ -51,10 +53,16 @@ def test_energy_is_balanced_with_shapes_that_stay(scene: Scene) -> None:
     assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, FIXED_SHAPES.half_waves)
 
 
-@for_all(few=6, many=40, scene=scenes(compliant=True))
+@for_all(few=4, many=30, scene=scenes(drive="torque", compliant=True))
 def test_energy_is_balanced_with_a_soft_joint(scene: Scene) -> None:
     trajectory = COMPLIANT.run(scene)
     assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, COMPLIANT.half_waves)
+
+
+@for_all(few=2, many=20, scene=scenes(drive="prescribed", compliant=True))
+def test_work_of_a_prescribed_speed_is_balanced_with_a_soft_joint(scene: Scene) -> None:
+    trajectory = COMPLIANT.run(scene)
+    assert imbalance(trajectory) <= TWO_MODES * energy_size(scene, trajectory, COMPLIANT.half_waves)
 
 
 @for_all(few=6, many=40, scene=scenes(drive="torque", turning_slider=True))
