@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from reference_model.beam.modes import ModeFamily, mode_family
 from reference_model.gauss_points import integrals_to_points, lagrange_weights
 from reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
+from reference_model.motion.address import on_lines
 from reference_model.motion.layout import Tables
 from reference_model.shapes import ShapeSet
 
@@ -221,14 +222,17 @@ def _rows(psi: list[Array], extras: list[Array], lengths: Array) -> Array:
 def _tables(low: float, high: float, coefficients: Array, kinds: int, points: int, before: Array, cells: int) -> Tables:
     gauss, weights = np.polynomial.legendre.leggauss(points)
     places = 4 * (points // 4 + 1)
-    to_points = np.zeros((points, places))
+    to_points = on_lines((points, places))
     to_points[:, : points + 1] = 0.5 * integrals_to_points(gauss, weights)
+    intervals, powers, taken = coefficients.shape
+    rows = on_lines((intervals, powers, 8 * math.ceil(taken / 8)))
+    rows[:, :, :taken] = coefficients
     return Tables(
         low=float(low),
         high=float(high),
         step=float(high - low) / len(coefficients),
         kinds=kinds,
-        coefficients=np.ascontiguousarray(coefficients),
+        coefficients=rows,
         before=np.ascontiguousarray(before),
         G=points,
         S=places,

@@ -5,6 +5,7 @@ caller's, to be optimised there again. The equations of motion therefore know pa
 callers know the equations by address: they are compiled once, whoever calls them.
 """
 
+import math
 from typing import Any, Final
 
 import llvmlite.ir as ir
@@ -174,6 +175,16 @@ def _size(value: Any) -> int:
 @compiled
 def _store(value: Any, address: int) -> None:
     store_tuple(value, address)
+
+
+def on_lines(shape: tuple[int, ...]) -> Array:
+    """Zeros that begin with a line (64 bytes) of the memory's cache: four numbers of one register then lie in one line.
+
+    Elsewhere half of all fours lie across two, which costs integrals a third to a half of their time.
+    """
+    memory = np.zeros(math.prod(shape) + 7)
+    first = -memory.ctypes.data % 64 // 8
+    return memory[first : first + math.prod(shape)].reshape(shape)
 
 
 class Placed:

@@ -38,12 +38,14 @@ def directions(psi: Array, e: Array) -> bool:
         return False
     halvings = 0 if largest <= SMALL_ANGLE else 3
     part = 1.0 if halvings == 0 else 0.125
-    for j in range(N):
+    for j in range(N):  # sines and cosines in a loop each: of both in one the compiler makes no vectors
         x = part * psi[j]
         q = x * x
         odd = q * (-1 / 5040 + q * (1 / 362880 + q * (-1 / 39916800 + q * (1 / 6227020800 - q / 1307674368000))))
-        even = q * (1 / 40320 + q * (-1 / 3628800 + q * (1 / 479001600 + q * (-1 / 87178291200 + q / 20922789888000))))
         e[N + j] = x * (1.0 + q * (-1 / 6 + q * (1 / 120 + odd)))
+    for j in range(N):
+        q = part * psi[j] * part * psi[j]
+        even = q * (1 / 40320 + q * (-1 / 3628800 + q * (1 / 479001600 + q * (-1 / 87178291200 + q / 20922789888000))))
         e[j] = 1.0 + q * (-1 / 2 + q * (1 / 24 + q * (-1 / 720 + even)))
     for _ in range(halvings):
         for j in range(N):
@@ -55,20 +57,35 @@ def directions(psi: Array, e: Array) -> bool:
 def cumulate(t: Tables, length: Array, f: Array, out: Array) -> None:
     """Integrals from 0 to every point of a complex function f given at the points of all cells.
 
-    Four points at a time, real and imaginary parts side by side.
+    Real and imaginary parts side by side, twelve points at a time, which share what is loaded, or four.
     """
     G, S, cells = t.G, t.S, t.cells
     N = cells * S
     before_1 = before_2 = 0.0
     for cell in range(cells):
-        first = cell * S
-        for p in range(0, S, 4):
-            a = b = spread(0.0)
-            for j in range(G):
-                weights = load(t.to_points, j * S + p)
-                a, b = plus(a, f[first + j], weights), plus(b, f[N + first + j], weights)
-            store(out, first + p, plus(spread(before_1), length[cell], a))
-            store(out, N + first + p, plus(spread(before_2), length[cell], b))
+        first, size, p = cell * S, length[cell], 0
+        begin_1, begin_2 = spread(before_1), spread(before_2)
+        while p < S:
+            here = first + p
+            a1 = a2 = b1 = b2 = c1 = c2 = spread(0.0)
+            if S - p >= 12:
+                for j in range(G):
+                    at, f1, f2 = j * S + p, f[first + j], f[N + first + j]
+                    a, b, c = load(t.to_points, at), load(t.to_points, at + 4), load(t.to_points, at + 8)
+                    a1, b1, c1 = plus(a1, f1, a), plus(b1, f1, b), plus(c1, f1, c)
+                    a2, b2, c2 = plus(a2, f2, a), plus(b2, f2, b), plus(c2, f2, c)
+                store(out, here + 4, plus(begin_1, size, b1))
+                store(out, here + 8, plus(begin_1, size, c1))
+                store(out, N + here + 4, plus(begin_2, size, b2))
+                store(out, N + here + 8, plus(begin_2, size, c2))
+                p += 8
+            else:
+                for j in range(G):
+                    a = load(t.to_points, j * S + p)
+                    a1, a2 = plus(a1, f[first + j], a), plus(a2, f[N + first + j], a)
+            store(out, here, plus(begin_1, size, a1))
+            store(out, N + here, plus(begin_2, size, a2))
+            p += 4
         before_1, before_2 = out[first + G], out[N + first + G]
 
 

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-import numpy as np
-
-from reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
+from reference_model.motion.address import Cube, Matrix, Vector, on_lines, reader, tuple_type
 
 #: Quantities per shape behind those per point in a row of the table: omega^2, its derivative by s, curvature at the slider, and the
 #: first two derivatives of psi(s; s).
@@ -35,7 +33,7 @@ class Tables(NamedTuple):
     Cells divide the follower from its base to the slider and from there to the end. Each has G Gauss points and its own end, and takes S
     places, the next multiple of four above G; what is left over weighs nothing. N = cells times S in all. A row of the table holds
     `kinds` blocks of (n, N), psi and for shapes that move its first two derivatives by s at fixed arc length; then EXTRAS blocks of
-    (n,), then the lengths of the cells.
+    (n,), then the lengths of the cells, and nothing up to the next multiple of eight.
     """
 
     low: float  # m, smallest s
@@ -141,14 +139,14 @@ def workspace(p: Parameters) -> Workspace:
     """Scratch arrays for these parameters."""
     n, m, N = p.n, p.speeds, p.tables.cells * p.tables.S
     M = 2 * N + BODIES
-    shapes: dict[str, int | tuple[int, ...]] = dict.fromkeys(("psi", "psi_s", "gamma", "turn"), N)
-    shapes |= dict.fromkeys(("e", "z", "Y", "integrand", "relative", "dx"), 2 * N)
-    shapes |= dict.fromkeys(("mass", "A", "force", "weighted"), M)
-    shapes |= dict.fromkeys(("c", "sigma", "row_of_gap", "spread", "response", "acceleration"), m)
-    shapes |= {"row": p.tables.coefficients.shape[2], "length": p.tables.cells, "foot": (3, m), "V": (m, M), "reduced": (m, m)}
-    shapes |= {"slider": 2, "facts": FACTS}
-    assert p.tables.kinds * n * N + EXTRAS * n + p.tables.cells == shapes["row"]
-    return Workspace(**{name: np.zeros(shapes[name]) for name in Workspace._fields})
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("psi", "psi_s", "gamma", "turn"), (N,))
+    shapes |= dict.fromkeys(("e", "z", "Y", "integrand", "relative", "dx"), (2 * N,))
+    shapes |= dict.fromkeys(("mass", "A", "force", "weighted"), (M,))
+    shapes |= dict.fromkeys(("c", "sigma", "row_of_gap", "spread", "response", "acceleration"), (m,))
+    shapes |= {"row": p.tables.coefficients.shape[2:], "length": (p.tables.cells,), "foot": (3, m), "V": (m, M), "reduced": (m, m)}
+    shapes |= {"slider": (2,), "facts": (FACTS,)}
+    assert p.tables.kinds * n * N + EXTRAS * n + p.tables.cells <= shapes["row"][0]
+    return Workspace(**{name: on_lines(shapes[name]) for name in Workspace._fields})
 
 
 def state_size(p: Parameters) -> int:
