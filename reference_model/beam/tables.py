@@ -224,6 +224,8 @@ def _tables(low: float, high: float, coefficients: Array, kinds: int, points: in
     places = 4 * (points // 4 + 1)
     to_points = on_lines((points, places))
     to_points[:, : points + 1] = 0.5 * integrals_to_points(gauss, weights)
+    of_cell = on_lines((places,))
+    of_cell[:points] = 0.5 * weights
     intervals, powers, taken = coefficients.shape
     rows = on_lines((intervals, powers, 8 * math.ceil(taken / 8)))
     rows[:, :, :taken] = coefficients
@@ -239,6 +241,6 @@ def _tables(low: float, high: float, coefficients: Array, kinds: int, points: in
         cells=cells,
         u=0.5 * (gauss + 1.0),
         lagrange=lagrange_weights(0.5 * (gauss + 1.0)),
-        weights=np.pad(0.5 * weights, (0, places - points)),
+        weights=of_cell,
         to_points=to_points.ravel(),
     )

@@ -134,6 +134,8 @@ def place(p: Parameters, t: Tables, w: Workspace, y: Array, s: float) -> int:
         turned(w.row, i * N, w.e, w.integrand)
         cumulate(t, w.length, w.integrand, w.V[1 + i])
     for cell in range(t.cells):
-        for j in range(t.S):
-            w.dx[cell * t.S + j] = w.dx[N + cell * t.S + j] = w.length[cell] * t.weights[j]
+        for j in range(0, t.S, 4):
+            share = plus(spread(0.0), w.length[cell], load(t.weights, j))
+            store(w.dx, cell * t.S + j, share)
+            store(w.dx, N + cell * t.S + j, share)
     return before * t.S + t.G

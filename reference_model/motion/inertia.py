@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_model.compilation import inlined, stage
-from reference_model.motion.lanes import load, plus_product, spread, total
+from reference_model.motion.lanes import load, plus, plus_product, spread, store, total
 from reference_model.motion.layout import (
     ACROSS,
     ALONG,
@@ -70,16 +70,13 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
     bodies = 2 * N
     for k in range(p.speeds):
         c, sigma = w.c[k], w.sigma[k]
-        if k == 0 or k > n:
-            for j in range(2 * N):
-                w.V[k, j] = 0.0
-        if t.kinds == 3:
-            for j in range(2 * N):
-                w.V[k, j] += sigma * w.Y[j]
-        for j in range(N):
-            w.V[k, j] -= c * w.z[N + j]
-        for j in range(N):
-            w.V[k, N + j] += c * w.z[j]
+        row = w.V[k]
+        for j in range(0, N, 4):  # Y is zero where the shapes stay
+            real = imaginary = spread(0.0)
+            if 0 < k <= n:
+                real, imaginary = load(row, j), load(row, N + j)
+            store(row, j, plus(plus(real, sigma, load(w.Y, j)), -c, load(w.z, N + j)))
+            store(row, N + j, plus(plus(imaginary, sigma, load(w.Y, N + j)), c, load(w.z, j)))
         tip, slider = c + sigma * w.psi_s[end], c + sigma * w.facts[SLIDER_SLOPE]
         if 0 < k <= n:
             tip += w.row[(k - 1) * N + end]

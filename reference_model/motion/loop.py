@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from reference_model.compilation import inlined, stage
 from reference_model.motion.fields import combine, cumulate
+from reference_model.motion.lanes import load, plus, spread, store
 from reference_model.motion.layout import (
     ACROSS,
     ACROSS_BY_Q2,
@@ -203,11 +204,12 @@ def remaining_places(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     if t.kinds == 3:
         for j in range(N):
             w.turn[j] += q2_rate + w.psi_s[j] * s_rate
-            w.gamma[j] = 0.0
-        for i in range(n):
-            swing, bend = 2.0 * s_rate * y[m + 2 + i], s_rate * s_rate * y[1 + i]
-            for j in range(N):
-                w.gamma[j] += swing * w.row[(n + i) * N + j] + bend * w.row[(2 * n + i) * N + j]
+        for j in range(0, N, 4):
+            swing = bend = spread(0.0)
+            for i in range(n):
+                swing = plus(swing, y[m + 2 + i], load(w.row, (n + i) * N + j))
+                bend = plus(bend, y[1 + i], load(w.row, (2 * n + i) * N + j))
+            store(w.gamma, j, plus(plus(spread(0.0), 2.0 * s_rate, swing), s_rate * s_rate, bend))
     else:
         for j in range(N):
             w.turn[j] += q2_rate
