@@ -142,3 +142,15 @@ def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> t
     if hinges:
         stiffness[1:] = mechanism.follower.bending_stiffness * hinges / mechanism.follower.length
     return mass[first:, first:], np.diag(stiffness)
+
+
+def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
+    """Damping matrix (N m s) that goes with `follower_matrices`: what the kernel's forces on the link centres do to a straight chain."""
+    lengths = np.full(hinges, scene.follower.length / max(hinges, 1))
+    lengths[-1:] *= 0.5
+    every_hinge = np.tril(np.ones((hinges, hinges)))  # turns its own link and every one beyond
+    centres = (np.tril(every_hinge * lengths, -1) + np.diag(0.5 * lengths)) @ every_hinge
+    damping = np.zeros((hinges + 1, hinges + 1))
+    damping[0, 0] = scene.base.damping
+    damping[1:, 1:] = scene.follower.damping * (centres.T * lengths) @ centres
+    return damping

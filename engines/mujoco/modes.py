@@ -1,4 +1,4 @@
-"""Natural frequencies of the straight follower with the crank held, and the highest that an integrator meets."""
+"""Natural frequencies of the straight follower with the crank held, and the fastest rate that an integrator meets."""
 
 import math
 
@@ -37,21 +37,28 @@ def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArra
     return np.asarray(np.cumsum(coefficients[::-1])[::-1])  # a hinge turns every link beyond it
 
 
-def highest_frequency(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
-    """Highest angular frequency of the straight chain, rad/s: what an explicit integrator must keep up with.
+def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
+    """Largest modulus of the straight chain's roots, 1/s: what an explicit integrator must keep up with, vibration or decay.
 
     A rigid joint lowers it; a compliant one raises it, by what depends on the slider's place. A base that turns as prescribed does not
-    give way.
+    give way. A light base does, and then a damping far too weak for the vibrations makes one motion decay very fast: the first links
+    turning against the rest, which all moves relative to the base.
     """
     mass, stiffness = chain.follower_matrices(model, scene, hinges)
+    damping = chain.follower_damping(scene, hinges)
     if isinstance(scene, FollowerAlone):
-        return _highest(stiffness[1:, 1:], mass[1:, 1:])
-    spring = scene.slider.joint_stiffness
-    if not math.isfinite(spring):
-        return _highest(stiffness, mass)
+        return _fastest(mass[1:, 1:], damping[1:, 1:], stiffness[1:, 1:])
+    slider = scene.slider
+    if not math.isfinite(slider.joint_stiffness):
+        return _fastest(mass, damping, stiffness)
     rows = [support_row(scene, hinges, crank_angle) for crank_angle in np.linspace(0.0, math.pi, 13)]
-    return max(_highest(stiffness + spring * np.outer(row, row), mass) for row in rows)
+    joints = [np.outer(row, row) for row in rows]
+    return max(_fastest(mass, damping + slider.joint_damping * joint, stiffness + slider.joint_stiffness * joint) for joint in joints)
 
 
-def _highest(stiffness: NDArray[np.float64], mass: NDArray[np.float64]) -> float:
-    return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))
+def _fastest(mass: NDArray[np.float64], damping: NDArray[np.float64], stiffness: NDArray[np.float64]) -> float:
+    if not damping.any():
+        return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))
+    zero = np.zeros_like(mass)
+    first_order = np.block([[zero, np.eye(len(mass))], [-np.linalg.solve(mass, np.hstack([stiffness, damping]))]])
+    return float(np.max(np.abs(np.linalg.eigvals(first_order))))

@@ -17,7 +17,7 @@ class ChainSettings(AnySettings):
     """How finely the follower is cut and how far a step goes."""
 
     links: int = setting(13, "number of links, and of hinges", low=1, high=256)
-    step: float = setting(0.0, "largest time step; 0: what the chain's highest frequency allows", unit="s", low=0.0, high=0.01)
+    step: float = setting(0.0, "largest time step; 0: what the chain's fastest rate allows", unit="s", low=0.0, high=0.01)
     armature: float = setting(
         ARMATURE,
         "inertia added to each hinge, in units of mass per length x (link length x length)^1.5; allows larger steps",

@@ -20,7 +20,7 @@ from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDri
 
 Array = NDArray[np.float64]
 
-_STABILITY_LIMIT = 2.0 * math.sqrt(2.0)  # step x angular frequency of an undamped oscillation, classical Runge-Kutta method
+_STABILITY_LIMIT = 2.0 * math.sqrt(2.0)  # step x rate of an undamped vibration, classical Runge-Kutta method; a decay has 2.79
 _SAFETY = 0.9  # a bent chain and a moving constraint shift the highest frequency
 _STEPS_PER_TURN = 400  # of the crank, where stability asks for less
 _ROWS_AT_ONCE = 250  # so that an interrupt from the keyboard is heard between
@@ -47,14 +47,14 @@ class ChainSimulation(Simulation):
         self._gauges = np.array(scene.follower.strain_gauges)
         self._gauge_weights = _interpolation(self._gauges, scene.follower.length, self._hinges)
         self._step_is_set = settings.step > 0.0
-        highest = modes.highest_frequency(self._model, scene, self._hinges) if self._hinges and not self._step_is_set else 0.0
-        self._largest_step = _SAFETY * _STABILITY_LIMIT / highest if highest > 0.0 else settings.step or math.inf
+        fastest = modes.fastest_rate(self._model, scene, self._hinges) if self._hinges and not self._step_is_set else 0.0
+        self._largest_step = _SAFETY * _STABILITY_LIMIT / fastest if fastest > 0.0 else settings.step or math.inf
         if start is not None:
             self._place(start)
         self.setup_seconds = time.perf_counter() - begun
 
     def _step_over(self, duration: float) -> float:
-        """Small enough for the chain's highest frequency and for what drives it in the next `duration` (s), s."""
+        """Small enough for the chain's fastest rate and for what drives it in the next `duration` (s), s."""
         if self._step_is_set:
             return self._largest_step
         if isinstance(self._scene, FollowerAlone):

@@ -4,7 +4,7 @@ The compiled equations are loaded when the first model is built, not when engine
 """
 
 import time
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BeamSettings(Settings):
+class BeamSettings(Settings, ABC):
     """What all engines on the one beam can be set to."""
 
     tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
     @property
+    @abstractmethod
     def shape_count(self) -> int:
         """Number of shapes of a flexible follower."""
-        raise NotImplementedError
 
 
 S = TypeVar("S", bound=BeamSettings)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from engines.accurate import simulate
 from engines.base import EngineFailure, Refusal
 from engines.mujoco import chain
 from engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
@@ -99,6 +100,31 @@ def test_slider_leaving_the_follower_is_a_failure_with_its_time() -> None:
     assert partial["time"][-1] == failure.value.time
     assert 0.0 < failure.value.time < 1.0
     assert partial["slider_position"].max() <= soft.follower.length
+
+
+def test_a_damping_that_stops_one_motion_at_once_is_kept_up_with() -> None:
+    """Far below the rates of the vibrations in its own, 8 N s/m^2 makes the first links stop turning against the rest at 15,000 1/s."""
+    damped = run_24(follower={"damping": 8.0})
+    coarse = simulate(ENGINE, damped, standard_start(damped), 0.3, 1e-3, {"links": "8"})
+    own = simulate(engine("reference"), damped, standard_start(damped), 0.3, 1e-3, {})
+    ours, theirs = (run.trajectory["tip_deflection"] for run in (own, coarse))
+    difference = np.sqrt(np.mean((theirs - ours) ** 2) / np.mean(ours**2))
+    claims = [run.error_estimates["tip_deflection"] for run in (own, coarse)]
+    assert difference < sum(claim or 0.0 for claim in claims) < 0.05
+
+
+def test_damping_matrix_takes_the_power_that_the_kernel_does() -> None:
+    """The kernel reports what the dampings took; a chain that turns rigidly about a joint moves all points at known speeds."""
+    scene = run_24(follower={"damping": 3.0}, base={"damping": 0.2})
+    follower, hinges = scene.follower, 12
+    damping = chain.follower_damping(scene, hinges)
+    rates = np.zeros(hinges + 1)
+    rates[0], rates[1] = 0.7, 2.0  # the base, and all beyond half a link
+    pivot, step = 0.5 * follower.length / hinges, follower.length / hinges
+    lengths = np.append(np.full(hinges - 1, step), 0.5 * step)
+    centres = pivot + np.cumsum(lengths) - 0.5 * lengths
+    expected = scene.base.damping * rates[0] ** 2 + follower.damping * np.sum(lengths * (2.0 * (centres - pivot)) ** 2)
+    assert rates @ damping @ rates == pytest.approx(expected, rel=1e-12)
 
 
 def test_an_unstable_step_is_a_failure_and_nothing_is_printed_or_written(
