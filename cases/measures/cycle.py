@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from cases.measures.consensus import Consensus, consensus
-from cases.measures.extremes import extremes, low_pass
+from cases.measures.extremes import Extreme, extremes, low_pass
 from cases.measures.first_mode import FirstMode, fit_first_modes
 from cases.measures.half_cycle import HalfCycle, channel_half, half_cycle
 from cases.measures.second_mode import agreeing, second_mode_frequency
@@ -33,7 +33,9 @@ class Measure:
     first_mode_amplitude_uncertainty: float | None  # the same unit, one standard deviation
     second_mode_frequency: float | None  # Hz, time mean over the half
     minimum: float  # least value in the half, of the raw signal where simulated, of the low-passed where measured
+    minimum_uncertainty: float  # how far off the samples leave it, the same unit
     maximum: float  # greatest value, likewise
+    maximum_uncertainty: float
     reason: str  # why the first mode's frequency, its amplitude or both are not resolvable, empty where both are
 
 
@@ -83,8 +85,10 @@ def measure_cycle(
                     first.amplitude,
                     first.amplitude_uncertainty,
                     second,
-                    low,
-                    high,
+                    low.value,
+                    low.uncertainty,
+                    high.value,
+                    high.uncertainty,
                     first.reason,
                 )
             )
@@ -92,7 +96,7 @@ def measure_cycle(
     return CycleMeasures(tuple(measures), tuple(agreed))
 
 
-def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: bool = False) -> dict[str, tuple[float, float]]:
+def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: bool = False) -> dict[str, tuple[Extreme, Extreme]]:
     """Least and greatest value of any column in each half of a cycle; arguments and errors as of `measure_cycle`."""
     shown, boundaries = low_pass(time, values) if measured else values, _boundaries(time, crank_angle)
     return {half: extremes(time, shown, *boundaries[at : at + 2]) for at, half in enumerate(HALVES)}

@@ -40,8 +40,8 @@ class Claim:
     Attributes:
         value: the number.
         estimate: the engine's estimate of its error.
-        uncertainty: of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the channel may be off by
-            because it has not settled.
+        uncertainty: of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the samples leave
+            open, and what the channel may be off by because it has not settled.
     """
 
     value: float
@@ -313,11 +313,10 @@ def _table_checks(table: Run, other: Run) -> list[Check]:
         unsettled = known if known is not None else (other.settling_error or 0.0) * scale  # of the whole where no more is known
         for half in HALVES:
             measure = table.measure(half, channel)
-            for quantity, its_value in zip(EXTREMES, its_extremes[half], strict=True):
-                value = measure.number(quantity) if measure else None
-                if value is not None and scale > NOTHING:
-                    mine = Claim(value, 0.0, (table.settling_errors or {})[channel])
-                    its = Claim(its_value, other.extreme_estimates[channel][half], unsettled)
+            for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
+                mine = claim(table, other, quantity, half, channel) if measure else None
+                if mine is not None and scale > NOTHING:
+                    its = Claim(extreme.value, other.extreme_estimates[channel][half], extreme.uncertainty + unsettled)
                     found.append(Check(table.engine, other.engine, quantity, half, channel, mine, its, scale))
     return found
 
@@ -337,7 +336,10 @@ def claim(run: Run, other: Run, quantity: str, half: str, channel: str | None) -
         if measure is None:
             return None
         value, estimate = measure.number(quantity), measure.estimate(quantity)
-        uncertainty = (run.settling_errors or {}).get(channel) if quantity in EXTREMES else measure.number(f"{quantity}_uncertainty")
+        uncertainty = measure.number(f"{quantity}_uncertainty")
+        if quantity in EXTREMES:
+            unsettled = (run.settling_errors or {}).get(channel)
+            uncertainty = None if unsettled is None or uncertainty is None else uncertainty + unsettled
     return None if value is None or estimate is None or uncertainty is None else Claim(value, estimate, uncertainty)
 
 

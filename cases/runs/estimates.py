@@ -37,7 +37,7 @@ class EstimatedMeasure(Measure):
     maximum_estimate: float | None = None
 
     def number(self, quantity: str) -> float | None:
-        """The number called `quantity`: one of `VIBRATION` and `EXTREMES`, or the uncertainty of one of the former."""
+        """The number called `quantity`: one of `VIBRATION` and `EXTREMES`, or the uncertainty of one."""
         found: float | None = getattr(self, quantity)
         return found
 

@@ -339,7 +339,8 @@ def _measured(
     for name in cycle:
         if name not in (*CHANNELS, *GROWING):
             for half, (low, high) in extremes_by_half(time, angle, cycle[name], filtered).items():
-                only = Measure(half, name, None, None, None, None, None, low, high, NOTHING_TO_FIT)
+                ends = low.value, low.uncertainty, high.value, high.uncertainty
+                only = Measure(half, name, None, None, None, None, None, *ends, NOTHING_TO_FIT)
                 measures.append(EstimatedMeasure(**vars(only), **_NONE_CLAIMED))
     return tuple(measures), tuple(EstimatedConsensus(**vars(each), first_mode_frequency_estimate=0.0) for each in found.consensus)
 

@@ -36,7 +36,9 @@ def run(name: str, off: float = 0.0, claimed: float = 1e-3, status: str = SETTLE
             second_mode_frequency=None,
             minimum=-PEAK * (1.0 + off),
             minimum_estimate=PEAK * claimed,
+            minimum_uncertainty=0.0,
             maximum=PEAK * (1.0 + off),
+            maximum_uncertainty=0.0,
             maximum_estimate=PEAK * claimed,
             reason="",
         )

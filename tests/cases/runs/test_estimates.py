@@ -25,7 +25,9 @@ def measures(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS) -> CycleM
             first_mode_amplitude_uncertainty=0.1 if known else None,
             second_mode_frequency=None,
             minimum=-5.0 + 3.0 * error,
+            minimum_uncertainty=0.0,
             maximum=5.0 + 4.0 * error,
+            maximum_uncertainty=0.0,
             reason="",
         )
 
@@ -85,7 +87,9 @@ def test_without_pairs_there_are_no_estimates() -> None:
 
 def test_a_mean_is_off_by_at_most_the_mean_of_what_its_channels_are_off_by() -> None:
     def row(half: str, channel: str, uncertainty: float | None, estimate: float | None) -> EstimatedMeasure:
-        return EstimatedMeasure(half, channel, 17.0, uncertainty, None, None, None, -1.0, 1.0, "", first_mode_frequency_estimate=estimate)
+        return EstimatedMeasure(
+            half, channel, 17.0, uncertainty, None, None, None, -1.0, 0.0, 1.0, 0.0, "", first_mode_frequency_estimate=estimate
+        )
 
     rows = [row("pre", "strain_1", 0.1, 0.3), row("pre", "strain_2", 0.2, 0.8), row("post", "strain_2", 0.2, 9.0)]
     rows.append(row("pre", "strain_3", None, None))
