@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from cases.measures import CHANNELS
 from cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
+from cases.runs.estimates import EXTREMES
 from cases.runs.request import INACCURATE, Run
 from reports.findings.runs import mean_crank_speed
 from reports.tables.table import CASE, Cell, Column, Columns, Mark, Table
@@ -99,7 +100,7 @@ def measures(results: Sequence[CaseResult]) -> Table:
     """Every measure of every engine, one row per case, engine, half and channel. A file only."""
     in_hertz = ("first_mode_frequency", "first_mode_frequency_uncertainty", "first_mode_frequency_estimate", "second_mode_frequency")
     amplitudes = ("first_mode_amplitude", "first_mode_amplitude_uncertainty", "first_mode_amplitude_estimate")
-    extremes = ("minimum", "minimum_estimate", "maximum", "maximum_estimate")
+    extremes = tuple(f"{name}{part}" for name in EXTREMES for part in ("", "_uncertainty", "_estimate"))
     numbers = [*(Column(key, unit="Hz") for key in in_hertz), *(Column(key, unit="SI") for key in (*amplitudes, *extremes))]
     found = Table("measures", ("case", "engine", "status", "half", "channel", *numbers, "reason"), in_page=False)
     for result in results:
