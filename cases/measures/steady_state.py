@@ -181,8 +181,8 @@ class Settling:
         if logarithms.size < 4:
             return Outlook(change)
         (slope, _), covariance = np.polyfit(np.arange(logarithms.size), logarithms, 1, cov=True)
-        if slope < -CERTAIN * math.sqrt(covariance[0, 0]):
-            ratio = max(math.exp(slope), self.multiplier or 0.0)
+        ratio = max(math.exp(slope), self.multiplier or 0.0)
+        if slope < -CERTAIN * math.sqrt(covariance[0, 0]) and ratio < 1.0:
             left = change * ratio / (1.0 - ratio)
             more = math.ceil(math.log(max(left / TOLERANCE, 1.0)) / -math.log(ratio))
             return Outlook(change, left, ratio, self.cycles + more)

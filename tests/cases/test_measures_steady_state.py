@@ -204,6 +204,13 @@ def test_few_cycles_promise_nothing() -> None:
         assert "fewer than two" in (words := fed([0.1] * number, Settling()).outlook.sentence()) or "too few" in words
 
 
+@pytest.mark.parametrize("multiplier", [1.0, 1.2])
+def test_changes_that_shrink_promise_nothing_where_a_disturbance_stays(multiplier: float) -> None:
+    outlook = fed([0.5**n for n in range(10)], Settling(multiplier=multiplier)).outlook
+    assert outlook.ratio is None
+    assert outlook.sentence()
+
+
 def test_a_known_multiplier_keeps_a_fast_part_from_hiding_the_slow_one() -> None:
     """Beside a steady state: of a disturbance of 4e-3 a twentieth is lost in a cycle, one of 5e-3 is gone in two."""
     values = [4e-3 * 0.95**n + 5e-3 * 0.05**n for n in range(60)]
