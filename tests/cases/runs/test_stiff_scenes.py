@@ -55,16 +55,7 @@ def test_run_24_settles_with_any_stiffness_from_its_own_on(stiffness: float, dri
 
 
 @pytest.mark.verify
-@pytest.mark.parametrize(
-    ("stiffness", "engine"), [(10.0**power, name) for power in range(6) for name in MAIN if (name, power) != ("exudyn", 5)]
-)
+@pytest.mark.parametrize("engine", MAIN)
+@pytest.mark.parametrize("stiffness", [10.0**power for power in range(6)])
 def test_run_24_settles_in_every_engine(stiffness: float, engine: str) -> None:
     check(run_24(stiffness, driven=True), engine)
-
-
-@pytest.mark.verify
-def test_exudyn_says_that_the_stiffest_follower_is_beyond_it() -> None:
-    """It deflects by 3e-7 of its length; modes of 10 kHz ring, and Newton's iteration stops at the rounding errors of shorter steps."""
-    run = steady_state(RunRequest(mechanism=run_24(1e5, driven=True), duration=2.0, engine="exudyn"))
-    assert run.status != SETTLED
-    assert "misses the accuracy" in run.remark
