@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 
 #: A spline rounds off a corner between two samples by at most so many times what one through every other sample misses the nearest four
 #: by: where the corner is symmetric and lies midway. A smooth signal it meets 16 times as well, which makes this too much, and tiny.
-ROUNDED = 1.6
+CORNER = 1.6
 
 CUT_OFF = 200.0  # Hz, of the low-pass for measured signals
 ORDER = 4  # the filter's gain is 1/(1 + (f/CUT_OFF)^(2 ORDER)): a Butterworth filter run forwards and backwards
@@ -64,7 +64,7 @@ def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extr
     def extreme(at: int) -> Extreme:
         before = int(np.searchsorted(time, instants[at]))
         near = left_out[max(before - 2, 0) : before + 2]
-        return Extreme(float(values[at]), ROUNDED * float(near.max()))
+        return Extreme(float(values[at]), CORNER * float(near.max()))
 
     return extreme(int(values.argmin())), extreme(int(values.argmax()))
 
