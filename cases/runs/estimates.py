@@ -3,9 +3,9 @@
 The same measures are taken of the same cycle in the runs that the engine compares (`engines.base.Comparison`); what their differences
 show of the error is added up as for a trajectory (`engines.accurate`). Runs that march from the orbit are compared in their second cycle
 from there: what settings do to a cycle is seen in it already. Where all of the error lies in the slow mode it has not built up by then;
-in the machine of two hundred where that shows most
-the engines still differ by less than they claim (0.94). What the second cycle adds to the first,
-carried on by the multiplier, would make estimates two to three times as large in the thesis' runs, where they are 2 to 9 times the error.
+in the machine of two hundred where that shows most the engines still differ by less than they claim (0.94). What the second cycle adds
+to the first, carried on by the multiplier, would make estimates two to three times as large in the thesis' runs, where they are 2 to 9
+times the error.
 
 Two extremes can be alike by accident, where the one run is higher before the peak and the other behind it; they differ by at most the
 signals' largest difference in the half cycle, and that bound is what an extreme is taken to be off by.
