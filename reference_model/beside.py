@@ -33,7 +33,7 @@ def wanted() -> list[tuple[Any, tuple[types.Type, ...]]]:
 @contextmanager
 def helped() -> Iterator[None]:
     """What is compiled in the meantime is not to be compiled here: at the end it is on the disk. Does nothing if it is there already."""
-    if any(Path(config.CACHE_DIR).glob("*/equations.*.nbi")):  # type: ignore[attr-defined]
+    if any(Path(config.CACHE_DIR).glob("*/equations._kernel-*.nbi")):  # type: ignore[attr-defined]
         yield
         return
     command = [sys.executable, "-P", "-m", __name__]

@@ -2,8 +2,9 @@
 
 A block's first word says how it is read, the second which file it becomes, or who runs it:
 
-    sh                commands; `sh verify`: by `make verify`; `sh long`: what would take hours is only asked for its `--help`
-    python            runs in the document's folder, after the blocks before it; `python verify` likewise
+    sh                commands; `sh verify`, and likewise with the next two: by `make verify`; `sh long`: what would take hours is only
+                      asked for its `--help`
+    python            runs in the document's folder, after the blocks before it
     console           `$ command` and what it prints; "..." stands for anything. Below a command that is refused stands its message,
                       below one that ends otherwise but well `# exit code N`
     text printed      what the block before it prints
@@ -100,9 +101,11 @@ DONE: set[Block] = set()
 PRINTED: dict[str, str] = {}
 
 
-def _marks(block: Block) -> Any:
-    place = f"{block.document}:{block.line}"
-    return pytest.param(block, id=place, marks=[pytest.mark.verify] if block.about == "verify" else [])
+def _marks(block: Block, *shown: Block) -> Any:
+    """A block that is run, and what is shown of it, named by the place of the last."""
+    place = (block, *shown)[-1]
+    marks = [pytest.mark.verify] if block.about == "verify" else []
+    return pytest.param(block, *shown, id=f"{place.document}:{place.line}", marks=marks)
 
 
 @pytest.mark.parametrize("block", [_marks(block) for block in BLOCKS if block.kind in RUN and not block.is_file])
@@ -136,7 +139,7 @@ def test_blocks_run(
 
 @pytest.mark.parametrize(
     ("before", "block"),
-    [pytest.param(*pair, id=f"{pair[1].document}:{pair[1].line}") for pair in itertools.pairwise(BLOCKS) if pair[1].about == "printed"],
+    [_marks(*pair) for pair in itertools.pairwise(BLOCKS) if pair[1].about == "printed"],
 )
 def test_what_is_shown_is_printed(
     before: Block,

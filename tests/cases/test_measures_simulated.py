@@ -161,6 +161,7 @@ def assert_claims_hold(found: list[SteadyVibration]) -> None:
         assert np.all(np.array(each.scatter) / np.sqrt(LAUNCHES) < 1e-3 * np.array(each.truth))  # half of the 0.2 % it must be good to
 
 
+@pytest.mark.verify
 def test_frequencies_of_steady_states_lie_within_their_claims(vibrations: dict[int, SteadyVibration]) -> None:
     assert_claims_hold(list(vibrations.values()))
     errors = [

@@ -45,6 +45,7 @@ def test_chain_of_few_links_where_fewer_err_less(links: str) -> None:
     assert max(ratios.values()) < 1.0  # measured 0.66 and 0.23
 
 
+@pytest.mark.verify
 def test_chain_that_the_slider_shakes() -> None:
     """On its quick return an aluminium shaper's slider passes links at the rate of a natural frequency: 9 and 12 of them err alike."""
     scene = load_case("hard-shaper-aluminium").mechanism
@@ -72,12 +73,14 @@ def test_elements_that_the_slider_shakes() -> None:
     assert max(ratios.values()) < 1.0  # of the deflection 0.46 measured, 1.6 over two seconds without the 18
 
 
+@pytest.mark.verify
 def test_steps_too_large_for_a_violent_motion() -> None:
     """With steps twice as large as these the run does not get past 0.404 s; finer ones take their place."""
     ratios = errors_over_claims_of("hard-speed-x2", "exudyn", 0.6, {"step": "1e-3", "elements": "12"})
     assert max(ratios.values()) < 1.0
 
 
+@pytest.mark.verify
 def test_strain_while_the_slider_passes_the_gauge() -> None:
     """In thesis' run 20 the kink at the slider, rounded off by cubic elements, made 4.4e-3 of strain 3; its claim was 2.0e-3."""
     ratios = errors_over_claims_of("thesis-20", "exudyn", 0.3, {"step": "2.5e-4", "elements": "24"})
@@ -115,6 +118,7 @@ def test_fewer_shapes_do_where_the_follower_is_stiff(name: str) -> None:
     assert max(errors_over_claims(result, truth_of(scene, 0.3)).values()) < 1.0
 
 
+@pytest.mark.verify
 def test_a_blow_that_sets_all_modes_ringing() -> None:
     # Gravity on a straight arm: the acceleration is 8.7e-3 off; the table alone would claim 1e-3.
     case = load_case("example")

@@ -78,6 +78,7 @@ def test_output_step_may_change_between_pieces():
     assert last["tip_deflection"][-1] == pytest.approx(simulate(mechanism, 0.1, step=2.5e-4)["tip_deflection"][-1], rel=1e-5)
 
 
+@pytest.mark.verify
 def test_second_order_in_step_and_elements():
     fine = simulate(run_24(), 0.3, elements=32, step=1.25e-4)["tip_deflection"]
     errors = {
@@ -97,6 +98,7 @@ def test_second_order_in_step_and_elements():
     assert errors[8, 1.25e-4] > 2.5 * errors[16, 1.25e-4]
 
 
+@pytest.mark.verify
 def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
     """A section three times as thick as run 24's at a tenth of its bending stiffness stretches; the scene's follower does not."""
     soft = load_case("hard-ei-x0.1").mechanism

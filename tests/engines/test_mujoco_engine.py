@@ -104,6 +104,7 @@ def test_slider_leaving_the_follower_is_a_failure_with_its_time() -> None:
     assert partial["slider_position"].max() <= soft.follower.length
 
 
+@pytest.mark.verify
 def test_a_damping_that_stops_one_motion_at_once_is_kept_up_with() -> None:
     """With 8 N s/m^2 the first links stop turning against the rest at 15,000 1/s; the vibrations have 3,500 rad/s at most."""
     damped = run_24(follower={"damping": 8.0})

@@ -66,6 +66,7 @@ def test_default_settings_keep_the_default_accuracy(fine: Trajectory) -> None:
         assert relative_error(coarse[column], fine[column]) < ENGINE.default_accuracy
 
 
+@pytest.mark.verify
 def test_error_falls_at_least_with_the_square_of_the_links() -> None:
     coarse, middle, fine = (simulated(run_24(), 1.0, links=links, armature=0.0) for links in (8, 16, 32))
     # Errors of order p make the ratio of the differences 2^p; 4 is the second order of a plain chain.

@@ -82,6 +82,7 @@ def test_bad_input(call: Call, trajectory: pd.DataFrame, arguments: list[str], w
         assert word in answer.errors
 
 
+@pytest.mark.verify
 def test_report_and_run_take_third_party_engines_and_tables(call: Call, tmp_path: Path) -> None:
     """A copy of the reference in another package, and a table that settles: both are shown and compared, and neither is called ours."""
     twin = "from engines.own.reference import ReferenceEngine\n\n\nclass Twin(ReferenceEngine):\n    name = 'twin'\n"

@@ -95,6 +95,7 @@ def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(trajectory: Trajector
         solution.animate(tmp_path / "out.gif")
 
 
+@pytest.mark.verify
 def test_a_case_without_a_crank_can_be_drawn() -> None:
     case = load_case("spin-up")
     assert not isinstance(case.scene, Mechanism)

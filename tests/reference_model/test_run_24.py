@@ -59,6 +59,7 @@ def test_errors_of_shapes_that_stay_fall_with_their_number(converged: dict[str, 
         assert error(columns["tip_deflection"], converged["tip_deflection"]) == pytest.approx(expected, rel=0.1)
 
 
+@pytest.mark.verify
 def test_elements_go_to_the_same_motion(converged: dict[str, Array]) -> None:
     """Eight elements are 2.6e-3 off over 2 s; of the angle's element space with recovery, and of the thesis' deflection as it is."""
     mechanism = run_24()

@@ -131,6 +131,7 @@ def test_an_address_from_outside_does_no_harm(opened: Open) -> None:
     assert drawn(page, "stage")
 
 
+@pytest.mark.verify
 def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
     page = opened("#at=200&chapter=each")
     page.wait_for_selector("#signals .bk-Figure, #signals [class*=bk-]")
@@ -151,7 +152,7 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
     assert drawn(page, "stage") == before[0]
 
 
-@pytest.mark.parametrize("turning", [1, -1])
+@pytest.mark.parametrize("turning", [-1, pytest.param(1, marks=pytest.mark.verify)])
 def test_time_runs_to_the_right_whichever_way_the_crank_turns(opened: Open, tmp_path: Path, turning: int) -> None:
     write(Content(results=[made_up_result("example", turning=turning)], facts=machine_facts()), tmp_path)
     page = opened("#chapter=each", (tmp_path / "index.html").as_uri())
@@ -233,7 +234,7 @@ def test_tables_are_sorted_and_filtered(opened: Open) -> None:
     assert page.locator("#table-run_by_engine tbody tr:visible").count() == len(RESULTS)
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.verify)])
 def test_nothing_overflows_a_telephone_and_no_picture_is_empty(opened: Open, scheme: str) -> None:
     page = opened("#at=200", width=390, height=844, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details.chapter').forEach(each => { each.open = true; })")
@@ -259,7 +260,10 @@ def test_a_hostile_title_stays_text(opened: Open, tmp_path: Path) -> None:
     assert page.locator("main img").count() == 0
 
 
-@pytest.mark.parametrize("kind", ["rigid", "backwards", "not settled", "all failed", "without shape"])
+@pytest.mark.parametrize(
+    "kind",
+    ["backwards", "all failed", *(pytest.param(kind, marks=pytest.mark.verify) for kind in ("rigid", "not settled", "without shape"))],
+)
 def test_whatever_became_of_the_runs_there_is_a_page(opened: Open, tmp_path: Path, kind: str) -> None:
     result = {
         "rigid": made_up_result("rigid"),

@@ -89,6 +89,7 @@ def test_dependent_accelerations_are_second_derivatives_of_the_loop(seed: int) -
     np.testing.assert_allclose(second, value["accelerations"][[1, 4]], rtol=1e-5, atol=1e-3)
 
 
+@pytest.mark.verify
 def test_energy_changes_by_the_work_done() -> None:
     parameters, state = random_case(np.random.default_rng(3), present=1.0)
     names = list(symbolic_model.STATE)

@@ -66,6 +66,7 @@ def test_scenes_of_the_library_are_those_that_the_truth_can_model(monkeypatch: p
     assert [scene.name for scene in library_scenes()] == ["thesis-24"]
 
 
+@pytest.mark.verify
 def test_claims_hold_on_two_random_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
     """A quarter of a second of each. The second begins with a sudden load: fast modes ring whose acceleration no truth has."""
     monkeypatch.setattr(tests.verification.accuracy_campaign, "CHAINS", (27,))

@@ -54,6 +54,7 @@ def test_sound_engines_are_accurate_disguised_or_not(sound: dict[str, Trial]) ->
     assert verdicts_with(disguised.columns, disguised, sound) == {"reference": ACCURATE, "exudyn": ACCURATE, "odd": ACCURATE}
 
 
+@pytest.mark.verify
 def test_a_step_twenty_times_too_large_is_found_by_the_estimate() -> None:
     assert judge(run_of(engine("exudyn"), COARSE_ROWS).evidence).kind == ACCURATE  # on this grid, too
     assert judge(run_of(TooLargeStep(engine("exudyn")), COARSE_ROWS).evidence).kind in (NOT_CONVERGED, DIVERGED)

@@ -161,10 +161,12 @@ def assert_same_steady_state(name: str, engine_name: str) -> None:
     assert cycle_difference(straight.cycle, from_orbit.cycle) < sum(run.settling_error or 0.0 for run in (straight, from_orbit))
 
 
+@pytest.mark.verify
 def test_a_link_chain_from_the_orbit_settles_where_it_settles_straight() -> None:
     assert_same_steady_state("thesis-10", "mujoco")
 
 
+@pytest.mark.verify
 def test_two_cycles_from_the_orbit_show_the_errors_of_settled_ones() -> None:
     """Three runs of six turns from the standard start estimate what three of two turns from the orbit do: measured 0.9 to 1.5 of it."""
     case = load_case("thesis-17")

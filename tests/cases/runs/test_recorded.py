@@ -119,6 +119,7 @@ def test_where_no_column_tells_the_start_the_way_to_the_steady_state_does(transi
     assert recorded(transient[["time", "crank_angle", "tip_acceleration"]][:400]).turn is None  # a single turn is taken to repeat
 
 
+@pytest.mark.verify
 def test_a_table_that_settles_is_held_against_the_steady_state(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     run = recorded(settled)
     assert (run.status, run.turn) == (SETTLED, None)
