@@ -203,7 +203,7 @@ def _trajectory(
 
 def _once(chosen: AnyEngine, mechanism: Mechanism, duration: float, output_step: float, settings: Settings) -> StudiedTrajectory:
     run = run_once(chosen, mechanism, standard_start(mechanism), duration, output_step, settings)
-    return _studied(chosen, mechanism, settings, *run)
+    return _studied(chosen, mechanism, settings, run.trajectory, run.simulation.setup_seconds)
 
 
 def _studied(

@@ -135,18 +135,6 @@ def simulate(
 
 def run_once(
     engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float, settings: Settings
-) -> tuple[Trajectory, float]:
-    """One run as it comes; see `make_run`.
-
-    Returns:
-        The trajectory and the setup time in s.
-    """
-    made = make_run(engine, scene, start, duration, output_step, settings)
-    return made.trajectory, made.simulation.setup_seconds
-
-
-def make_run(
-    engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float, settings: Settings
 ) -> Made:
     """One run as it comes, checked for completeness and for values that are no numbers.
 
@@ -339,7 +327,7 @@ class _Runs(Generic[SceneT, StartT]):
             raise self._failed[settings]
         if settings not in self._done:
             try:
-                self._done[settings] = make_run(self.engine, self.scene, *self._run, settings)
+                self._done[settings] = run_once(self.engine, self.scene, *self._run, settings)
             except EngineFailure as failure:
                 self._failed[settings] = failure
                 raise

@@ -99,22 +99,25 @@ class BeamModel:
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
         tables, reach = (beam.elements if of_elements else beam.staying)(mechanism, own, squares)
         constants = parameters(mechanism, own.count, tables, reach, treatment, transverse_damping=transverse_damping)
-        return cls(mechanism, constants, partial(_of_set, own), _amplitude(mechanism, deflection_scale(mechanism)))
+        return cls(
+            mechanism, constants, partial(_unmoved, partial(own.evaluate, derivative=1)), _amplitude(mechanism, deflection_scale(mechanism))
+        )
 
     @classmethod
     def alone(cls, scene: FollowerAlone, shapes: int | ShapeSet, *, transverse_damping: bool = False) -> "BeamModel":
         """The follower alone, in its first clamped modes (at least 1) or in given shapes."""
         if isinstance(shapes, int):
             found = clamped_modes(scene, shapes)
-            n, squares = shapes, (2.0 * np.pi * found.frequencies) ** 2
-            tables = beam.clamped(scene, lambda x: found.deflection(x, 1).T, squares, None)
+            squares, nodes = (2.0 * np.pi * found.frequencies) ** 2, None
+
+            def angles(x: Array) -> Array:
+                return found.deflection(x, 1).T
         else:
             own, squares = vibrating(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
-            n = own.count
-            nodes = own.edges if own.coefficients.shape[1] == 4 else None
-            tables = beam.clamped(scene, lambda x: own.evaluate(x, 1), squares, nodes)
-        constants = parameters(scene, n, tables, scene.follower.length, transverse_damping=transverse_damping)
-        return cls(scene, constants, _no_angles, _amplitude(scene, 0.01 * scene.follower.length))
+            angles, nodes = partial(own.evaluate, derivative=1), own.edges if own.coefficients.shape[1] == 4 else None
+        tables = beam.clamped(scene, angles, squares, nodes)
+        constants = parameters(scene, len(squares), tables, scene.follower.length, transverse_damping=transverse_damping)
+        return cls(scene, constants, partial(_unmoved, angles), _amplitude(scene, 0.01 * scene.follower.length))
 
     def with_fewer_shapes(self, count: int) -> "BeamModel":
         """The model with the first shapes alone, on the same points: columns of the same tables."""
@@ -124,7 +127,7 @@ class BeamModel:
         of_points = np.arange(extras).reshape(t.kinds, p.n, places)[:, :count].ravel()
         of_shapes = extras + (np.arange(EXTRAS)[:, None] * p.n + np.arange(count)).ravel()
         kept = np.concatenate([of_points, of_shapes, extras + EXTRAS * p.n + np.arange(t.cells)])
-        tables = t._replace(coefficients=np.ascontiguousarray(t.coefficients[:, :, kept]))
+        tables = t._replace(coefficients=beam.padded_to_lines(t.coefficients[:, :, kept]))
         fewer = p._replace(n=count, speeds=p.speeds - p.n + count, tables=tables)
 
         def shapes(s: float, x: Array) -> tuple[Array, Array]:
@@ -318,9 +321,7 @@ def _of_family(family: ModeFamily, s: float, x: Array) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def _of_set(shapes: ShapeSet, s: float, x: Array) -> tuple[Array, Array]:
-    return shapes.evaluate(x, 1), np.zeros((len(x), shapes.count))
-
-
-def _no_angles(s: float, x: Array) -> tuple[Array, Array]:
-    raise NotImplementedError("the follower alone begins straight")
+def _unmoved(angles: Callable[[Array], Array], s: float, x: Array) -> tuple[Array, Array]:
+    """Of shapes that stay, wherever the slider is."""
+    psi = angles(x)
+    return psi, np.zeros_like(psi)

@@ -22,21 +22,21 @@ hypothesis.settings.load_profile("quickreturn")
 
 #: The files that take longest, so that no process is left alone with one at the end.
 LONGEST = (
+    "test_faults",
+    "test_page_in_a_browser",
     "test_documents",
     "test_sensible_machines",
-    "test_command_line",
-    "test_package",
+    "test_processes",
     "test_several",
+    "test_bad_input",
     "test_pictures",
-    "test_rivals",
-    "test_faults",
-    "test_thesis_runs",
-    "test_measures_accuracy",
     "test_exudyn",
-    "test_thesis_equations",
+    "test_recorded",
     "test_mutation",
-    "test_limits",
-    "test_accuracy_campaign",
+    "test_conformance",
+    "test_run_verdicts",
+    "test_report",
+    "test_golden",
 )
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from cases.benchmark.findings import Confirmation, Converged, Measured, Point
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
-from engines.accurate import ESTIMATED, run_once
+from engines.accurate import ESTIMATED, Made, run_once
 from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.registry import engine
 from engines.relative import relative_error, rms
@@ -89,7 +89,7 @@ def benchmark(
         Refusal: likewise.
     """
     points = [_Attempt(method, settings) for method in methods(names, case) for settings in method.ladder]
-    truth = _run(engine(TRUTH[0]), case, _settings(TRUTH, case))[0]
+    truth = _run(engine(TRUTH[0]), case, _settings(TRUTH, case)).trajectory
     confirmation = _confirmation(case, truth)
     for method in {point.method.name: point for point in points}.values():
         announce(method.method.engine.name)
@@ -149,7 +149,7 @@ def _machine(names: Sequence[str]) -> dict[str, str]:
     }
 
 
-def _run(chosen: AnyEngine, case: Case, settings: Settings) -> tuple[Trajectory, float]:
+def _run(chosen: AnyEngine, case: Case, settings: Settings) -> Made:
     return run_once(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, settings)
 
 
@@ -159,7 +159,7 @@ def _confirmation(case: Case, truth: Trajectory) -> Confirmation:
     for texts in choices:
         settings = _settings((name, texts), case)
         try:
-            found = Confirmation(name, settings.as_dict(), _errors(_run(engine(name), case, settings)[0], truth))
+            found = Confirmation(name, settings.as_dict(), _errors(_run(engine(name), case, settings).trajectory, truth))
         except (EngineFailure, Refusal) as failure:
             found = Confirmation(name, settings.as_dict(), failure=str(failure))
             continue
@@ -194,13 +194,13 @@ class _Attempt:
         if repetition and sum(self.times) + min(self.times) > BUDGET:
             return
         try:
-            self.trajectory, setup = _run(self.method.engine, case, self.settings)
+            made = _run(self.method.engine, case, self.settings)
         except (EngineFailure, Refusal, SettingError) as failure:
             self.status = str(failure)
             return
-        self.status = COMPLETED
-        self.times.append(self.trajectory.solve_seconds)
-        self.setup.append(setup)
+        self.status, self.trajectory = COMPLETED, made.trajectory
+        self.times.append(made.trajectory.solve_seconds)
+        self.setup.append(made.simulation.setup_seconds)
 
     def told(self, case: Case, truth: Trajectory) -> Point:
         return Point(

@@ -48,7 +48,7 @@ class Motion:
     def by(self, engine: AnyEngine, settings: Settings) -> Trajectory:
         """A complete and finite run of an engine. Raises as `run_once`."""
         start = self.start or standard_start(self.scene)
-        return run_once(engine, self.scene, start, self.duration, self.output_step, settings)[0]
+        return run_once(engine, self.scene, start, self.duration, self.output_step, settings).trajectory
 
 
 @dataclass(frozen=True)

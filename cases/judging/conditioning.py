@@ -92,7 +92,7 @@ def _run(mechanism: Mechanism, duration: float, output_step: float) -> Trajector
     engine = ReferenceEngine()
     settings = engine.settings_for(_ACCURACY, mechanism)
     try:
-        return run_once(engine, mechanism, standard_start(mechanism), duration, output_step, settings)[0]
+        return run_once(engine, mechanism, standard_start(mechanism), duration, output_step, settings).trajectory
     except EngineFailure as failure:
         if failure.partial is None or len(failure.partial) < 2:
             raise

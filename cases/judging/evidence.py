@@ -167,7 +167,7 @@ class _Request:
         """A run over the whole duration, or what there is of it and why there is no more."""
         scene = self._scene
         try:
-            return run_once(self._engine, scene.mechanism, self._start, scene.duration, scene.output_step, settings)[0], None
+            return run_once(self._engine, scene.mechanism, self._start, scene.duration, scene.output_step, settings).trajectory, None
         except EngineFailure as failure:
             return failure.partial, failure
 

@@ -41,8 +41,8 @@ def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     """Largest modulus of the straight chain's roots, 1/s: what an explicit integrator must keep up with, vibration or decay.
 
     A rigid joint lowers it; a compliant one raises it, by what depends on the slider's place. A base that turns as prescribed does not
-    give way. A light base does, and then a damping far too weak for the vibrations makes one motion decay very fast: the first links
-    turning against the rest, which all moves relative to the base.
+    give way. A light base does. Damping acts on velocities relative to the base, and then makes one motion decay very fast, in which the
+    first links turn against the rest, although the same damping hardly slows the vibrations.
     """
     mass, stiffness = chain.follower_matrices(model, scene, hinges)
     damping = chain.follower_damping(scene, hinges)

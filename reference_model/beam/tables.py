@@ -226,15 +226,12 @@ def _tables(low: float, high: float, coefficients: Array, kinds: int, points: in
     to_points[:, : points + 1] = 0.5 * integrals_to_points(gauss, weights)
     of_cell = on_lines((places,))
     of_cell[:points] = 0.5 * weights
-    intervals, powers, taken = coefficients.shape
-    rows = on_lines((intervals, powers, 8 * math.ceil(taken / 8)))
-    rows[:, :, :taken] = coefficients
     return Tables(
         low=float(low),
         high=float(high),
         step=float(high - low) / len(coefficients),
         kinds=kinds,
-        coefficients=rows,
+        coefficients=padded_to_lines(coefficients),
         before=np.ascontiguousarray(before),
         G=points,
         S=places,
@@ -244,3 +241,11 @@ def _tables(low: float, high: float, coefficients: Array, kinds: int, points: in
         weights=of_cell,
         to_points=to_points.ravel(),
     )
+
+
+def padded_to_lines(coefficients: Array) -> Array:
+    """The same (intervals, powers, row length), every row a whole number of the memory's lines."""
+    intervals, powers, taken = coefficients.shape
+    rows = on_lines((intervals, powers, 8 * math.ceil(taken / 8)))
+    rows[:, :, :taken] = coefficients
+    return rows

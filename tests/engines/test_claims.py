@@ -19,7 +19,7 @@ from reference_model.mechanism import Base, Crank, Follower, Mechanism, Prescrib
 def truth_of(scene: Mechanism, duration: float) -> Trajectory:
     """Good to 1e-4 at the very most in the scenes of this file."""
     settings = ReferenceSettings(modes=9, tolerance=1e-8)
-    return run_once(ReferenceEngine(), scene, standard_start(scene), duration, 1e-3, settings)[0]
+    return run_once(ReferenceEngine(), scene, standard_start(scene), duration, 1e-3, settings).trajectory
 
 
 def errors_over_claims(result: Result, truth: Trajectory) -> dict[str, float]:
@@ -124,7 +124,8 @@ def test_a_blow_that_sets_all_modes_ringing() -> None:
     case = load_case("example")
     start = standard_start(case.mechanism)
     found = simulate(engine("reference"), case.mechanism, start, 1.0, 1e-3)
-    fine, _ = run_once(engine("reference"), case.mechanism, start, 1.0, 1e-3, ReferenceSettings(modes=12, tolerance=1e-10))
+    converged = ReferenceSettings(modes=12, tolerance=1e-10)
+    fine = run_once(engine("reference"), case.mechanism, start, 1.0, 1e-3, converged).trajectory
     for column in ("tip_acceleration", "slider_force"):
         estimate = found.error_estimates[column]
         assert estimate is not None

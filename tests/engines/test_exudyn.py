@@ -104,7 +104,7 @@ def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
     soft = load_case("hard-ei-x0.1").mechanism
     soft = dataclasses.replace(soft, follower=dataclasses.replace(soft.follower, thickness=3.0 * soft.follower.thickness))
     converged = ReferenceSettings(modes=9, tolerance=1e-8)
-    truth = accurate.run_once(ReferenceEngine(), soft, standard_start(soft), 0.3, 1e-3, converged)[0]["tip_deflection"]
+    truth = accurate.run_once(ReferenceEngine(), soft, standard_start(soft), 0.3, 1e-3, converged).trajectory["tip_deflection"]
     found = {}
     for factor in (1, 16):
         texts = {"elements": "32", "step": "2.5e-4", "axial_factor": str(factor)}
@@ -367,7 +367,7 @@ def arm(length: float, slenderness: float, width: float, speed: float, damping: 
 
 def errors_of(mechanism: Mechanism, duration: float, modes: int, **settings) -> dict[str, float]:
     converged = ReferenceSettings(modes=modes, tolerance=1e-9)
-    truth = accurate.run_once(ReferenceEngine(), mechanism, standard_start(mechanism), duration, 1e-3, converged)[0]
+    truth = accurate.run_once(ReferenceEngine(), mechanism, standard_start(mechanism), duration, 1e-3, converged).trajectory
     found = simulate(mechanism, duration, **settings)
     return {name: relative_error(found[name], truth[name]) for name in accurate.ESTIMATED}
 

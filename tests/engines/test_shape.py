@@ -23,7 +23,7 @@ def test_thirteen_places_are_one_smooth_line_clamped_at_the_base(name: str) -> N
     mechanism = run_24()
     chosen = engine(name)
     settings = chosen.settings_for(chosen.default_accuracy, mechanism)
-    trajectory = run_once(chosen, mechanism, standard_start(mechanism), 0.2, 1e-3, settings)[0]
+    trajectory = run_once(chosen, mechanism, standard_start(mechanism), 0.2, 1e-3, settings).trajectory
     x, lines = np.linspace(0.0, 1.0, 13), shape(trajectory)
     size = np.max(np.abs(lines))
     # leaving out every other place and taking it from a spline through the rest: smooth to 3e-3 of the largest, kink included

@@ -51,7 +51,7 @@ def engine_of(**members: Any) -> SimpleEngine:
 
 
 def advanced(engine: SimpleEngine, duration: float = 0.1, settings: SimpleSettings = SETTINGS) -> Any:
-    return run_once(engine, BASE, standard_start(BASE), duration, 1e-3, settings)[0]
+    return run_once(engine, BASE, standard_start(BASE), duration, 1e-3, settings).trajectory
 
 
 def failure_of(engine: SimpleEngine) -> EngineFailure:

@@ -64,6 +64,7 @@ def test_the_last_whole_turn_is_shown(trajectory: Trajectory) -> None:
     assert angle[-1] - angle[0] == pytest.approx(2.0 * np.pi, abs=0.02)
 
 
+@pytest.mark.verify
 def test_the_moving_picture_moves_and_is_small(trajectory: Trajectory) -> None:
     content = moving(CASE, {"reference": trajectory}, ".webp")
     assert len(content) < 500_000

@@ -54,7 +54,7 @@ def test_a_stiff_follower_deflects_as_if_its_loads_stood_still() -> None:
     scene = scene_of(1000.0)
     settings = ReferenceSettings(modes=2, tolerance=1e-7)
     cycle = 2.0 * math.pi / SPEED
-    motion = run_once(ReferenceEngine(), scene, standard_start(scene), cycle, cycle / 720.0, settings)[0]
+    motion = run_once(ReferenceEngine(), scene, standard_start(scene), cycle, cycle / 720.0, settings).trajectory
     size = float(np.sqrt(np.mean(motion["tip_deflection"][:-1] ** 2)))
     # vibrations and their share in the load are of the order of the ratio's inverse square; the straight start excites a few of them
     assert size == pytest.approx(static_deflection(scene, SPEED), rel=40.0 / stiffness_ratio(scene) ** 2)
@@ -120,6 +120,8 @@ def test_a_step_ends_where_the_integrator_would_stop_damping_the_highest_mode() 
 def test_acceleration_and_force_are_as_good_as_the_deflection(stiffness: float) -> None:
     scene, engine = scene_of(stiffness, driven=True), ReferenceEngine()
     start = standard_start(scene)
-    coarse, fine = (run_once(engine, scene, start, 0.5, 1e-3, ReferenceSettings(modes=4, tolerance=each))[0] for each in (3e-7, 1e-10))
+    coarse, fine = (
+        run_once(engine, scene, start, 0.5, 1e-3, ReferenceSettings(modes=4, tolerance=each)).trajectory for each in (3e-7, 1e-10)
+    )
     errors = {name: float(np.sqrt(np.mean((coarse[name] - fine[name]) ** 2) / np.mean(fine[name] ** 2))) for name in ESTIMATED}
     assert max(errors.values()) < 2e-4, errors

@@ -90,7 +90,7 @@ def solved(case: str, name: str, settings: str) -> Trajectory:
     scene, chosen = load_case(case), engine(name)
     texts = {key: str(value) for key, value in json.loads(settings).items()}
     used = chosen.settings_for(1e-4, scene.mechanism).with_texts(texts)
-    return run_once(chosen, scene.mechanism, standard_start(scene.mechanism), scene.duration, scene.output_step, used)[0]
+    return run_once(chosen, scene.mechanism, standard_start(scene.mechanism), scene.duration, scene.output_step, used).trajectory
 
 
 @pytest.mark.parametrize(("case", "name", "rank"), CELLS)

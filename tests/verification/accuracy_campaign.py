@@ -198,7 +198,7 @@ def _confirming(scene: Scene) -> tuple[Trajectory | None, str]:
 
 def _run(name: str, scene: Scene, settings: Settings) -> Trajectory | None:
     try:
-        return run_once(engine(name), scene.mechanism, standard_start(scene.mechanism), scene.duration, OUTPUT_STEP, settings)[0]
+        return run_once(engine(name), scene.mechanism, standard_start(scene.mechanism), scene.duration, OUTPUT_STEP, settings).trajectory
     except (EngineFailure, Refusal):
         return None
 

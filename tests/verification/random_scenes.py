@@ -98,7 +98,7 @@ def condition_of(mechanism: Mechanism, duration: float, output_step: float = OUT
     changed = dataclasses.replace(mechanism, follower=dataclasses.replace(mechanism.follower, bending_stiffness=stiffness))
     engine, start = ReferenceEngine(), standard_start(mechanism)
     judge = _JUDGE if stiffness_ratio(mechanism) < LEAST_STIFFNESS_RATIO else engine.settings_for(_ACCURACY, mechanism)
-    nominal, other = (run_once(engine, each, start, duration, output_step, judge)[0] for each in (mechanism, changed))
+    nominal, other = (run_once(engine, each, start, duration, output_step, judge).trajectory for each in (mechanism, changed))
     size = _rms(nominal["tip_deflection"])
     return _rms(other["tip_deflection"] - nominal["tip_deflection"]) / (_STIFFNESS_CHANGE * size), nominal
 

@@ -26,9 +26,9 @@ SEED = 603
 SURELY_SETTLING = 0.85
 #: Part of the machines that may be too violent, and are listed.
 TOO_VIOLENT = 0.05
-#: Twelve that are quick to compute: driven and prescribed, with a tip body and without, turning either way, 7 to 255 times as fast in
-#: bending as the crank turns, keeping 0 to 0.7 of a disturbance in a cycle. All are among the two hundred.
-QUICK = (6, 13, 25, 28, 40, 41, 43, 46, 53, 55, 66, 70)
+#: Three of the two hundred that are quick to compute: driven and prescribed, with a tip body and without, 7, 19 and 255 times as fast in
+#: bending as the crank turns, keeping 0 to 0.7 of a disturbance in a cycle.
+QUICK = (28, 41, 53)
 
 
 def machines(count: int) -> list[Case]:
@@ -84,7 +84,7 @@ def test_machines_are_the_same_each_time() -> None:
     assert machines(1) == machines(1)
 
 
-def test_twelve_quick_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
+def test_three_quick_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
     every = machines(QUICK[-1])
     found = [every[number - 1] for number in QUICK]
     assert all(stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO for case in found)

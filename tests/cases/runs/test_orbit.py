@@ -118,6 +118,7 @@ def test_what_there_is_none_to_begin_in_says_why(monkeypatch: pytest.MonkeyPatch
     assert {"none found": "astray", "unstable": "not stable", "rigid": "rigid follower"}[outcome] in found.reason
 
 
+@pytest.mark.verify
 def test_the_runner_lets_them_begin_where_they_shall(tmp_path: Path) -> None:
     requests = {
         ("orbit",): request(settings=CHEAP),
