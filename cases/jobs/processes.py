@@ -259,6 +259,7 @@ class _Worker:
         if not self._guarded or (code is not None and self._exists()):  # the fork server is gone, and what it knew
             return "ended without a result"
         if code is None:
+            self._kill()
             return "cut its connection to the runner"
         if code >= 0:
             return f"ended without a result (exit code {code})"

@@ -61,7 +61,7 @@ def test_on_a_rigid_follower_slider_force_and_torque_follow_from_moments_and_vir
     assert np.max(np.abs(torque - expected)[known]) < tolerance * np.max(np.abs(expected[known]))
 
 
-@pytest.mark.parametrize("name", MAIN)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.verify] if name == "exudyn" else []) for name in MAIN])
 def test_the_work_of_the_force_is_accounted_for(name: str) -> None:
     mechanism = run_24(tip={**CUTTING, "force": (-1.0, 0.5)})
     trajectory = run(name, mechanism).trajectory

@@ -251,6 +251,7 @@ def test_an_interrupted_run_ends_at_once_and_keeps_what_it_has(place: Path) -> N
 # --- the store ---------------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.verify
 def test_a_damaged_result_is_computed_anew_and_said_in_one_sentence(place: Path, call: Call) -> None:
     arguments = ("run", "small.toml", *engines("sound", "also-sound"), "--json")
     first = call(*arguments)

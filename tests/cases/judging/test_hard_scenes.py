@@ -31,6 +31,7 @@ def short(workshop: Workshop) -> Matrix:
     return judge_scenes([with_times(load_case(name), duration=0.3) for name in SHORT], workshop, ENGINES)
 
 
+@pytest.mark.verify
 def test_engines_agree_when_the_slider_leaves_the_follower(short: Matrix) -> None:
     for name in ENGINES:
         verdict = short.cells["hard-speed-x3", name].verdict
@@ -40,6 +41,7 @@ def test_engines_agree_when_the_slider_leaves_the_follower(short: Matrix) -> Non
         assert short.cells["hard-speed-x3", name].holds
 
 
+@pytest.mark.verify
 def test_a_feature_that_an_engine_lacks_is_refused_and_the_other_is_judged(short: Matrix) -> None:
     assert short.cells["hard-slider-inertia", "mujoco"].verdict.kind == REFUSED
     assert "slider.inertia" in short.cells["hard-slider-inertia", "mujoco"].verdict.reason
@@ -50,6 +52,7 @@ def test_a_feature_that_an_engine_lacks_is_refused_and_the_other_is_judged(short
     assert short.silently_wrong == ()
 
 
+@pytest.mark.verify
 def test_what_is_stored_is_not_computed_again(short: Matrix, workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
     def computed(_: object, jobs: list[object], *__: object) -> Generator[object, None, None]:
         assert jobs == []
