@@ -3,13 +3,15 @@
 import math
 from typing import Final
 
-from cases.runs.comparison import REFERENCE, CaseResult, Check, largest_differences, not_judged
+from cases.runs.comparison import REFERENCE, CaseResult, Check, Kind, not_judged
 from cases.runs.request import Run
 from reports.output import table_text
 from reports.words import cost
 
 #: Departures shown of a pair of engines.
 SHOWN: Final = 5
+#: Differences of an engine that is not judged: word and kind.
+_OF_KIND: Final[dict[str, Kind]] = {"frequency": "channel frequency", "amplitude": "amplitude", "extremes": "extreme"}
 
 _HEADS: Final = (
     "engine", "status", "start", "cycles", "solve s", "estimate", "class", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2",
@@ -46,7 +48,8 @@ def _verdict(result: CaseResult) -> list[str]:
     reference = result.runs.get(REFERENCE)
     for name, run in result.runs.items():
         if reference is not None and reference.usable and run.usable and name != REFERENCE and (why := not_judged(run)):
-            found = [f"{kind} {100.0 * size:.2g} %" for kind, size in largest_differences(run, reference).items() if size is not None]
+            sizes = {word: [abs(each.relative) for each in result.differences(name, kind)] for word, kind in _OF_KIND.items()}
+            found = [f"{word} {100.0 * max(of_kind):.2g} %" for word, of_kind in sizes.items() if of_kind]
             lines.append(f"{name}, not judged ({why}): largest differences from {REFERENCE}: {', '.join(found) or 'none'}")
     return lines
 

@@ -8,7 +8,7 @@ an engine is says its accuracy class. An engine whose estimate is not one of its
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from cases.case import Case
 from cases.errors import CaseError
@@ -27,6 +27,14 @@ HALVES: Final = ("pre", "post")
 #: What is judged of each channel; the consensus of the channels' frequencies is judged besides.
 QUANTITIES: Final = (*VIBRATION, *EXTREMES)
 CONSENSUS: Final = "consensus_frequency"
+#: Kinds of differences; "frequency" is the consensus of a half over its channels.
+Kind = Literal["frequency", "channel frequency", "amplitude", "extreme"]
+KINDS: Final[Mapping[Kind, tuple[str, ...]]] = {
+    "frequency": (CONSENSUS,),
+    "channel frequency": VIBRATION[:1],
+    "amplitude": VIBRATION[1:],
+    "extreme": EXTREMES,
+}
 
 #: Accuracy classes: the least that covers an engine's estimates and its deviation.
 CLASSES: Final = (0.001, 0.003, 0.01, 0.03, 0.1)
@@ -52,6 +60,34 @@ class Claim:
     def width(self) -> float:
         """How far off it may be in all."""
         return self.estimate + self.uncertainty
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One number of two engines.
+
+    Attributes:
+        case: name of the case.
+        quantity: a number of `cases.measures.Measure`, or "consensus_frequency".
+        half: "pre" or "post".
+        channel: trajectory column; None for the consensus.
+        value: the engine's.
+        other: the one it is held against.
+        relative: (value - other) / |other|; for an extreme over the channel's largest magnitude in the other's cycle.
+    """
+
+    case: str
+    quantity: str
+    half: str
+    channel: str | None
+    value: float
+    other: float
+    relative: float
+
+    @property
+    def ratio(self) -> float:
+        """The value over the other."""
+        return self.value / self.other
 
 
 @dataclass(frozen=True)
@@ -173,14 +209,29 @@ class CaseResult:
             return None
         sizes = [size for half in HALVES for size in _own_sizes(run, half)]
         if known and reference is not None:
-            pairs = (values(run, reference, CONSENSUS, half, None) for half in HALVES)
-            sizes += [abs(pair[0] / pair[1] - 1.0) for pair in pairs if pair]
+            sizes += [abs(found.relative) for found in self.differences(name, "frequency")]
             if run.recording:
                 held = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
                 sizes += [abs(check.difference) / check.scale for check in held]
             else:
-                sizes += _differences(run, reference, EXTREMES)
+                sizes += [abs(found.relative) for found in self.differences(name, "extreme")]
         return next((f"{100.0 * width:g} %" for width in CLASSES if max(sizes) <= width), WORSE) if sizes else None
+
+    def differences(
+        self, name: str, kind: Kind, other: str = REFERENCE, half: str | None = None, channel: str | None = None
+    ) -> list[Difference]:
+        """Those of a kind between two engines where both have the number, in both halves and all channels unless one is given."""
+        run, opposite = self.runs.get(name), self.runs.get(other)
+        if run is None or opposite is None or not (run.usable and opposite.usable):
+            return []
+        found = []
+        halves, channels = HALVES if half is None else (half,), CHANNELS if channel is None else (channel,)
+        for where, column, quantity in product(halves, (None,) if kind == "frequency" else channels, KINDS[kind]):
+            pair = values(run, opposite, quantity, where, column)
+            scale = opposite.peak(column) if kind == "extreme" and column else abs(pair[1]) if pair else 0.0
+            if pair is not None and scale > 0.0:
+                found.append(Difference(self.case.name, quantity, where, column, *pair, (pair[0] - pair[1]) / scale))
+        return found
 
 
 def cross_validate(
@@ -375,22 +426,3 @@ def values(run: Run, other: Run, quantity: str, half: str, channel: str | None) 
 
 def _consensus(run: Run, half: str, channels: Sequence[str]) -> Consensus:
     return consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
-
-
-def largest_differences(run: Run, other: Run) -> dict[str, float | None]:
-    """Largest relative difference over halves and channels, per kind of quantity; None where nothing can be compared.
-
-    "frequency" and "amplitude" are relative to the other's value, "extremes" to the channel's largest magnitude in the other's cycle.
-    """
-    groups = {"frequency": VIBRATION[:1], "amplitude": VIBRATION[1:], "extremes": EXTREMES}
-    return {group: max(_differences(run, other, quantities), default=None) for group, quantities in groups.items()}
-
-
-def _differences(run: Run, other: Run, quantities: Sequence[str]) -> list[float]:
-    found = []
-    for half, channel, quantity in product(HALVES, CHANNELS, quantities):
-        pair = values(run, other, quantity, half, channel)
-        scale = 0.0 if pair is None else other.peak(channel) if quantity in EXTREMES else abs(pair[1])
-        if pair is not None and scale > 0.0:
-            found.append(abs(pair[0] - pair[1]) / scale)
-    return found

@@ -8,9 +8,9 @@ import numpy as np
 
 from cases.benchmark import Benchmark, fastest_at
 from cases.benchmark.findings import LEVELS
-from cases.runs.comparison import REFERENCE, CaseResult
+from cases.runs.comparison import REFERENCE, CaseResult, Kind
 from cases.runs.request import SETTLED
-from reports.findings.agreement import Kind, Spread, differences, engines_of, spread
+from reports.findings.agreement import Spread, differences, engines_of, spread
 from reports.findings.conclusions import MODEL
 from reports.page.content import Content
 

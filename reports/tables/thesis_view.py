@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from cases.frozen_crank import LBF_PER_IN, JointEffect
 from cases.measures import CHANNELS
-from cases.runs.comparison import HALVES, CaseResult
-from reports.findings.agreement import Difference, Kind, Summary, differences, summary_of
+from cases.runs.comparison import HALVES, CaseResult, Difference, Kind
+from reports.findings.agreement import Summary, differences, summary_of
 from reports.findings.conclusions import HOLDS, IN_PART, MODEL, NOT, Conclusion
 from reports.findings.raw_extremes import Excess
 from reports.tables.table import Cell, Column, Mark, Table
