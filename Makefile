@@ -36,7 +36,7 @@ lint: $(TEST)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy reference_model engines cases reports quickreturn tests/verification
 
-compile: $(READY)
+compile: $(TEST)
 	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name) for name in ("thesis", "reference", "mujoco")]'
 
 $(READY): EXTRA :=

@@ -1,4 +1,4 @@
-"""The matrix of verdicts: short on two scenes, in full (`make verify`) on all, with every claim checked against a converged solution."""
+"""The matrix of verdicts by `make verify`: short on two scenes, in full on all, every claim checked against a converged solution."""
 
 from collections.abc import Callable, Generator
 from dataclasses import replace
