@@ -8,7 +8,7 @@ import numpy as np
 
 from cases.runs.comparison import CLASSES, WORSE, CaseResult, Check
 from cases.runs.estimates import EXTREMES
-from reports.findings.agreement import engines_of
+from reports.findings.agreement import engines_of, outward
 from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table
 
 #: The slider is at a gauge within this part of the follower's length: half of one of sixteen elements.
@@ -44,7 +44,7 @@ def departures(results: Sequence[CaseResult]) -> Table:
         for check in result.missed:
             found.add(
                 check,
-                **_compared(result, check) | {"difference": Cell(check.difference / check.scale, mark="missed")},
+                **_compared(result, check) | {"difference": Cell(_shown_difference(check), mark="missed")},
                 claim=check.mine.width / check.scale,
                 other_claim=check.its.width / check.scale,
                 share=abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
@@ -69,9 +69,13 @@ def _compared(result: CaseResult, check: Check) -> dict[str, Any]:
         "case": result.case.name,
         "value": check.mine.value,
         "other_value": check.its.value,
-        "difference": check.difference / check.scale,
+        "difference": _shown_difference(check),
         "tolerance": check.tolerance / check.scale,
     }
+
+
+def _shown_difference(check: Check) -> float:
+    return outward(check.quantity, check.difference) / check.scale
 
 
 def cause(result: CaseResult, check: Check) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cases.runs.comparison import REFERENCE, CaseResult, not_judged
-from reports.findings.agreement import differences, engines_of
+from reports.findings.agreement import differences, engines_of, outward
 from reports.page.answer import answer_of
 from reports.page.content import Content
 from reports.tables import claims
@@ -63,7 +63,7 @@ def _map_cells(result: CaseResult, name: str) -> dict[str, Cell]:
     mark: Mark = "missed" if beyond else "open" if why else "good"
     cells = {}
     for kind in ("frequency", "extreme"):
-        found = [found.relative for found in differences([result], name, kind)]
+        found = [outward(each.quantity, each.relative) for each in differences([result], name, kind)]
         largest = max(found, key=abs, default=None)
         cells[f"{name}_{kind}_difference"] = Cell(largest, "n. r." if largest is None else "", why, "open" if why else "good", opens)
     return cells | {f"{name}_beyond": Cell(None, "–", why, mark, opens) if why else Cell(beyond, mark=mark, run=opens)}
