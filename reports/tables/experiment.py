@@ -54,7 +54,7 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
 def measured_alone(axes: Sequence[AxisComparison], engines: Sequence[str]) -> Table:
     """Simulated peaks over the largest label of each figure that shows measured curves alone."""
     ratios = [Column(engine, engine, "1", ".2f", group="simulated peak over label") for engine in engines]
-    columns = ("figure", Column("run", form="d"), CHANNEL, Column("largest_label", "largest label", "SI", ".3g"), *ratios)
+    columns: Columns = ("figure", Column("run", form="d"), CHANNEL, Column("largest_label", "largest label", "SI", ".3g"), *ratios)
     found = Table("measured_alone", columns)
     for axis in axes:
         found.add(axis, **{engine: axis.ratios.get(engine) for engine in engines})

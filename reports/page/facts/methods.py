@@ -7,8 +7,8 @@ from cases.benchmark import SCENES, Benchmark, fastest_at, observed_order, paret
 from cases.benchmark.findings import LEVELS, completed
 from cases.benchmark.measurement import CONFIRMED
 from cases.judging.conditioning import CHANGE, ILL
-from cases.judging.matrix import MODEL, REQUESTED
-from cases.judging.verdicts import LATER, MEANINGS
+from cases.judging.matrix import MODEL, REQUESTED, Matrix
+from cases.judging.verdicts import LATER, MEANINGS, OWN_EQUATIONS
 from cases.library.hard import IMPOSSIBLE
 from reports.page.answer import contest
 from reports.page.content import Content
@@ -89,12 +89,17 @@ def hard_scenes(content: Content) -> dict[str, Any] | None:
     matrix = content.hard_scenes
     if matrix is None:
         return None
+    kinds = Counter(cell.kind for cell in matrix.cells.values())
+    checked = [cell for cell in matrix.cells.values() if cell.holds is not None]
     return {
         "matrix": matrix,
         "of_record": content.of_record.get("hard scenes"),
-        "kinds": Counter(cell.verdict.kind for cell in matrix.cells.values()),
+        "kinds": {kind: kinds[kind] for kind in MEANINGS if kinds[kind]},
+        "own_equations": OWN_EQUATIONS,
+        "off": _model_errors(matrix),
         "requested": REQUESTED,
-        "checked": sum(cell.holds is not None for cell in matrix.cells.values()),
+        "checked": len(checked),
+        "checked_own": sum(cell.of_own_equations for cell in checked),
         "missing": len(matrix.cases) * len(matrix.engines) - len(matrix.cells),
         "meanings": MEANINGS,
         "model": MODEL,
@@ -106,3 +111,8 @@ def hard_scenes(content: Content) -> dict[str, Any] | None:
         "conditioning": hard_tables.conditioning(matrix),
         "cells": hard_tables.cells(matrix),
     }
+
+
+def _model_errors(matrix: Matrix) -> list[float]:
+    """How far the models are off whose cells solve their own equations alone, where that is known."""
+    return [cell.model_error for cell in matrix.cells.values() if cell.kind == OWN_EQUATIONS and cell.model_error is not None]
