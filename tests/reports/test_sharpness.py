@@ -1,4 +1,4 @@
-"""How small an error the comparison of engines finds: the same whether it is planted in a number, in all numbers of a run, or in its motion."""
+"""How small an error the comparison of engines finds: the same whether planted in a number, in all numbers of a run, or in its motion."""
 
 import dataclasses
 import math
