@@ -62,13 +62,18 @@ def measured_alone(axes: Sequence[AxisComparison], engines: Sequence[str]) -> Ta
 
 
 def recorded(results: Sequence[CaseResult]) -> Table:
-    """The recorded tables with what they declare."""
-    columns = (CASE, "table", "version", "origin", "status", Column("rows", form="d"), "columns", "source", "remark")
+    """The recorded tables with what they declare, and in how many numbers they were compared with engines and depart from these."""
+    counts = Column("compared", form="d"), Column("beyond", form="d")
+    columns = (CASE, "table", "version", "origin", "status", Column("rows", form="d"), "columns", *counts, "source", "remark")
     found = Table("recorded", columns)
     for result in results:
         for run in result.recorded.values():
+            checks = [check for check in result.table_checks if check.engine == run.engine]
+            beyond = sum(not check.passed for check in checks)
             found.add(
                 run,
+                compared=len(checks),
+                beyond=Cell(beyond, mark="missed" if beyond else ""),
                 case=result.case.name,
                 table=run.engine,
                 origin=_origin(run),

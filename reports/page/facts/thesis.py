@@ -13,7 +13,7 @@ from cases.runs.comparison import REFERENCE
 from engines.registry import OWN
 from reports.findings.agreement import differences, engines_of
 from reports.findings.axes import COLUMNS, axis_comparisons, measured_alone, misfit
-from reports.findings.conclusions import CANNOT_FOLLOW, MODEL, NOT
+from reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, MODEL, NOT, OUTCOMES
 from reports.findings.raw_extremes import Excess, counted_excess
 from reports.page.content import Content
 from reports.page.facts.studies import strongest
@@ -40,9 +40,13 @@ def thesis(content: Content) -> dict[str, Any] | None:
     joints = content.frozen_crank.joints if content.frozen_crank is not None else ()
     return {
         "conclusions": conclusions,
+        "outcomes": {outcome: count for outcome in OUTCOMES if (count := sum(each.outcome == outcome for each in conclusions))},
         "contradicted": [each.statement.words for each in conclusions if each.outcome == NOT],
         "not_following": [each.statement.words for each in conclusions if each.outcome == CANNOT_FOLLOW],
         "medians": {half: float(np.median(ratios)) for half, ratios in found.items() if ratios},
+        "resolved": {half: len(ratios) for half, ratios in found.items()},
+        "alike": ALIKE,
+        "accurate": ACCURATE,
         "fitted": fitted,
         "strains": {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF},
         "larger_after": _larger_after(excesses),
