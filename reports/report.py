@@ -23,7 +23,7 @@ from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import REFERENCE, CaseResult, cross_validate
 from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
-from engines.registry import MAIN
+from engines.registry import MAIN, engine
 from reports import long_studies
 from reports.findings.failures import INCOMPLETE
 from reports.findings.runs import of_library
@@ -125,7 +125,8 @@ def write(content: Content, folder: Path) -> Written:
 def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
     """The verdicts that are stored, and those of record for other engines."""
     found = {name: workshop.stored(conformance.job(name)) for name in engines}
-    own = {name: outcome.value.verdict for name, outcome in found.items() if outcome is not None and outcome.value is not None}
+    values = {name: outcome.value for name, outcome in found.items() if outcome is not None and outcome.value is not None}
+    own = {name: long_studies.RecordedConformance.of(value, engine(name).version()).words for name, value in values.items()}
     return long_studies.conformance() | own
 
 

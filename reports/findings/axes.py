@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases.experiment import AxisLabels, axis_labels
-from cases.runs.comparison import CaseResult
+from cases.runs.comparison import REFERENCE, CaseResult
+from reports.findings.conclusions import MODEL
 from reports.findings.runs import thesis_runs
 
 #: Channel of an axis -> trajectory columns that it shows.
@@ -37,6 +38,17 @@ def measured_alone(results: Sequence[CaseResult]) -> list[AxisComparison]:
 def misfit(ratios: Sequence[float]) -> float:
     """How far simulated peaks lie from the labels in the median, as a factor of at least 1: a ratio of 1/2 counts as one of 2."""
     return float(np.exp(np.median(np.abs(np.log(ratios)))))
+
+
+def fits_worse(axes: Sequence[AxisComparison]) -> bool:
+    """Whether the converged engine's peaks of strain are further from the labels than those of the thesis' model, in the median."""
+    misfits = [misfit(found) for name in (REFERENCE, MODEL) if (found := ratios_of(axes, "strain", name))]
+    return len(misfits) == 2 and misfits[0] > misfits[1]
+
+
+def ratios_of(axes: Sequence[AxisComparison], channel: str, engine: str) -> list[float]:
+    """An engine's peaks over the labels of a channel's axes."""
+    return [axis.ratios[engine] for axis in axes if axis.channel == channel and engine in axis.ratios]
 
 
 def _compared(results: Sequence[CaseResult], wanted: Callable[[AxisLabels], bool]) -> list[AxisComparison]:

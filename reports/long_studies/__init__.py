@@ -7,6 +7,7 @@ writes them; `about.csv` says of each study when, with which versions and with w
 import csv
 import dataclasses
 import json
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -19,6 +20,7 @@ import pandas as pd
 from cases.benchmark import Benchmark, Compiling
 from cases.benchmark.findings import Point
 from cases.case import Case
+from cases.conformance import Conformance
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.records import decoded, encoded
 from cases.jobs.store import Record
@@ -84,6 +86,18 @@ class RecordedConformance:
     failed: int
     not_judged: int
 
+    @classmethod
+    def of(cls, found: Conformance, version: str) -> "RecordedConformance":
+        """The outcome for a version of an engine."""
+        counts = Counter(check.status for check in found.checks)
+        return cls(found.engine, version, found.verdict, counts["passed"], counts["failed"], counts["not judged"])
+
+    @property
+    def words(self) -> str:
+        """The verdict, and what it rests on."""
+        unjudged = f", {self.not_judged} could not be judged" if self.not_judged else ""
+        return f"{self.verdict}; {self.passed} checks passed{unjudged}"
+
 
 @cache
 def about(study: str) -> About | None:
@@ -113,7 +127,7 @@ def conformance() -> dict[str, str]:
         return {}
     older = "" if made.current else ", which is older than this page’s"
     told = f"recorded on {made.date} with code {made.code[:12]}{older}"
-    return {found.engine: f"{found.verdict} ({told})" for found in table("conformance", RecordedConformance)}
+    return {found.engine: f"{found.words} ({told})" for found in table("conformance", RecordedConformance)}
 
 
 def confirming() -> list[StudiedRun]:

@@ -3,7 +3,6 @@
 import dataclasses
 import sys
 import time
-from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -60,9 +59,7 @@ def _conformance(name: str, workshop: Workshop, *, compute: bool) -> RecordedCon
         stored = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
     if stored is None or stored.value is None:
         return None
-    counts = Counter(check.status for check in stored.value.checks)
-    told = {"passed": counts["passed"], "failed": counts["failed"], "not_judged": counts["not judged"]}
-    return RecordedConformance(name, engine(name).version(), stored.value.verdict, **told)
+    return RecordedConformance.of(stored.value, engine(name).version())
 
 
 def _made(study: str) -> About:

@@ -21,7 +21,7 @@ from cases.runs.comparison import HALVES, CaseResult, Check, compare
 from cases.runs.estimates import EstimatedConsensus
 from cases.runs.request import Run
 from reports.findings.agreement import differences, outward, spread
-from reports.findings.axes import axis_comparisons, measured_alone, misfit
+from reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from reports.findings.failures import INCOMPLETE, troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
@@ -198,6 +198,13 @@ def test_a_difference_of_peaks_tells_which_engine_swings_further(factor: float) 
 def test_a_label_of_half_the_peak_is_missed_by_as_much_as_one_of_twice_the_peak() -> None:
     assert misfit([0.5]) == pytest.approx(misfit([2.0])) == pytest.approx(2.0)
     assert misfit([1.0, 1.0, 4.0]) == 1.0
+
+
+@pytest.mark.parametrize(("cubic", "converged", "worse"), [(1.0, 2.0, True), (2.0, 1.0, False), (0.4, 2.0, False), (0.6, 2.0, True)])
+def test_what_is_further_from_the_labels_fits_worse(cubic: float, converged: float, worse: bool) -> None:
+    axes = [AxisComparison("A.1", 1, "strain", 1e-4, {"thesis": cubic, "reference": converged})]
+    assert fits_worse(axes) is worse
+    assert not fits_worse([dataclasses.replace(axes[0], ratios={"reference": converged})])
 
 
 def test_figures_with_measured_curves_alone_are_told_apart(run_24: CaseResult) -> None:

@@ -12,7 +12,7 @@ from cases.measures import CHANNELS
 from cases.runs.comparison import REFERENCE
 from engines.registry import OWN
 from reports.findings.agreement import differences, engines_of
-from reports.findings.axes import COLUMNS, axis_comparisons, measured_alone, misfit
+from reports.findings.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
 from reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, MODEL, NOT, OUTCOMES
 from reports.findings.raw_extremes import Excess, counted_excess
 from reports.page.content import Content
@@ -47,6 +47,7 @@ def thesis(content: Content) -> dict[str, Any] | None:
         "resolved": {half: len(ratios) for half, ratios in found.items()},
         "alike": ALIKE,
         "accurate": ACCURATE,
+        "fits_worse": fits_worse(axis_comparisons(results)),
         "fitted": fitted,
         "strains": {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF},
         "larger_after": _larger_after(excesses),
@@ -82,18 +83,17 @@ def experiment(content: Content) -> dict[str, Any] | None:
     ratios: dict[str, dict[str, list[float]]] = {}
     for channel in COLUMNS:
         for engine in engines:
-            found = [axis.ratios[engine] for axis in axes if axis.channel == channel and engine in axis.ratios]
+            found = ratios_of(axes, channel, engine)
             if found:
                 ratios.setdefault(channel, {})[engine] = found
     misfits = {channel: {name: misfit(found) for name, found in of_engines.items()} for channel, of_engines in ratios.items()}
-    strain = misfits.get("strain", {})
     return {
         "model": MODEL,
         "reference": REFERENCE,
         "ratios": ratios,
         "ranges": {channel: _ranges(of_engines) for channel, of_engines in ratios.items()},
         "misfits": misfits,
-        "fits_worse": MODEL in strain and REFERENCE in strain and strain[REFERENCE] > strain[MODEL],
+        "fits_worse": fits_worse(axes),
         "alone": max((axis for axis in alone if axis.channel == "strain"), key=lambda axis: axis.largest_label, default=None),
         "stiffness": stiffness_reading([]),
         "moved": strongest(content.studies.sensitivity, "first_mode_amplitude")[:1] if content.studies else [],
