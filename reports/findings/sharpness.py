@@ -48,7 +48,8 @@ def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
     kinds = {quantity: kind for kind, quantities in KINDS.items() for quantity in quantities}
     for check in (check for result in results for check in result.checks if check.quantity in kinds):
         groups.setdefault((check.engine, check.other, kinds[check.quantity]), []).append(check)
-    return [_of(engine, other, kind, checks) for (engine, other, kind), checks in groups.items()]
+    pairs = dict.fromkeys((engine, other) for engine, other, _ in groups)
+    return [_of(*pair, kind, groups[*pair, kind]) for pair in pairs for kind in KINDS if (*pair, kind) in groups]
 
 
 def smallest_found(check: Check, sign: int) -> float:

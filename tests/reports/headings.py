@@ -111,14 +111,14 @@ def answer(tables: Tables) -> list[str]:
         f"{in_words(len(alike))} programs that model the arm in different ways compute the same motion in {setups}",
         f"how fast it rings differs by at most {frequency}",
         f"The 1999 model, which lets the arm bend in one simple curve only, rings {size(median)} faster",
-        f"shows {number(100.0 * float(np.median(ratios)), '.0f')} % of its strain",
+        f"shows {number(100.0 * float(np.median(ratios)), '.0f')} % of the strain",
         f"{(runs['status'] == 'settled').sum()} of {len(runs)} simulations",
-        "the 1999 model’s is about its own equations",
+        "by their own estimates",
         f"{frequency} largest frequency difference of the {in_words(len(alike))} that agree",
         f"of an amplitude {size(amplitudes.max())} ({case_label(worst)})",
         f"{number(100.0 * median, '+.0f')} % the 1999 model’s frequency over the converged one (median; {span[0]} to {span[1]} %)",
-        f"{duration(solving[0][1])} to solve {case_label(tables['fastest']['case'][1])} to 0.1 % error,",
-        f"after {duration(setup)} of setting up: {solving[0][0]}, compiled for this one mechanism;",
+        f"{duration(solving[0][1])} to solve {case_label(tables['fastest']['case'][1])} to 0.1 %,",
+        f"after {duration(setup)} of setting up: {solving[0][0]}, made for this mechanism;",
         f"{solving[1][0]} takes {number(solving[1][1] / solving[0][1], '.0f')} times as long",
     ]
 
