@@ -23,7 +23,7 @@ class Measured:
     setup_seconds: float  # the least
     statistics: dict[str, float]  # of the engine, and what the joint lets through
     calls_per_period: float | None  # right-hand sides in a period of the highest mode kept; None of other methods than the reference
-    # wall time of the other runs that the engine's error estimate takes; None where it was not measured or there is no estimate
+    # setting up and solving the other runs that the engine's error estimate needs; None where not measured, or where there is no estimate
     estimate_seconds: float | None = None
 
     @property

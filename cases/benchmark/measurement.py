@@ -217,13 +217,19 @@ class _Attempt:
         self.setup.append(made.simulation.setup_seconds)
 
     def estimate_seconds(self, case: Case) -> float | None:
-        """Wall time of the other runs that the error estimate of a run with these settings takes; None where there is no estimate."""
+        """What setting up and solving the other runs takes that the error estimate of a run with these settings needs, s.
+
+        None where there is no estimate.
+        """
         start, texts = standard_start(case.mechanism), as_texts(self.settings.as_dict())
         try:
             found = simulate(self.method.engine, case.mechanism, start, case.duration, case.output_step, texts)
         except (EngineFailure, Refusal, SettingError):
             return None
-        return None if found.error_estimate is None else found.estimate_seconds
+        if found.error_estimate is None:
+            return None
+        others = [made for settings, made in found.runs.items() if settings != found.settings]
+        return sum(made.simulation.setup_seconds + made.trajectory.solve_seconds for made in others)
 
     def told(self, case: Case, truth: Trajectory) -> Point:
         return Point(
