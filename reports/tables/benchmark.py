@@ -37,7 +37,7 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
 def waiting(tables: Sequence[Benchmark]) -> Table:
     """Of each method's fastest settings to an error what one waits for, where the time of the error estimate was measured."""
     parts = ("setup_seconds", "setup"), ("solve_seconds", "solve"), ("estimate_seconds", "error estimate"), ("waited_seconds", "together")
-    seconds = (Column(key, head, "ms", ".3g") for key, head in parts)
+    seconds = (Column(key, head, "[s]", ".2g", words=duration) for key, head in parts)
     found = Table("waiting", (SCENE, Column("level", "error", "%", "g"), "method", "settings", *seconds))
     for table in tables:
         for level in LEVELS:

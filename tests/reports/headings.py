@@ -165,6 +165,9 @@ def methods(tables: Tables) -> list[str]:
     own = winner.split(",")[0] not in ("exudyn", "mujoco")
     code = ", this project’s own code compiled for this one mechanism," if own else ""
     found = [f"{winner}{code} solves fastest in {won.value_counts().iloc[0]} of {len(solve)} contests"]
+    if "waiting" in tables:
+        soonest = tables["waiting"].sort_values("waited_seconds", kind="stable").groupby(["case", "level"])["method"].first()
+        found.append(f"(counted by all that one waits for, {(soonest == winner).sum()})")
     found += [f"{unwon} nobody wins"] if unwon else []
     found.append(f"to 0.1 % in {case_label(tables['fastest']['case'][1])} {first[0]} solves in {duration(first[1])}")
     found.append(f"({second[0]} in {duration(second[1])})")

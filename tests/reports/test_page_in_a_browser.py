@@ -238,12 +238,13 @@ def test_tables_are_sorted_and_filtered(opened: Open) -> None:
 def test_nothing_overflows_a_telephone_and_no_picture_is_empty(opened: Open, scheme: str) -> None:
     page = opened("#at=200", width=390, height=844, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details.chapter').forEach(each => { each.open = true; })")
-    page.wait_for_function("[...document.querySelectorAll('.drawn:not([hidden]), #signals')].every(each => each.children.length)", timeout=20_000)
+    pictures = ".drawn:not([hidden]), #signals"
+    page.wait_for_function(f"[...document.querySelectorAll('{pictures}')].every(each => each.children.length)", timeout=20_000)
     page.wait_for_timeout(500)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert drawn(page, "stage")
     assert drawn(page, "curve")
-    for holder in page.locator(".drawn:not([hidden]), #signals").all():
+    for holder in page.locator(pictures).all():
         assert len(holder.screenshot()) > 5000  # a blank one of this size takes some 1,000 bytes
     labels = page.locator("canvas[role=img], .drawn").evaluate_all("all => all.map(each => each.getAttribute('aria-label'))")
     assert all(label and len(label) > 20 for label in labels)
