@@ -46,9 +46,9 @@ def complex_force(found: Columns, name: str) -> NDArray[np.complex128]:
     return found[f"{name}_force_x"] + 1j * found[f"{name}_force_y"]
 
 
-def second_derivative(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def second_derivative(values: NDArray[np.complex128], step: float = STEP) -> NDArray[np.complex128]:
     """Of the inner rows, by differences of fourth order."""
-    return (-values[:-4] + 16.0 * values[1:-3] - 30.0 * values[2:-2] + 16.0 * values[3:-1] - values[4:]) / (12.0 * STEP**2)
+    return (-values[:-4] + 16.0 * values[1:-3] - 30.0 * values[2:-2] + 16.0 * values[3:-1] - values[4:]) / (12.0 * step**2)
 
 
 def line_of(found: Columns, follower: Follower) -> CubicSpline:
@@ -57,18 +57,21 @@ def line_of(found: Columns, follower: Follower) -> CubicSpline:
     return CubicSpline(np.linspace(0.0, follower.length, PLACES + 2), told, bc_type=((1, 0.0 * told[0]), (2, 0.0 * told[0])))
 
 
-def first_moment(found: Columns, mechanism: Scene) -> NDArray[np.complex128]:
-    """Of beam and tip body about P, kg m, in the fixed frame: masses at the places that the columns show."""
-    follower, tip = mechanism.follower, mechanism.tip_body
+def first_moment(found: Columns, scene: Scene, *, exact: bool) -> NDArray[np.complex128]:
+    """Of beam and tip body about P, kg m, in the fixed frame: masses at the places that the columns show.
+
+    The length is kept: an element dx advances by sqrt(1 - W'^2) dx, and what lies beyond it goes along; in the thesis' geometry to
+    second order in the slope W'.
+    """
+    follower, tip = scene.follower, scene.tip_body
     x, weights = np.polynomial.legendre.leggauss(60)
     x, weights = 0.5 * follower.length * (1.0 + x), 0.5 * follower.length * weights
     line = line_of(found, follower)
     slope, end = line(x, 1), line(follower.length, 1)
-    # the length is kept: an element dx advances by sqrt(1 - W'^2) dx; what lies beyond it goes along
-    beam = weights @ (np.sqrt(1.0 - slope**2) * (follower.length - x)[:, None] + 1j * line(x)) * follower.mass_per_length
-    reach = weights @ np.sqrt(1.0 - slope**2) + 1j * found["tip_deflection"]
-    tip_moment = tip.mass * (reach + tip.center_of_mass * (np.sqrt(1.0 - end**2) + 1j * end))
-    return np.asarray((beam + tip_moment) * np.exp(1j * found["follower_angle"]))
+    advance, angle = (np.sqrt(1.0 - slope**2), np.arcsin(end)) if exact else (1.0 - 0.5 * slope**2, end)
+    beam = weights @ (advance * (follower.length - x)[:, None] + 1j * line(x)) * follower.mass_per_length
+    centre = weights @ advance + 1j * found["tip_deflection"] + tip.center_of_mass * np.exp(1j * angle)
+    return np.asarray((beam + tip.mass * centre) * np.exp(1j * found["follower_angle"]))
 
 
 def follower_mass(scene: Scene) -> float:
@@ -95,7 +98,7 @@ def test_forces_on_follower_and_crank_move_them_as_the_columns_show(engine: str,
     tool = tip_force(scene.tip_body, found["crank_angle"])
     size = rms(np.abs(slider))
     on_follower = complex_force(found, "pivot") + slider + follower_mass(scene) * gravity + tool[0] + 1j * tool[1]
-    moved = second_derivative(first_moment(found, scene))
+    moved = second_derivative(first_moment(found, scene, exact=engine != "thesis"))
     assert rms(np.abs(moved)) > 0.5 * size
     assert rms(np.abs(on_follower[inner] - moved)) < tolerance * size
     on_crank = complex_force(found, "crank") - slider + scene.crank_mass * gravity
@@ -103,18 +106,21 @@ def test_forces_on_follower_and_crank_move_them_as_the_columns_show(engine: str,
     assert rms(np.abs(on_crank[inner] - turned)) < tolerance * size
 
 
-@pytest.mark.parametrize(("engine", "tolerance"), [("reference", 1e-3), ("thesis", 1e-3), ("exudyn", 2e-2), ("mujoco", 2e-2)])
+@pytest.mark.parametrize(("engine", "tolerance"), [("reference", 1e-3), ("thesis", 1e-3), ("exudyn", 1e-5), ("mujoco", 1e-4)])
 def test_the_bearing_of_a_follower_alone_moves_it(engine: str, tolerance: float) -> None:
-    """The library's spin-up, in which the tip lags by half a metre. Of the cable and the chain twice what was found, again."""
-    scene = load_case("kane-spin-up").scene
+    """The library's spin-up.
+
+    Tolerances are three to ten times what was found: of `reference` what its recovered line differs from that of its modes, of `thesis`
+    what the second derivative makes of the integration's error.
+    """
+    scene, step = load_case("spin-up").scene, 2e-3
     assert isinstance(scene, FollowerAlone)
     solver = usable_engine(engine).follower_alone()
     assert solver is not None
-    found = run_once(solver, scene, None, 3.0, STEP, solver.settings_for(solver.default_accuracy, scene)).trajectory.columns
+    found = run_once(solver, scene, None, 3.0, step, solver.settings_for(solver.default_accuracy, scene)).trajectory.columns
     assert {"moment_06", "pivot_force_x"} <= set(found)
     assert not {"moment_slider", "crank_force_x"} & set(found)
-    moved, force = second_derivative(first_moment(found, scene)), complex_force(found, "pivot")[2:-2]
-    print(engine, rms(np.abs(moved - force)) / rms(np.abs(force)))
+    moved, force = second_derivative(first_moment(found, scene, exact=engine != "thesis"), step), complex_force(found, "pivot")[2:-2]
     assert rms(np.abs(moved - force)) < tolerance * rms(np.abs(force))
 
 
@@ -154,9 +160,8 @@ def test_the_slope_of_the_moment_jumps_by_the_slider_force() -> None:
         jumps.append(slopes[1] - slopes[0])
         forces.append(found["slider_force"][row])
     assert len(jumps) > 100
-    # the fifth derivative of the moment, over three natural modes, leaves a percent
-    print(rms(np.array(jumps) - np.array(forces)) / rms(np.array(forces)))
-    assert rms(np.array(jumps) - np.array(forces)) < 1e-2 * rms(np.array(forces))
+    # found: 1.5e-4
+    assert rms(np.array(jumps) - np.array(forces)) < 5e-4 * rms(np.array(forces))
 
 
 @pytest.mark.parametrize("engine", MAIN)
@@ -170,15 +175,16 @@ def test_moments_at_the_gauges_are_the_strains(engine: str) -> None:
 
 
 @pytest.mark.parametrize("scene", [run_24(), LOADED], ids=["run 24", "loaded"])
-@pytest.mark.parametrize("engine", ["exudyn", "mujoco", "fixed-shapes"])
+@pytest.mark.parametrize(
+    "engine", ["mujoco", pytest.param("exudyn", marks=pytest.mark.verify), pytest.param("fixed-shapes", marks=pytest.mark.verify)]
+)
 def test_engines_agree_within_their_estimates(engine: str, scene: Mechanism) -> None:
-    """No column is off by more than three times its own estimate, as with the other columns, and by more than a percent and a half."""
+    """No column is off by more than three times its own estimate, the margin of `conform`, nor by more than a percent and a half."""
     truth = columns("reference", scene, 0.5, 1e-4)
     result = simulate(usable_engine(engine), scene, standard_start(scene), 0.5, STEP)
     for name in (*BENDING, *BEARINGS):
         estimate = result.error_estimates[name]
         assert estimate is not None
         error = rms(result.trajectory[name] - truth[name]) / rms(truth[name])
-        print(engine, name, error, estimate)
         assert error < 3.0 * estimate + 1e-4, name
         assert error < 1.5e-2, name
