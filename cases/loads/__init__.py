@@ -1,0 +1,1 @@
+"""What the parts of a machine must bear: stress along the arm, forces in joints and bearings, distance to resonance."""
