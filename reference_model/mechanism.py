@@ -272,6 +272,11 @@ class Mechanism(_Bodies):
         return isinstance(self.crank.drive, TorqueDrive)
 
     @property
+    def crank_mass(self) -> float:
+        """Mass of all that turns with the crank, kg: the crank and the slider."""
+        return self.crank.mass + self.slider.mass
+
+    @property
     def crank_inertia(self) -> float:
         """Moment of inertia about O of all that turns with the crank, kg m^2: the crank and the slider's mass."""
         return self.crank.inertia_about_pivot + self.slider.mass * self.crank.length**2

@@ -118,7 +118,10 @@ class ChainSimulation(Simulation):
                 rows = first + filled
                 if state != kernels.GOOD or rows == len(table):
                     break
-        columns = {"time": times[:rows]} | dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
+        found = dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
+        columns = {"time": times[:rows]} | {
+            name: found[name] for name in OBSERVED if not name.startswith(("moment_", "pivot_", "crank_force"))
+        }
         statistics = {"steps": float(steps * max(rows - 1, 0))}
         kind = Trajectory
         if isinstance(self._scene, FollowerAlone):  # without the columns of what is not there; the drive turns the base
