@@ -1,0 +1,61 @@
+"""How far the crank's speed is from driving the first mode in resonance."""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+
+from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import frozen_crank_modes
+from reference_model.rigid import crank_pace
+
+#: Crank angles of half a turn, the other half mirrors it, at which frequencies are averaged: the mean of a smooth periodic function by
+#: as many even angles is exact to round-off in all scenes of the library but those whose crank reaches nearly to P.
+ANGLES: Final = 25
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """First mode and crank.
+
+    Attributes:
+        first_mode: mean over the turn of the first frequency with the crank held, Hz.
+        lowest: least of these frequencies, Hz.
+        crank: turns of the crank per second, Hz.
+    """
+
+    first_mode: float
+    lowest: float
+    crank: float
+
+    @property
+    def ratio(self) -> float:
+        """Oscillations of the first mode in a turn."""
+        return self.first_mode / self.crank
+
+    @property
+    def harmonic(self) -> int:
+        """The harmonic of the crank's speed that is nearest to the first mode; at least the first."""
+        return max(1, round(self.ratio))
+
+    @property
+    def resonant_speed(self) -> float:
+        """Speed of the crank at which that harmonic meets the first mode, rad/s."""
+        return 2.0 * math.pi * self.first_mode / self.harmonic
+
+    @property
+    def detuning(self) -> float:
+        """By what part of itself the crank's speed would have to grow to be that one; negative where it would have to fall."""
+        return self.ratio / self.harmonic - 1.0
+
+
+@cache
+def resonance(mechanism: Mechanism) -> Resonance | None:
+    """First mode and crank of a scene; None where nothing vibrates, or the crank stands still."""
+    pace = crank_pace(mechanism)
+    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.joint_stiffness == 0.0:
+        return None
+    found = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in np.linspace(0.0, math.pi, ANGLES)])
+    return Resonance(float(np.trapezoid(found) / (ANGLES - 1)), float(found.min()), pace / (2.0 * math.pi))
