@@ -82,4 +82,4 @@ class _Claimed:
         if estimate is None:
             return None
         known = (self.run.settling_errors or {}).get(column)
-        return estimate + (known if known is not None else (self.run.settling_error or 0.0) * self.run.peak(column))
+        return estimate + (known if known is not None else (self.run.settling_error or 0.0) * float(np.ptp(self.run.cycle[column])))

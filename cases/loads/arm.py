@@ -2,10 +2,11 @@
 
 An engine gives the moment at the interior twelfths of the length and at the slider. At the ends moment and slope follow from Newton's and
 Euler's laws for the bodies there, with q2 the angle of the base, theta that of the flexible end, n the normal, a the acceleration of the
-flexible end along it, e the tip body's centre of mass beyond the end, R the force of the bearing, f the force on the tip:
+flexible end along it, e the tip body's centre of mass beyond the end, R the force of the bearing, f the force on the tip, c the damping of
+the beam, which acts between it and the base:
 
-    base   M(0) = J_b q2'' + c_b q2' - turning torque,          M'(0) = R n
-    tip    M(L) = -J theta'' - m e (a + e theta'' - g n),       M'(L) = m (a + e theta'' - g n) - f n
+    base   M(0) = J_b q2'' + c_b q2' - turning torque - integral of c x dW/dt over x,  dM(0)/dx = R n + integral of c dW/dt over x
+    tip    M(L) = -J theta'' - m e (a + e theta'' - g n),                              dM(L)/dx = m (a + e theta'' - g n) - f n
 
 On either side of the slider the moment is smooth; its slope jumps there by the slider's force, and the moment itself where the slider has
 rotary inertia. Each side is interpolated apart, by polynomials through the nearest known places. What they may miss is seen where every
@@ -14,13 +15,14 @@ other twelfth is left out.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 
-from reference_model.columns import MOMENTS, PLACES
+from reference_model.columns import MOMENTS, PLACES, SHAPE
 from reference_model.mechanism import FollowerAlone, Scene
 from reference_model.tip_force import tip_force
 
@@ -28,8 +30,11 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]
 
 TWELFTHS: Final = PLACES + 1
-#: Places at which the moment is evaluated in each twelfth of the length.
-IN_A_TWELFTH: Final = 20
+#: Places in each twelfth of the length at which the moment is looked at.
+IN_A_TWELFTH: Final = 10
+#: Of the moment at the tip, by how much it may be off because the curvature is summed up from twelfth to twelfth: the rule's error is a
+#: twelfth of the square of the spacing times the jump of the slope at the slider, 0.6 % of the sum where the slider bends the arm.
+OF_ANGLE: Final = 0.01
 #: Known places that the interpolating polynomial goes through, where a side has as many.
 THROUGH: Final = 6
 #: Twelfths that are nearer to the slider than this part of a twelfth are left out: the slope between two such places would be noise.
@@ -40,23 +45,6 @@ BEYOND: Final = 0.01
 #: degree one misses a quarter, one of higher degree less. Half is on the safe side: in 15 combinations of natural modes no place is
 #: missed by more (`tests/cases/test_loads.py`).
 REST: Final = 0.5
-
-
-@dataclass(frozen=True)
-class ArmMoments:
-    """The bending moment along the arm over time.
-
-    Attributes:
-        places: arc lengths from P, m, shape (places,).
-        moments: N m, shape (rows, places), positive where W'' > 0.
-        open: by how much the interpolation may miss each of them, N m, shape (rows, places).
-        at_slider: N m, on the side of the slider where its magnitude is larger, shape (rows,); None where there is no slider.
-    """
-
-    places: Array
-    moments: Array
-    open: Array
-    at_slider: Array | None
 
 
 @dataclass(frozen=True)
@@ -88,27 +76,34 @@ class KnownMoments:
         """Length of a twelfth, m."""
         return self.length / TWELFTHS
 
+    @property
+    def places(self) -> Array:
+        """Arc lengths at which the moment is looked at, m, shape (places,)."""
+        return np.linspace(0.0, self.length, TWELFTHS * IN_A_TWELFTH + 1)
 
-def moments_along_arm(scene: Scene, columns: Mapping[str, Array]) -> ArmMoments:
-    """The moment along the arm.
+    @property
+    def at_slider(self) -> Array | None:
+        """Moment on the side of the slider where its magnitude is larger, N m, shape (rows,); None where there is no slider."""
+        larger = np.where(np.abs(self.inboard) > np.abs(self.outboard), self.inboard, self.outboard)
+        return larger if np.isfinite(self.slider).all() else None
+
+    def every(self, step: int) -> "KnownMoments":
+        """The same at every so many rows."""
+        of_rows: dict[str, Any] = {name: value[::step] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        base, tip = self.ends_open
+        return replace(self, **of_rows, ends_open=(base[::step], tip[::step]))
+
+
+def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
+    """What the columns and the bodies at slider, base and tip say of the moment along the arm.
 
     Args:
-        scene: gives the bodies at the ends.
+        scene: gives the bodies.
         columns: those of a trajectory or of a cycle, each of shape (rows,), the moments among them.
 
     Raises:
         KeyError: the engine does not give the moments.
     """
-    places = np.linspace(0.0, scene.follower.length, TWELFTHS * IN_A_TWELFTH + 1)
-    known = known_moments(scene, columns)
-    has_slider = "moment_slider" in columns
-    larger = np.where(np.abs(known.inboard) > np.abs(known.outboard), known.inboard, known.outboard)
-    missed = left_out(known)
-    return ArmMoments(places, interpolated(places, known), between(places, missed, known), larger if has_slider else None)
-
-
-def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
-    """What the columns and the bodies at slider, base and tip say; arguments as of `moments_along_arm`."""
     time, tip = columns["time"], scene.tip_body
     base, base_open = _at_base(scene, columns)
     nothing = np.zeros(time.size)
@@ -121,24 +116,22 @@ def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
         slider=columns["slider_position"] if has_slider else np.full(time.size, np.inf),
         inboard=outboard,
         outboard=outboard,
-        base_slope=_base_slope(columns),
+        base_slope=_base_slope(scene, columns),
         tip_slope=None,
         ends_open=(base_open, nothing),
     )
-    turns = nothing, nothing  # second derivative of the end's angle, and how far off the rows leave it
-    if rolls > 0.0 or tip.inertia > 0.0 or tip.center_of_mass != 0.0:
-        places = np.linspace(0.0, known.length, TWELFTHS * IN_A_TWELFTH + 1)
-        angles = _angles(scene, columns, places, interpolated(places, known))
-        turns = _second_derivative(time, angles[:, -1])
-        if rolls > 0.0:
-            at_slider = np.array([np.interp(s, places, row) for s, row in zip(known.slider, angles, strict=True)])
-            known = replace(known, inboard=outboard - rolls * _second_derivative(time, at_slider)[0])
-        known.twelfths[:, -1], off = _at_tip(scene, columns, angles[:, -1], turns)
+    end, at_slider = _angles(scene, columns, known)
+    if rolls > 0.0:
+        known = replace(known, inboard=outboard - rolls * _second_derivative(time, at_slider)[0])
+        end, _ = _angles(scene, columns, known)
+    turns = nothing, nothing
+    if tip.inertia > 0.0 or tip.center_of_mass != 0.0:
+        for _ in range(2):  # the moment at the end bends the last twelfth, which turns the end
+            turns = _second_derivative(time, end)
+            known.twelfths[:, -1], off = _at_tip(scene, columns, end, turns)
+            end, _ = _angles(scene, columns, known)
         known = replace(known, ends_open=(base_open, off))
-        normal = angles[:, -1]
-    else:
-        normal = columns["follower_angle"]
-    return replace(known, tip_slope=_tip_slope(scene, columns, normal, turns[0]))
+    return replace(known, tip_slope=_tip_slope(scene, columns, end, turns[0]))
 
 
 def _at_base(scene: Scene, columns: Mapping[str, Array]) -> tuple[Array, Array]:
@@ -146,14 +139,27 @@ def _at_base(scene: Scene, columns: Mapping[str, Array]) -> tuple[Array, Array]:
     base, time, angle = scene.base, columns["time"], columns["follower_angle"]
     turning = columns.get("base_torque", np.zeros(time.size))
     acceleration, off = _second_derivative(time, angle)
-    return base.inertia * acceleration + base.damping * CubicSpline(time, angle)(time, 1) - turning, base.inertia * off
+    moment = base.inertia * acceleration + base.damping * CubicSpline(time, angle)(time, 1) - turning
+    return moment - _damping(scene, columns, power=1), base.inertia * off
 
 
-def _base_slope(columns: Mapping[str, Array]) -> Array | None:
+def _base_slope(scene: Scene, columns: Mapping[str, Array]) -> Array | None:
+    """Slope of the moment at the base, N, shape (rows,); None where the engine does not give the force of the bearing."""
     if "pivot_force_x" not in columns:
         return None
-    angle = columns["follower_angle"]
-    return columns["pivot_force_y"] * np.cos(angle) - columns["pivot_force_x"] * np.sin(angle)
+    across = _across(np.array([columns["pivot_force_x"], columns["pivot_force_y"]]), columns["follower_angle"])
+    return across + _damping(scene, columns, power=0)
+
+
+def _damping(scene: Scene, columns: Mapping[str, Array], power: int) -> Array:
+    """What the beam's damping pushes the base with across the arm, N, or N m with `power` 1; none where there are no shapes, (rows,)."""
+    follower, time = scene.follower, columns["time"]
+    if follower.damping == 0.0 or not set(SHAPE) <= set(columns):
+        return np.zeros(time.size)
+    deflections = np.array([np.zeros(time.size), *(columns[name] for name in SHAPE), columns["tip_deflection"]])
+    x = np.linspace(0.0, follower.length, TWELFTHS + 1)
+    rates = CubicSpline(time, deflections, axis=1)(time, 1)
+    return np.asarray(follower.damping * simpson(x[:, None] ** power * rates, x=x, axis=0))
 
 
 def _across(vector: Array, angle: Array) -> Array:
@@ -165,7 +171,8 @@ def _at_tip(scene: Scene, columns: Mapping[str, Array], angle: Array, turns: tup
     """Moment at the flexible end, N m, and how far off the rows leave it; `angle` is the end's, rad; shape (rows,) each."""
     tip, weight = scene.tip_body, _across(np.array(scene.gravity)[:, None], angle)
     about_end = tip.inertia + tip.mass * tip.center_of_mass**2
-    return -about_end * turns[0] - tip.mass * tip.center_of_mass * (columns["tip_acceleration"] - weight), about_end * turns[1]
+    turned, static = -about_end * turns[0], tip.mass * tip.center_of_mass * (columns["tip_acceleration"] - weight)
+    return turned - static, about_end * turns[1] + OF_ANGLE * np.abs(turned)
 
 
 def _tip_slope(scene: Scene, columns: Mapping[str, Array], angle: Array, turning: Array) -> Array:
@@ -175,10 +182,21 @@ def _tip_slope(scene: Scene, columns: Mapping[str, Array], angle: Array, turning
     return np.asarray(tip.mass * (columns["tip_acceleration"] + tip.center_of_mass * turning - weight) - force)
 
 
-def _angles(scene: Scene, columns: Mapping[str, Array], places: Array, moments: Array) -> Array:
-    """Angle of the centre line at each place in the fixed frame, rad, shape (rows, places)."""
-    steps = 0.5 * np.diff(places) * (moments[:, 1:] + moments[:, :-1]) / scene.follower.bending_stiffness
-    return np.asarray(columns["follower_angle"][:, None] + np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1))
+def _angles(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> tuple[Array, Array]:
+    """Angle of the centre line in the fixed frame at the flexible end and at the slider, rad, shape (rows,) each.
+
+    It is that of the base and the curvature summed up by the trapezoidal rule between known places, which misses `OF_ANGLE` of the sum but
+    misses it smoothly in time, as second derivatives need it.
+    """
+    rows, numbers = known.slider.size, np.arange(TWELFTHS + 1.0)
+    slider = np.minimum(known.slider / known.spacing, TWELFTHS)
+    places = np.column_stack([np.broadcast_to(numbers, (rows, numbers.size)), slider])
+    inner, outer = (np.column_stack([known.twelfths, each]) for each in (known.inboard, known.outboard))
+    order = np.argsort(places, axis=1, kind="stable")
+    places, inner, outer = (np.take_along_axis(each, order, axis=1) for each in (places, inner, outer))
+    steps = known.spacing * np.diff(places) * (outer[:, :-1] + inner[:, 1:]) / (2.0 * scene.follower.bending_stiffness)
+    angles = columns["follower_angle"][:, None] + np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1)
+    return angles[:, -1], np.take_along_axis(angles, np.argmax(order, axis=1)[:, None], axis=1)[:, 0]
 
 
 def _second_derivative(time: Array, values: Array) -> tuple[Array, Array]:

@@ -10,18 +10,22 @@ strength (Budynas and Nisbett, Shigley's Mechanical Engineering Design, 10th edi
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.loads.arm import ArmMoments, moments_along_arm
+from cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out
 from cases.loads.peak import Claim, Peak, peak_of
 from cases.measures.extremes import extremes
 from reference_model.columns import MOMENTS
 from reference_model.mechanism import Follower, Scene
 
 Array = NDArray[np.float64]
+
+#: Rows of a cycle in which the worst place is looked for, at least; at that place all rows count.
+SEARCHED: Final = 400
 
 
 @dataclass(frozen=True)
@@ -68,10 +72,11 @@ def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: Claim) -> ArmS
     """
     if not set(MOMENTS) <= set(columns):
         return None
-    arm, unit = moments_along_arm(scene, columns), 1.0 / section_modulus(scene.follower)
-    largest, (amplitude, mean) = _largest(arm, columns, claim), _amplitude(arm, columns, claim)
-    low, high = arm.moments.min(axis=0), arm.moments.max(axis=0)
-    return ArmStress(largest.times(unit), amplitude.times(unit), unit * mean, arm.places, unit * low, unit * high)
+    known, unit = known_moments(scene, columns), 1.0 / section_modulus(scene.follower)
+    field = _Field.of(known, max(1, columns["time"].size // SEARCHED))
+    largest, (amplitude, mean) = _largest(field, columns, claim), _amplitude(field, columns, claim)
+    low, high = field.moments.min(axis=0), field.moments.max(axis=0)
+    return ArmStress(largest.times(unit), amplitude.times(unit), unit * mean, known.places, unit * low, unit * high)
 
 
 def safety(strength: float | None, stress: Peak) -> Factor | None:
@@ -82,40 +87,61 @@ def safety(strength: float | None, stress: Peak) -> Factor | None:
     return Factor(factor, None if stress.error is None else factor * stress.error / stress.value)
 
 
-def _largest(arm: ArmMoments, columns: Mapping[str, Array], claim: Claim) -> Peak:
+@dataclass(frozen=True)
+class _Field:
+    """The moment along the arm in some of the rows.
+
+    Attributes:
+        known: in all of them.
+        moments: N m, shape (some rows, places).
+        open: by how much the interpolation may miss each of them, N m, likewise.
+    """
+
+    known: KnownMoments
+    moments: Array
+    open: Array
+
+    @classmethod
+    def of(cls, known: KnownMoments, step: int) -> "_Field":
+        """The field in every so many rows."""
+        some = known.every(step)
+        return cls(known, interpolated(known.places, some), between(known.places, left_out(some), some))
+
+    def series(self, at: int) -> Array:
+        """The moment at a place in all rows, N m, shape (rows,)."""
+        return interpolated(self.known.places[[at]], self.known)[:, 0]
+
+    def beyond(self, row: int, at: int) -> float:
+        """By how much the moment may be larger beside a place: what the parabola through it and its neighbours has beyond them, N m."""
+        before, middle, after = self.moments[row, np.clip(at, 1, self.moments.shape[1] - 2) + np.arange(-1, 2)]
+        return float(abs(before - 2.0 * middle + after)) / 8.0
+
+
+def _largest(field: _Field, columns: Mapping[str, Array], claim: Claim) -> Peak:
     """The largest moment: at the slider, which carries the corner along, or at one of the places."""
-    _, at = np.unravel_index(int(np.abs(arm.moments).argmax()), arm.moments.shape)
-    found = peak_of(arm.moments[:, at], columns, _claim_at(arm, int(at), claim), float(arm.places[at]))
-    open_places = float((np.abs(arm.moments) + arm.open).max() - np.abs(arm.moments).max())
-    grid = _between_places(arm, int(at), columns["time"], found.time)
-    if arm.at_slider is not None:
-        at_slider = peak_of(arm.at_slider, columns, lambda angle: claim("moment_slider", angle))
+    sizes, known = np.abs(field.moments), field.known
+    row, at = (int(number) for number in np.unravel_index(int(sizes.argmax()), sizes.shape))
+    found, beyond = _peak_at(field, at, columns, claim), field.beyond(row, at)
+    if known.at_slider is not None:
+        at_slider = peak_of(known.at_slider, columns, lambda angle: claim("moment_slider", angle))
         if at_slider.value >= found.value:
-            place = float(np.interp(at_slider.time, columns["time"], columns["slider_position"]))
-            found, grid = Peak(**{**vars(at_slider), "place": place}), 0.0
-    return Peak(**{**vars(found), "uncertainty": found.uncertainty + open_places + grid})
+            place = float(np.interp(at_slider.time, columns["time"], known.slider))
+            found, beyond = replace(at_slider, place=place), 0.0
+    return replace(found, uncertainty=found.uncertainty + beyond + float((sizes + field.open).max() - sizes.max()))
 
 
-def _amplitude(arm: ArmMoments, columns: Mapping[str, Array], claim: Claim) -> tuple[Peak, float]:
+def _amplitude(field: _Field, columns: Mapping[str, Array], claim: Claim) -> tuple[Peak, float]:
     """Half the range of the moment where that is largest, and the mean of its extremes there."""
-    ranges = arm.moments.max(axis=0) - arm.moments.min(axis=0)
-    at, time = int(ranges.argmax()), columns["time"]
-    low, high = extremes(time, arm.moments[:, at], time[0], time[-1])
-    larger = peak_of(arm.moments[:, at], columns, _claim_at(arm, at, claim), float(arm.places[at]))
-    left_open = (low.uncertainty + high.uncertainty) / 2.0 + float(arm.open[:, at].max()) + _between_places(arm, at, time, larger.time)
-    half = Peak(**{**vars(larger), "value": (high.value - low.value) / 2.0, "uncertainty": left_open})
-    return half, (high.value + low.value) / 2.0
+    time, at = columns["time"], int(np.ptp(field.moments, axis=0).argmax())
+    low, high = extremes(time, field.series(at), time[0], time[-1])
+    larger, beyond = _peak_at(field, at, columns, claim), field.beyond(int(np.abs(field.moments[:, at]).argmax()), at)
+    left_open = (low.uncertainty + high.uncertainty) / 2.0 + float(field.open[:, at].max()) + beyond
+    return replace(larger, value=(high.value - low.value) / 2.0, uncertainty=left_open), (high.value + low.value) / 2.0
 
 
-def _between_places(arm: ArmMoments, at: int, time: Array, instant: float) -> float:
-    """By how much the moment may be larger between two places than at the larger one: what a parabola through three has beyond them."""
-    row, here = int(np.abs(time - instant).argmin()), min(max(at, 1), arm.places.size - 2)
-    before, middle, after = arm.moments[row, here - 1 : here + 2]
-    return float(abs(before - 2.0 * middle + after)) / 8.0
-
-
-def _claim_at(arm: ArmMoments, at: int, claim: Claim) -> "_Nearest":
-    return _Nearest(float(arm.places[at]) * (len(MOMENTS) + 1) / float(arm.places[-1]), claim)
+def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: Claim) -> Peak:
+    place = float(field.known.places[at])
+    return peak_of(field.series(at), columns, _Nearest(place / field.known.spacing, claim), place)
 
 
 @dataclass(frozen=True)
