@@ -52,11 +52,11 @@ class Resonance:
 
     @property
     def sentence(self) -> str:
-        """Which harmonic is nearest, and at which speed of the crank the two meet."""
+        """Which harmonic of the crank's speed is nearest, and at which speed the two meet."""
         ending = {1: "st", 2: "nd", 3: "rd"}.get(self.harmonic % 10 if self.harmonic % 100 not in (11, 12, 13) else 0, "th")
         speed, way = 30.0 / math.pi * self.resonant_speed, "above" if self.detuning > 0.0 else "below"
         nearest = f"the {self.harmonic}{ending} harmonic is nearest to the first mode"
-        return f"{nearest} and meets it at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {way} the crank's speed"
+        return f"{nearest}; the two meet at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {way} it"
 
 
 @cache
