@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.loads.peak import Claim, Peak, of_column, of_vector
-from cases.loads.resonance import Resonance, resonance
+from cases.loads.resonance import Resonance, of_motion, resonance
 from cases.loads.stress import ArmStress, Factor, arm_stress, safety
 from cases.runs.request import Run
 from reference_model.mechanism import Mechanism, Scene
 
-__all__ = ["Claim", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "resonance"]
+__all__ = ["Claim", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "of_motion", "resonance"]
 
 Array = NDArray[np.float64]
 

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from cases.measures.time_scale import TURN, time_scale
 from reference_model.mechanism import Mechanism
 from reference_model.natural_modes import frozen_crank_modes
 from reference_model.rigid import crank_pace
@@ -54,9 +55,9 @@ class Resonance:
     def sentence(self) -> str:
         """Which harmonic of the crank's speed is nearest, and at which speed the two meet."""
         ending = {1: "st", 2: "nd", 3: "rd"}.get(self.harmonic % 10 if self.harmonic % 100 not in (11, 12, 13) else 0, "th")
-        speed, way = 30.0 / math.pi * self.resonant_speed, "above" if self.detuning > 0.0 else "below"
+        speed, way = 30.0 / math.pi * self.resonant_speed, "faster" if self.detuning > 0.0 else "slower"
         nearest = f"the {self.harmonic}{ending} harmonic is nearest to the first mode"
-        return f"{nearest}; the two meet at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {way} it"
+        return f"{nearest}; the two meet at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {way}"
 
 
 @cache
@@ -67,3 +68,16 @@ def resonance(mechanism: Mechanism) -> Resonance | None:
         return None
     found = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in np.linspace(0.0, math.pi, ANGLES)])
     return Resonance(float(np.trapezoid(found) / (ANGLES - 1)), float(found.min()), pace / (2.0 * math.pi))
+
+
+def of_motion(mechanism: Mechanism) -> float:
+    """By how much the mean first frequency differs while the crank turns, and may give way, from that with the crank held; Hz.
+
+    To first order in the coupling of the modes (`cases.measures.moving_mode`); 0 where nothing vibrates.
+    """
+    scale = time_scale(mechanism)
+    if scale is None:
+        return 0.0
+    angles = TURN[:-1]
+    running = scale.running_frequencies(angles, np.full(angles.size, crank_pace(mechanism)))[:, 0]
+    return float(np.mean(running - scale.frequencies(angles)[:, 0]))

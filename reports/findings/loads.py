@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from cases.case import Case
-from cases.loads import Loads, Resonance, loads_of_run, resonance
+from cases.loads import Loads, Resonance, loads_of_run, of_motion, resonance
 from cases.runs.comparison import REFERENCE, CaseResult
+from reports.words import degrees, off_by, quantity
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,11 @@ class CaseLoads:
         below = ", below one" if broken and len(known) == 1 else ""
         return f"{verdict}: the safety factor is {told}{below}."
 
+    @cached_property
+    def of_motion(self) -> float:
+        """By how much turning changes the mean first frequency, Hz, which the crank held does not tell."""
+        return abs(of_motion(self.case.mechanism))
+
     def departures(self) -> dict[str, float]:
         """Largest stress of the other engines over that of the one that leads, less one."""
         stress = {name: found.stress.largest.value for name, found in self.loads.items() if found.stress is not None}
@@ -61,6 +67,34 @@ def loads_of_case(result: CaseResult) -> CaseLoads:
     return CaseLoads(result.case, found)
 
 
+def leading_loads(result: CaseResult) -> CaseLoads:
+    """The same of the engine alone whose numbers are told."""
+    mechanism, names = result.case.mechanism, sorted(result.runs, key=lambda name: name != REFERENCE)
+    for name in names:
+        loads = loads_of_run(mechanism, result.runs[name])
+        if loads is not None and loads.stress is not None:
+            return CaseLoads(result.case, {name: loads})
+    return CaseLoads(result.case, {})
+
+
 def loads_of_cases(results: Sequence[CaseResult]) -> list[CaseLoads]:
     """The same of several cases."""
     return [loads_of_case(result) for result in results]
+
+
+def stress_text(loads: Loads, length: float) -> str:
+    """The largest stress and where it is, with the safety factors, in a line; `length` is the arm's, m. There must be a stress."""
+    assert loads.stress is not None
+    found, places = loads.stress.largest, []
+    if found.place is not None:
+        places.append(f"{1e3 * found.place:.0f} mm from P ({100.0 * found.place / length:.0f} % of the arm)")
+    if found.crank_angle is not None:
+        places.append(f"crank at {degrees(found.crank_angle)}")
+    error = "" if found.error is None else f" ({off_by(found.error, found.value)})"
+    factors = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
+    safety = [f"{factor.value:.3g} against {against}" for against, factor in factors.items() if factor is not None]
+    told = [
+        f"largest stress {quantity(found.value, 'MPa')}{error}, {', '.join(places)}",
+        *([f"safety {', '.join(safety)}"] if safety else []),
+    ]
+    return "; ".join(told)
