@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cases.case import Case
 from cases.errors import as_written, nearest_or_all
 from engines.accurate import ESTIMATED, Result
@@ -24,6 +26,7 @@ from reference_model.columns import BEARINGS, BENDING, COLUMNS
 if TYPE_CHECKING:
     import pandas as pd
 
+    from cases.loads import Loads
     from quickreturn.curves import Drawing
 
 
@@ -64,6 +67,23 @@ class Solution:
 
         of = {"total": "error", "integration": "integration error", "unverified": "error, not verified"}[self.result.estimate_of]
         return pd.Series(self.result.error_estimates, dtype=float, name=of)
+
+    @cached_property
+    def loads(self) -> "Loads":
+        """What the parts bear: stress along the arm, forces in joints and bearings; estimates are those of the columns, at their peaks."""
+        from cases.loads import loads_of
+
+        columns = self.trajectory.columns
+
+        def claim(name: str, _: float) -> float | None:
+            strains = [
+                error for gauge in ("strain_1", "strain_2", "strain_3") if (error := self.result.error_estimates.get(gauge)) is not None
+            ]
+            bends = max(strains, default=None) if name.startswith("moment_") else None
+            share = self.result.error_estimates.get(name, bends)
+            return None if share is None else share * float(np.max(np.abs(columns[name])))
+
+        return loads_of(self.case.scene, columns, claim)
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -114,7 +134,8 @@ class Solution:
 
     def rows(self, kept: str = "") -> Iterator[tuple[str, str]]:
         """What there is to say, a name and a text each; `kept`: where the rows are."""
-        from reports.words import settings_words
+        from reports.findings.loads import stress_text
+        from reports.words import TIED, settings_words
 
         result = self.result
         times = {part: getattr(result, f"{part}_seconds") for part in ("compile", "setup", "solve", "estimate")}
@@ -124,6 +145,8 @@ class Solution:
             yield "notes", f"{len(self.case.notes)} on this case, in `quickreturn show {self.case.name}` and its `notes`"
         yield "rows", f"{len(self.trajectory)}{kept and ' in '}{kept}"
         yield from _estimates(result)
+        if (loads := self.loads).stress is not None:
+            yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())
         yield "settings", settings_words(self.settings)
         if self.remark:

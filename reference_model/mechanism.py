@@ -125,6 +125,12 @@ class Follower:
     strain_gauges: tuple[float, float, float] = quantity(
         "m", "arc lengths from P", sign="not negative", count=3, default=(math.nan, math.nan, math.nan), optional=False
     )
+    yield_strength: float | None = quantity(
+        "Pa", "stress at which the material yields, for the safety factor", sign="positive", default=None, moves=False
+    )
+    fatigue_strength: float | None = quantity(
+        "Pa", "stress amplitude, fully reversed, that the material bears for ever", sign="positive", default=None, moves=False
+    )
 
     def __post_init__(self) -> None:
         for place in self.strain_gauges:

@@ -20,6 +20,7 @@ class Quantity:
     optional: bool  # whether a case file may leave it out
     count: int | None  # length of the list; None for a single number
     infinity: bool  # whether it may be infinite, for a rigid part
+    moves: bool  # whether the motion depends on it
 
 
 def quantity(
@@ -32,13 +33,15 @@ def quantity(
     optional: bool | None = None,
     count: int | None = None,
     infinity: bool = False,
+    moves: bool = True,
 ) -> Any:
     """A field of a scene's dataclass; see `Quantity`.
 
-    Unless given, `key` is the field's own name, and what has a default is optional.
+    Unless given, `key` is the field's own name, and what has a default is optional. A quantity that does not change how the scene
+    `moves` is left out where two scenes are compared and where a result's key is made.
     """
-    known = Quantity(unit, meaning, sign, key, default is not MISSING if optional is None else optional, count, infinity)
-    return field(default=default, metadata={_KEY: known})
+    known = Quantity(unit, meaning, sign, key, default is not MISSING if optional is None else optional, count, infinity, moves)
+    return field(default=default, compare=moves, metadata={_KEY: known})
 
 
 def quantities_of(part: Any) -> Iterator[tuple[str, str, Quantity]]:

@@ -106,7 +106,7 @@ def scene_of(values: Values) -> Scene:
 
 
 def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
-    """The numbers of a scene by section and key; sections that it lacks are left out."""
+    """The numbers of a scene by section and key; sections and keys that it lacks are left out."""
     parts: dict[str, list[Any]] = {
         "mechanism": [scene],
         **{name: [part] for name in ("crank", "base", "follower", "tip", "slider") if (part := getattr(scene, name, None)) is not None},
@@ -116,7 +116,8 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
     else:
         parts["base"].append(scene.spin_up)
     return {
-        name: {key: getattr(part, field) for part in members for field, key, _ in quantities_of(part)} for name, members in parts.items()
+        name: {key: value for part in members for field, key, _ in quantities_of(part) if (value := getattr(part, field)) is not None}
+        for name, members in parts.items()
     }
 
 

@@ -84,7 +84,7 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
         found[section] = [
             (name, _value(value), known[name].unit, known[name].meaning)
             for name, value in values.items()
-            if not (without_force and name.startswith("force"))
+            if known[name].moves and not (without_force and name.startswith("force"))
         ]
     return found
 

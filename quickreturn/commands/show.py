@@ -68,19 +68,19 @@ def _document(loaded: "Case") -> dict[str, Any]:
 
 def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
     """What follows from the follower's numbers: name -> value, unit and meaning."""
-    import numpy as np
-
+    from cases.loads import resonance
     from reference_model.mechanism import Mechanism
-    from reference_model.natural_modes import clamped_modes, frozen_crank_modes
+    from reference_model.natural_modes import clamped_modes
 
     follower = scene.follower
     found = {
         "mass": (follower.mass, "kg", "of the follower"),
         "slenderness": (follower.slenderness, "", "length over thickness"),
     }
-    if isinstance(scene, Mechanism) and not follower.is_rigid:
-        lowest = min(frozen_crank_modes(scene, angle, 1).frequencies[0] for angle in np.linspace(0.0, np.pi, 25))
-        found["first_bending_frequency"] = (float(lowest), "Hz", "crank held, the least over its turn")
+    if isinstance(scene, Mechanism) and (first := resonance(scene)):
+        found["first_bending_frequency"] = (first.lowest, "Hz", "crank held, the least over its turn")
+        found["mean_bending_frequency"] = (first.first_mode, "Hz", "crank held, the mean over its turn")
+        found["resonance"] = (first.ratio, "", f"that mean over the crank's frequency: {first.sentence}")
     elif not isinstance(scene, Mechanism):
         found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")
     return {name: {"value": value, "unit": unit, "meaning": meaning} for name, (value, unit, meaning) in found.items()}
