@@ -20,6 +20,7 @@ class Quantity:
     optional: bool  # whether a case file may leave it out
     count: int | None  # length of the list; None for a single number
     infinity: bool  # whether it may be infinite, for a rigid part
+    default: Any = None  # SI value where a case file leaves it out; None: no fixed one
 
 
 def quantity(
@@ -37,7 +38,8 @@ def quantity(
 
     Unless given, `key` is the field's own name, and what has a default is optional.
     """
-    known = Quantity(unit, meaning, sign, key, default is not MISSING if optional is None else optional, count, infinity)
+    optional = default is not MISSING if optional is None else optional
+    known = Quantity(unit, meaning, sign, key, optional, count, infinity, None if default is MISSING else default)
     return field(default=default, metadata={_KEY: known})
 
 
