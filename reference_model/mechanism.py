@@ -63,10 +63,10 @@ class PrescribedSpeed:
 class Crank:
     """Rigid arm OC, turning about O; its centre of mass lies on the line from O to the slider."""
 
-    length: float = quantity("m", "from O to the slider", sign="positive")
+    length: float = quantity("m", "from O to the slider; with pivot_distance at most the follower's length", sign="positive")
     drive: TorqueDrive | PrescribedSpeed
     mass: float = quantity("kg", "mass", sign="not negative", default=0.0, optional=False)
-    center_of_mass: float = quantity("m", "centre of mass, from O", default=0.0, optional=False)
+    center_of_mass: float = quantity("m", "centre of mass, from O towards the slider", default=0.0, optional=False)
     inertia: float = quantity("kg*m^2", "about the centre of mass", sign="not negative", default=0.0, optional=False)
     initial_angle: float = quantity("rad", "at the start, counter-clockwise from n1", default=math.pi, optional=False)
 
