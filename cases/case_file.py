@@ -42,7 +42,10 @@ def load_document(name_or_path: str, overrides: Mapping[str, str] | None = None)
     if in_library(name_or_path):
         document = library_document(name_or_path)
     elif os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path):
-        document = read_document(read_text(name_or_path, library=case_names()), path_shown(name_or_path))
+        shown = path_shown(name_or_path)
+        if name_or_path.lower().endswith(".csv") and os.path.isfile(name_or_path):
+            raise CaseError(shown, None, None, "is a table and no case file", "give its case; `plot` and `compare` take tables as well")
+        document = read_document(read_text(name_or_path, library=case_names()), shown)
     else:
         raise _unknown(name_or_path)
     return document.overridden_by(overrides or {})

@@ -113,7 +113,8 @@ def _print(document: dict[str, Any]) -> None:
         if model["refused"]:
             click.echo(f"\n{model['engine']}: {model['refused']}")
             continue
-        click.echo(f"\n{model['engine']}: {model['degrees_of_freedom']} degrees of freedom")
+        count = model["degrees_of_freedom"]
+        click.echo(f"\n{model['engine']}: {count} degree{'s' * (count != 1)} of freedom")
         lines = [("  body", body) for body in grouped(model["bodies"])] + [("  joint", joint) for joint in grouped(model["joints"])]
         print_table(lines or [("", "")])
 

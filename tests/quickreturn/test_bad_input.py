@@ -57,6 +57,7 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "picture.toml").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
     (tmp_path / "unclosed.toml").write_text('[crank]\nlength = "4 in\nmass = "1 kg"\n')
     (tmp_path / "twice.toml").write_text('[crank]\nlength = "4 in"\nlength = "5 in"\n')
+    (tmp_path / "table.csv").write_text("time,tip_x\n0,0\n")
     os.mkfifo(tmp_path / "pipe.toml")
     return tmp_path
 
@@ -231,6 +232,7 @@ TYPED = [
     ("show smal.toml", ("smal.toml", "did you mean small.toml?")),
     ("show smal", ("smal", "did you mean the file small.toml?")),
     ("show example.toml", ("example.toml", "the library case example")),
+    ("show table.csv", ("table.csv", "no case file", "compare")),
     ("new small.toml", ("small.toml", "not overwritten", "another name")),
     ("new mine.txt", ("mine.txt", ".toml")),
     ("new mine", ("mine", ".toml", "mine.toml")),
