@@ -47,7 +47,7 @@ def command(file: str, origin: str | None, assignments: Sequence[str]) -> None:
     document = replace(load_document(origin or EXAMPLE, overrides), header=header)
     remarks = tuple(_origin(original, overrides)) if origin else ()
     write_file(Path(file), as_toml(document, remarks).encode())
-    options.tell_doubts([original])
+    options.tell_doubts([replace(original, name=header["name"])])
     _print_what_next(file, original)
 
 

@@ -262,7 +262,9 @@ def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) ->
 
 
 @pytest.mark.usefixtures("call")  # installs the fake engine
-@pytest.mark.parametrize(("typed", "words"), TYPED[:4] + TYPED[5:7], ids=lambda text: text[:60])
+@pytest.mark.parametrize(
+    ("typed", "words"), [*TYPED[:4], *TYPED[5:7], ("run spin-up", ("[crank]", "use show or simulate"))], ids=lambda text: text[:60]
+)
 def test_answers_of_processes(folder: Path, typed: str, words: tuple[str, ...]) -> None:
     program = started(*shlex.split(typed), folder=folder)
     output, errors = program.communicate(timeout=60.0)

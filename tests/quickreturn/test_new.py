@@ -42,7 +42,7 @@ def test_a_file_can_be_copied_and_its_doubtful_values_are_told(call: Call, tmp_p
     (tmp_path / "small.toml").write_text(SCENE)
     answer = call("new", "other.toml", "--from", "small.toml", "--set", "follower.thickness=5 cm")
     assert answer.code == 0
-    assert answer.errors.startswith("quickreturn: small: note: follower.thickness is 0.05 m")
+    assert answer.errors.startswith("quickreturn: other: note: follower.thickness is 0.05 m")
     case = load_case("other.toml")
     assert (case.name, case.scene.follower.thickness) == ("other", 0.05)
     assert "Note:" not in (tmp_path / "other.toml").read_text()  # the notes of a file follow from its values
