@@ -132,8 +132,8 @@ class Solution:
         check_writable(place, "", ".webp", ".html")
         write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
 
-    def rows(self, kept: str = "") -> Iterator[tuple[str, str]]:
-        """What there is to say, a name and a text each; `kept`: where the rows are."""
+    def rows(self, kept: str = "", notes: str = "its `notes`") -> Iterator[tuple[str, str]]:
+        """What there is to say, a name and a text each; `kept`: where the rows are; `notes`: where those on the case are."""
         from reports.findings.loads import stress_text
         from reports.words import TIED, settings_words
 
@@ -142,7 +142,7 @@ class Solution:
         yield "case", self.case.name
         yield "engine", f"{self.engine} ({self.version})"
         if self.case.notes:
-            yield "notes", f"{len(self.case.notes)} on this case, in `quickreturn show {self.case.name}` and its `notes`"
+            yield "notes", f"{len(self.case.notes)} on this case: see {notes}"
         yield "rows", f"{len(self.trajectory)}{kept and ' in '}{kept}"
         yield from _estimates(result)
         if (loads := self.loads).stress is not None:

@@ -21,6 +21,7 @@ class Quantity:
     count: int | None  # length of the list; None for a single number
     infinity: bool  # whether it may be infinite, for a rigid part
     moves: bool  # whether the motion depends on it
+    default: Any  # SI value where a case file leaves it out; None: no fixed one
 
 
 def quantity(
@@ -40,7 +41,8 @@ def quantity(
     Unless given, `key` is the field's own name, and what has a default is optional. A quantity that does not change how the scene
     `moves` is left out where two scenes are compared and where a result's key is made.
     """
-    known = Quantity(unit, meaning, sign, key, default is not MISSING if optional is None else optional, count, infinity, moves)
+    optional = default is not MISSING if optional is None else optional
+    known = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, None if default is MISSING else default)
     return field(default=default, compare=moves, metadata={_KEY: known})
 
 

@@ -30,7 +30,7 @@ def command(
     assignments: Sequence[str],
     as_json: bool,
 ) -> int:
-    """Bring engines to their steady state on each CASE, measure, compare.
+    """Bring engines to their steady state on each CASE, measure and compare them.
 
     Two engines may differ by what both claim: their own error estimates and the uncertainty of what is measured. Exit code 1: some differ
     by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is not
