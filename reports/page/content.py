@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from cases.benchmark import Benchmark
+from cases.benchmark import Benchmark, Compiling
 from cases.frozen_crank import FrozenCrank
 from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
@@ -27,6 +27,7 @@ class Content:
         results: the cases, at least one.
         studies: None where the cases that they are about are not all among the results.
         benchmarks: of the scenes on which methods are compared, those that there are.
+        compiling: what it takes to compile engines, where that was measured.
         frozen_crank: on the thesis' example run; None where that is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
@@ -40,6 +41,7 @@ class Content:
     results: Sequence[CaseResult]
     studies: Studies | None = None
     benchmarks: Sequence[Benchmark] = ()
+    compiling: Sequence[Compiling] = ()
     frozen_crank: FrozenCrank | None = None
     hard_scenes: Matrix | None = None
     of_record: Mapping[str, About] = field(default_factory=dict)

@@ -36,7 +36,7 @@ RESULTS = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn":
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A report on three made-up runs, in one of which an engine failed."""
     folder = tmp_path_factory.mktemp("page")
-    write(Content(results=RESULTS, studies=studies(), benchmarks=[made_up_benchmark()], facts=machine_facts()), folder)
+    write(Content(results=RESULTS, studies=studies(), benchmarks=[made_up_benchmark(timed=True)], facts=machine_facts()), folder)
     return (folder / "index.html").as_uri()
 
 
@@ -238,12 +238,13 @@ def test_tables_are_sorted_and_filtered(opened: Open) -> None:
 def test_nothing_overflows_a_telephone_and_no_picture_is_empty(opened: Open, scheme: str) -> None:
     page = opened("#at=200", width=390, height=844, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details.chapter').forEach(each => { each.open = true; })")
-    page.wait_for_function("[...document.querySelectorAll('.drawn, #signals')].every(each => each.children.length)", timeout=20_000)
+    pictures = ".drawn:not([hidden]), #signals"
+    page.wait_for_function(f"[...document.querySelectorAll('{pictures}')].every(each => each.children.length)", timeout=20_000)
     page.wait_for_timeout(500)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert drawn(page, "stage")
     assert drawn(page, "curve")
-    for holder in page.locator(".drawn, #signals").all():
+    for holder in page.locator(pictures).all():
         assert len(holder.screenshot()) > 5000  # a blank one of this size takes some 1,000 bytes
     labels = page.locator("canvas[role=img], .drawn").evaluate_all("all => all.map(each => each.getAttribute('aria-label'))")
     assert all(label and len(label) > 20 for label in labels)
@@ -309,3 +310,17 @@ def test_on_paper_there_are_stills_and_no_buttons(opened: Open) -> None:
     assert page.locator("button:visible").count() == 0
     stills = page.locator("#stills canvas").evaluate_all("all => all.map(canvas => canvas.toDataURL())")
     assert len(set(stills)) == 4
+
+
+def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
+    page = opened("#chapter=methods")
+    figure = page.locator("#methods figure.plot").first
+    plots = figure.locator(".drawn")
+    plots.nth(0).locator(".bk-Figure").wait_for()
+    assert not plots.nth(1).is_visible()
+    figure.get_by_role("radio", name="all that one waits for").check()
+    plots.nth(1).locator(".bk-Figure").wait_for()
+    assert not plots.nth(0).is_visible()
+    figure.get_by_role("radio", name="solving alone").check()
+    assert plots.nth(0).is_visible()
+    assert not plots.nth(1).is_visible()
