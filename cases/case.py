@@ -1,9 +1,9 @@
 """A case: one scene, and what to simulate of it; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from cases.errors import CaseError
 from cases.units import DIMENSIONS, Dimension
@@ -11,6 +11,9 @@ from reference_model.mechanism import Mechanism, Scene
 from reference_model.quantities import Quantity, quantities_of, quantity
 from reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
 from reference_model.scene_values import values_of
+
+if TYPE_CHECKING:
+    from cases.document import Document
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -26,6 +29,7 @@ class Case:
         output_step: s.
         notes: what a reader of results must know, e.g. which published value was replaced and why, or which value is hardly meant.
         source: the file's path, or "library".
+        document: the values as they were written, with their units; None of a case that was made from numbers.
     """
 
     name: str
@@ -36,6 +40,7 @@ class Case:
     output_step: float = quantity("s", "between rows of a trajectory", sign="positive")
     notes: tuple[str, ...] = ()
     source: str = ""
+    document: "Document | None" = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
         """Name, title and the values in SI, one to a line."""
@@ -60,6 +65,20 @@ class Case:
         raise CaseError(
             self.name, "[crank]", None, "this case has no crank and no slider, and what is asked needs them", "use show or simulate"
         )
+
+    def with_(self, overrides: Mapping[str, str] | None = None, *, name: str | None = None) -> "Case":
+        """A copy with other values and a name of its own; its title tells the changes.
+
+        Args:
+            overrides: as a case file has them, by dotted key: {"crank.length": "5 in"}.
+            name: of the copy; None: made of this case's name and the changes, such as "press-crank.length-5-in".
+
+        Raises:
+            CaseError: a mistake in the overrides, or neither is given.
+        """
+        from cases.copies import copy_of
+
+        return copy_of(self, overrides or {}, name)
 
 
 def shown_value(value: Any) -> str:

@@ -55,7 +55,8 @@ def case_of(document: Document) -> Case:
         raise _missing(document, untimed)
     if problem := misfit(times["duration"], times["output_step"]):
         raise document.error(document.blame("simulation.duration", "simulation.output_step"), *problem)
-    return Case(name=name, title=title, tags=tags, scene=scene, source=document.source, notes=tuple(doubts(scene)), **times)
+    notes = tuple(doubts(scene))
+    return Case(name=name, title=title, tags=tags, scene=scene, source=document.source, notes=notes, document=document, **times)
 
 
 def misfit(duration: float, output_step: float) -> tuple[str, str] | None:
