@@ -1,11 +1,12 @@
 """A case: one scene, and what to simulate of it; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from cases.errors import CaseError
+from cases.shown import Cell, Rows, Shown
 from cases.units import DIMENSIONS, Dimension
 from reference_model.mechanism import Mechanism, Scene
 from reference_model.quantities import Quantity, quantities_of, quantity
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Case:
+class Case(Shown):
     """A named scene in SI units with its simulation times.
 
     Attributes:
@@ -42,11 +43,24 @@ class Case:
     source: str = ""
     document: "Document | None" = field(default=None, repr=False, compare=False)
 
-    def __repr__(self) -> str:
-        """Name, title and the values in SI, one to a line."""
-        rows = [(f"{section}.{key}", value) for section, keys in self.values.items() for key, value in keys.items()]
-        lines = [f"  {path:30} {shown_value(value)} {PATHS[path].unit}".rstrip() for path, value in rows]
-        return "\n".join([f"{self.name}: {self.title}", *lines])
+    def _parts(self) -> Iterator[Cell]:
+        """Name, title, notes, and a row for each value: in SI, and as it was written."""
+        from cases.copies import as_written
+        from cases.document import in_words
+
+        yield f"{self.name}: {self.title}"
+        yield from (f"note: {note}" for note in self.notes)
+        si = {f"{section}.{key}": value for section, keys in self.values.items() for key, value in keys.items()}
+        written = {f"{section}.{key}": value for section, keys in as_written(self).values.items() for key, value in keys.items()}
+        texts = {path: in_words(value) for path, value in written.items() if not isinstance(value, (float, tuple))}
+        yield Rows(
+            [
+                (path, shown_value(si[path]) if path in si else "", quantity.unit if path in si else "", texts.get(path, ""))
+                for path, quantity in PATHS.items()
+                if path in si or path in texts
+            ],
+            ("value", "in SI", "unit", "as written"),
+        )
 
     @property
     def values(self) -> dict[str, dict[str, Any]]:

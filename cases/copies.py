@@ -9,7 +9,8 @@ from typing import Any, Final
 
 from cases.case import Case
 from cases.document import LONGEST_NAME, OVERRIDE, Document, document_of, header_of, in_words
-from cases.errors import CaseError, as_written
+from cases.errors import CaseError
+from cases.errors import as_written as value_as_written
 from cases.reading import case_of
 from reference_model.mechanism import doubts
 
@@ -23,7 +24,7 @@ def changed(case: Case, overrides: Mapping[str, str]) -> Case:
     Raises:
         CaseError: a mistake in the overrides.
     """
-    new = case_of(_as_written(case).overridden_by(overrides))
+    new = case_of(as_written(case).overridden_by(overrides))
     doubted = tuple(doubts(case.scene))
     notes = (*(note for note in case.notes if note not in doubted), *new.notes)
     return replace(new, notes=tuple(dict.fromkeys(notes)), source=case.source)
@@ -50,7 +51,7 @@ def copy_of(case: Case, overrides: Mapping[str, str], name: str | None = None) -
 def told_as_overrides(overrides: Any) -> Iterator[None]:
     """Has mistakes in overrides that come from Python told without the command line's option. Raises CaseError for what is no mapping."""
     if not isinstance(overrides, Mapping):
-        raise CaseError("overrides", None, None, f"{as_written(overrides)} is no dictionary", 'such as {"crank.length": "5 in"}')
+        raise CaseError("overrides", None, None, f"{value_as_written(overrides)} is no dictionary", 'such as {"crank.length": "5 in"}')
     try:
         yield
     except CaseError as wrong:
@@ -58,7 +59,7 @@ def told_as_overrides(overrides: Any) -> Iterator[None]:
         raise CaseError(source, wrong.key, wrong.value, wrong.problem, wrong.accepted) from None
 
 
-def _as_written(case: Case) -> Document:
+def as_written(case: Case) -> Document:
     """The document that the case was read from, with its present name, title and times; in SI if the scene was replaced since."""
     document = case.document
     if document is None or (read := case_of(document)).scene != case.scene:

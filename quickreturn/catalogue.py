@@ -3,7 +3,7 @@
 import fnmatch
 import glob
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from cases.case import Case
@@ -11,6 +11,7 @@ from cases.case_file import load_case, with_times
 from cases.copies import told_as_overrides
 from cases.errors import CaseError, as_written
 from cases.library import CatalogueLine, case_names, catalogue
+from cases.shown import Cell, Rows, Shown
 
 if TYPE_CHECKING:
     from cases.recorded import RecordedTable
@@ -23,7 +24,7 @@ T = TypeVar("T")
 AnyCase = str | os.PathLike[str] | Case | CatalogueLine
 
 
-class Listing(tuple[T, ...]):
+class Listing(Shown, tuple[T, ...]):
     """Things that show themselves as a small table, one to a row."""
 
     columns: Mapping[str, Callable[[T], str]]
@@ -35,10 +36,8 @@ class Listing(tuple[T, ...]):
         found.columns = columns
         return found
 
-    def __repr__(self) -> str:
-        from reports.output import table_text
-
-        return table_text([[text(each) for text in self.columns.values()] for each in self], list(self.columns))
+    def _parts(self) -> Iterator[Cell]:
+        yield Rows([[text(each) for text in self.columns.values()] for each in self], list(self.columns))
 
 
 def case(

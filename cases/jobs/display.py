@@ -13,6 +13,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final
 
 from cases.jobs.job import Executor, Job, Outcome, T
+from engines import progress as progress_of_engines
 from reference_model import machine_code
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 #: Until the first line, and between lines, s. What is done before needs none.
 FIRST: Final = 0.3
 EVERY: Final = 5.0
+#: How long code may be compiled or loaded in the caller's own process before that is told, s. Loading what is kept takes one or two.
+UNTOLD: Final = 2.5
 #: Shown on a line at most.
 _MOST_AT_WORK: Final = 4
 
@@ -154,6 +157,28 @@ def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
     finally:
         ended.set()
         thread.join()
+
+
+@contextlib.contextmanager
+def compilation_told(quiet: bool) -> Iterator[None]:
+    """One line while this process waits for code that is compiled; nothing where it is kept from before, or to the quiet."""
+    waiting: list[threading.Timer] = []
+
+    def hear(progress: "Progress") -> None:
+        while waiting:
+            waiting.pop().cancel()
+        if progress.phase == progress_of_engines.COMPILING and not quiet:
+            sentence = f"{progress.engine}: compiling its equations, once for this machine; that takes about half a minute ..."
+            waiting.append(threading.Timer(UNTOLD, _say, (sentence,)))
+            waiting[0].daemon = True
+            waiting[0].start()
+
+    with progress_of_engines.heard_by(hear):
+        try:
+            yield
+        finally:
+            while waiting:
+                waiting.pop().cancel()
 
 
 @functools.cache

@@ -2,13 +2,16 @@
 
 import subprocess
 import sys
+import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.typing import NDArray
 
 import quickreturn as qr
 from tests.engines.fake_engine import FakeEngine
@@ -185,6 +188,50 @@ def test_run_takes_names_and_gives_frames(place: Path) -> None:
     assert len(found.plot().axes) == 1
     with pytest.raises(qr.UnknownColumn, match="tip_x"):
         found.plot("tip_z")
+
+
+class Compiling(FakeEngine):
+    """Takes a while for its first model or its first frequencies."""
+
+    compiles = True
+    seconds = 0.3
+
+    def prepare(self, *arguments: Any) -> qr.Simulation:
+        time.sleep(self.seconds)
+        return super().prepare(*arguments)
+
+    def natural_frequencies(self, *arguments: Any) -> NDArray[np.float64]:
+        time.sleep(self.seconds)
+        return super().natural_frequencies(*arguments)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [qr.simulate, qr.modes, lambda *given, **more: qr.simulate(*given, estimate=False, **more)],
+    ids=["simulate", "modes", "no estimate"],
+)
+def test_the_person_who_waits_for_a_compiler_is_told_once(
+    call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    told = "  fake: compiling its equations, once for this machine; that takes about half a minute ...\n"
+    monkeypatch.setattr("cases.jobs.display.UNTOLD", 0.1)
+    call("small.toml", Compiling())
+    assert capfd.readouterr() == ("", told)
+    call("small.toml", Compiling(), quiet=True)
+    call("small.toml", FakeEngine())
+    monkeypatch.setattr("cases.jobs.display.UNTOLD", 60.0)
+    call("small.toml", Compiling())
+    assert capfd.readouterr() == ("", "")
+
+
+def test_without_an_estimate_the_table_is_the_same_and_nothing_is_claimed(place: Path) -> None:
+    quick = qr.simulate("small.toml", "fake", settings={"step": 0.05}, estimate=False)
+    assert quick.frame.equals(qr.simulate("small.toml", "fake", settings={"step": 0.05}).frame)
+    assert quick.estimates.isna().all()
+    assert "the error is not estimated, as asked" in repr(quick)
+    assert "error estimate" not in repr(quick)
+    with pytest.raises(ValueError, match=r"^accuracy=0\.01 without an estimate"):
+        qr.simulate("small.toml", "fake", accuracy=1e-2, estimate=False)
 
 
 def test_code_that_is_not_kept_is_said(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
