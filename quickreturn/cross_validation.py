@@ -58,6 +58,10 @@ class CrossValidation(Shown):
                 raise LookupError(f"{as_written(given)}: not among these results; {nearest_or_all(given, tuple(known))}")
         return results[case].runs[name]
 
+    def _ipython_key_completions_(self) -> list[tuple[str, str]]:
+        """What a notebook offers after `runs["`."""
+        return [(result.case.name, engine) for result in self.results for engine in result.runs]
+
     @property
     def frame(self) -> "pd.DataFrame":
         """A row for each case, engine, half and channel; each number with its error estimate, in the unit of the last column, or Hz."""

@@ -26,6 +26,7 @@ from reference_model.columns import COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
     from quickreturn.curves import Drawing
 
@@ -86,6 +87,20 @@ class Solution(Shown):
     def __getitem__(self, column: str) -> "pd.Series[float]":
         """A column. UnknownColumn: there is none of this name."""
         return self.frame[known_column(column, self.trajectory.columns)]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """What a notebook offers after `solution["`."""
+        return list(self.frame.columns)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """The trajectory as an xarray dataset over `time`, with units and error estimates as attributes, which netCDF keeps.
+
+        Raises:
+            ModuleNotFoundError: xarray is not installed.
+        """
+        from quickreturn.dataset import dataset_of
+
+        return dataset_of(self)
 
     def plot(self, *columns: str) -> "Drawing":
         """Columns over time; without any the deflection and the acceleration of the tip, the middle strain and the slider force.
