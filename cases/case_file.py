@@ -7,11 +7,10 @@ from dataclasses import replace
 from numbers import Real
 
 from cases.case import Case
-from cases.copies import changed
 from cases.errors import CaseError, as_written, nearest, path_shown
-from cases.library import case_names, library_case
+from cases.library import case_names, library_case, library_document
 from cases.library.hard import IMPOSSIBLE
-from cases.reading import misfit, parse_case
+from cases.reading import case_of, misfit, parse_case
 from cases.text_file import read_text
 
 
@@ -29,7 +28,10 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
     """
     if name_or_path in case_names() or name_or_path in IMPOSSIBLE:
         case = library_case(name_or_path)
-        return changed(case, overrides) if overrides else case
+        if not overrides:
+            return case
+        changed = case_of(library_document(name_or_path).overridden_by(overrides))
+        return replace(changed, notes=tuple(dict.fromkeys((*case.notes, *changed.notes))), source=case.source)
     if not (os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path)):
         shown = as_written(name_or_path)
         near = nearest(name_or_path, case_names())

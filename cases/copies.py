@@ -8,12 +8,13 @@ from dataclasses import replace
 from typing import Any, Final
 
 from cases.case import Case
-from cases.document import LONGEST_NAME, OVERRIDE, Document, document_of, header_of, in_words
+from cases.document import OVERRIDE, Document, document_of, header_of, in_words
 from cases.errors import CaseError
 from cases.errors import as_written as value_as_written
 from cases.reading import case_of
-from reference_model.mechanism import doubts
 
+#: Characters of a name at most, as `header_of` accepts it.
+LONGEST_NAME: Final = 64
 #: Characters of the hash at the end of a name that would be too long: two copies share it with a probability of 2^-32.
 _HASH: Final = 8
 
@@ -24,10 +25,12 @@ def changed(case: Case, overrides: Mapping[str, str]) -> Case:
     Raises:
         CaseError: a mistake in the overrides.
     """
-    new = case_of(as_written(case).overridden_by(overrides))
-    doubted = tuple(doubts(case.scene))
-    notes = (*(note for note in case.notes if note not in doubted), *new.notes)
-    return replace(new, notes=tuple(dict.fromkeys(notes)), source=case.source)
+    document = as_written(case)
+    before, new = case_of(document), case_of(document.overridden_by(overrides))
+    # What is told of the case and not of its numbers stays; a doubt that was not told of the case is not told of the copy.
+    kept = [note for note in case.notes if note not in before.notes]
+    doubted = [note for note in new.notes if note in case.notes or note not in before.notes]
+    return replace(new, notes=(*kept, *doubted), source=case.source)
 
 
 def copy_of(case: Case, overrides: Mapping[str, str], name: str | None = None) -> Case:

@@ -14,9 +14,7 @@ from reference_model.scene_values import ALTERNATIVES
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000
 
-#: Characters.
-LONGEST_NAME: Final = 64
-_NAME: Final = re.compile(rf"[A-Za-z0-9][A-Za-z0-9._-]{{0,{LONGEST_NAME - 1}}}")
+_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _LONGEST_TITLE: Final = 200
 
 #: Named as the source of a value that came from the command line.
@@ -149,10 +147,7 @@ def _unknown(source: str, path: str, value: Any) -> CaseError:
 
 
 def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
-    """Name, title and tags; only the name must be there. The title tells overridden values, for it may hold the old ones.
-
-    Raises CaseError.
-    """
+    """Name, title and tags; only the name must be there. Raises CaseError."""
     name = document.header.get("name")
     if name is None:
         raise CaseError(document.source, "name", None, "this key is missing", 'write a name, such as name = "stiffer-follower"')
@@ -165,21 +160,7 @@ def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
     tags = document.header.get("tags", [])
     if not isinstance(tags, list) or not all(isinstance(tag, str) and _NAME.fullmatch(tag) for tag in tags):
         raise document.error("tags", "is no list of tags", 'write one such as ["thesis", "fast"], each tag like a name')
-    return name, _with_changes(title, document.overridden), tuple(tags)
-
-
-def in_words(value: Any) -> str:
-    """A raw value, such as "5 in", or several as "(0 m/s^2, -9.81 m/s^2)"."""
-    return value if isinstance(value, str) else f"({', '.join(map(str, value))})"
-
-
-def _with_changes(title: str, overridden: Mapping[str, Any]) -> str:
-    """A title, and the values that override those of the file; only their number where there is no room for them."""
-    if not overridden:
-        return title
-    *others, last = (f"{path} = {in_words(value)}" for path, value in overridden.items())
-    told = f"{title}, with {', '.join(others)}{' and ' if others else ''}{last}"
-    return told if len(told) <= _LONGEST_TITLE else f"{title}, with {len(overridden)} other values"
+    return name, title, tuple(tags)
 
 
 def _value_of(text: str) -> Any:
@@ -190,3 +171,17 @@ def _value_of(text: str) -> Any:
         except ValueError:
             return text
     return text
+
+
+def in_words(value: Any) -> str:
+    """A raw value, such as "5 in", or several as "(0 m/s^2, -9.81 m/s^2)"."""
+    return value if isinstance(value, str) else f"({', '.join(map(str, value))})"
+
+
+def with_changes(title: str, overridden: Mapping[str, Any]) -> str:
+    """A title, and the values that override those of the file, for it may hold the old ones; their number where there is no room."""
+    if not overridden:
+        return title
+    *others, last = (f"{path} = {in_words(value)}" for path, value in overridden.items())
+    told = f"{title}, with {', '.join(others)}{' and ' if others else ''}{last}"
+    return told if len(told) <= _LONGEST_TITLE else f"{title}, with {len(overridden)} other values"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from cases.case import Case
-from cases.document import header_of, read_document
+from cases.document import Document, document_of, header_of, read_document
 from cases.errors import CaseError
 from cases.library import hard, thesis
 from cases.library.inconsistencies import Inconsistency, inconsistencies
@@ -24,6 +24,7 @@ __all__ = [
     "catalogue",
     "inconsistencies",
     "library_case",
+    "library_document",
 ]
 
 _FOLDER: Final = Path(__file__).parent
@@ -61,6 +62,11 @@ def library_case(name: str) -> Case:
         case = parse_case(_file_text(name), name)
     notes = (found.sentence for found in inconsistencies() if _RUNS.get(name) in found.runs)
     return replace(case, notes=(*notes, *case.notes), source="library")
+
+
+def library_document(name: str) -> Document:
+    """The values of a case of the library, for changes: of a file as they are written there, else in SI. Raises like `library_case`."""
+    return read_document(_file_text(name), name) if name in _file_names() else document_of(library_case(name))
 
 
 def catalogue(tag: str | None = None) -> tuple[CatalogueLine, ...]:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from cases.case_file import load_case, with_times
-from cases.document import LONGEST_NAME
+from cases.copies import LONGEST_NAME
 from cases.errors import CaseError
 from cases.reading import parse_case
 from tests.cases.scene_texts import SCENE
