@@ -255,6 +255,11 @@ def test_examples_have_short_lines(document: str) -> None:
     assert [line for block in code for line in block.text.splitlines() if len(line) > LONGEST_LINE_OF_CODE] == []
 
 
+@pytest.mark.parametrize("file", sorted((ROOT / "examples").rglob("*.py")), ids=lambda file: file.name)
+def test_examples_that_are_packages_have_short_lines(file: Path) -> None:
+    assert [line for line in file.read_text("utf-8").splitlines() if len(line) > LONGEST_LINE_OF_CODE] == []
+
+
 def test_an_engine_in_sixty_lines_has_no_more() -> None:
     """Blank lines, comments and docstrings do not count."""
     (block,) = [block for block in BLOCKS if "(qr.SimpleEngine)" in block.text]
