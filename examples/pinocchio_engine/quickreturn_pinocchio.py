@@ -104,8 +104,11 @@ class Chain(qr.Model):
         return arm, s, base, bent * np.exp(1j * base)
 
     def motion(self, q, v):
-        """Place s of the slider; directions of the links and their rates; accelerations of crank,
-        base and hinges with the slider's force behind them; angle of the base; weights at s.
+        """The equations of motion, solved.
+
+        Returns the place s of the slider, the directions of the links and their rates, the
+        accelerations of crank, base and hinges with the slider's force behind them, the angle of
+        the base, and the weights of the place s.
         """
         scene, hinges, drive = self.scene, q[1:], self.scene.crank.drive
         arm, s, base, e = self.closed(q)
