@@ -17,14 +17,16 @@ def simulate_scene(
     output_step: float,
     settings: Mapping[str, str] | None = None,
     accuracy: float | None = None,
+    estimate: bool = True,
 ) -> Result:
     """`accurate.simulate` from the standard start: the mechanism's, or the follower straight and at rest.
 
     Raises:
-        Refusal, SettingError, EngineFailure: as `accurate.simulate`; Refusal also where the engine has no model of a follower alone.
+        ValueError, Refusal, SettingError, EngineFailure: as `accurate.simulate`; Refusal also where the engine has no model of a follower
+            alone.
     """
     solver, start = _solver(engine, scene)
-    return accurate.simulate(solver, scene, start, duration, output_step, settings, accuracy)
+    return accurate.simulate(solver, scene, start, duration, output_step, settings, accuracy, estimate)
 
 
 def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:

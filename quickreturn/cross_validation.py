@@ -1,7 +1,7 @@
 """Engines on cases in their steady state, measured, compared and held to what they claim; and the report on that."""
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import Run
+from cases.shown import Cell, Shown
 from engines.registry import MAIN
 from engines.settings import SettingError, as_texts
 from engines.trajectory import Trajectory
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 _NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
 
 
-class CrossValidation:
+class CrossValidation(Shown):
     """What came of some engines on some cases.
 
     Attributes:
@@ -56,6 +57,10 @@ class CrossValidation:
             if given not in known:
                 raise LookupError(f"{as_written(given)}: not among these results; {nearest_or_all(given, tuple(known))}")
         return results[case].runs[name]
+
+    def _ipython_key_completions_(self) -> list[tuple[str, str]]:
+        """What a notebook offers after `runs["`."""
+        return [(result.case.name, engine) for result in self.results for engine in result.runs]
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -106,10 +111,11 @@ class CrossValidation:
         cycles = {result.case.name: {name: run.cycle for name, run in result.runs.items() if run.cycle} for result in self.results}
         return stacked(cycles, chosen)
 
-    def __repr__(self) -> str:
-        from quickreturn.verdict_text import text_of
+    def _parts(self) -> Iterator[Cell]:
+        from quickreturn.verdict_text import parts_of
 
-        return "\n".join(text_of(result) for result in self.results)
+        for result in self.results:
+            yield from parts_of(result)
 
 
 def run(

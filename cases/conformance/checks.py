@@ -1,12 +1,13 @@
 """What a check of an adapter says."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.shown import Cell, Rows, Shown
 from engines.base import Refusal
 
 Array = NDArray[np.float64]
@@ -33,8 +34,8 @@ class Check:
     advice: str = ""
 
 
-@dataclass(frozen=True)
-class Conformance:
+@dataclass(frozen=True, repr=False)
+class Conformance(Shown):
     """What was found of an engine.
 
     Attributes:
@@ -46,6 +47,10 @@ class Conformance:
     engine: str
     conforms: bool | None
     checks: tuple[Check, ...]
+
+    def _parts(self) -> Iterator[Cell]:
+        yield f"{self.engine}: {self.verdict}"
+        yield Rows([(each.check, each.status, each.cause, each.advice) for each in self.checks], ("check", "status", "cause", "advice"))
 
     @property
     def failed(self) -> tuple[Check, ...]:

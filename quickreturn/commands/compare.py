@@ -98,11 +98,12 @@ def _mistakes(result: "CaseResult") -> dict[str, dict[str, str]]:
 
 
 def _print(results: "Sequence[CaseResult]") -> None:
-    from quickreturn.verdict_text import text_of
+    from cases.shown import in_lines
+    from quickreturn.verdict_text import parts_of
     from reports.output import print_table
 
     for result in results:
-        click.echo(text_of(result))
+        click.echo(in_lines(parts_of(result)))
         differences = _differences(result)
         columns = dict.fromkeys(name for found in differences.values() for name in found)
         if columns:
