@@ -92,9 +92,9 @@ def _differences(result: "CaseResult") -> dict[tuple[str, str], dict[str, float]
 
 def _mistakes(result: "CaseResult") -> dict[str, dict[str, str]]:
     """Table -> column -> the mistake that would explain its difference from the engine that it is held against first."""
-    from cases.runs.differences import mistakes
+    from cases.runs.differences import explanations
 
-    return {run.engine: mistakes(run, other, result.case.mechanism) for run, other in reversed(_pairs(result))}
+    return {run.engine: explanations(run, other, result.case) for run, other in reversed(_pairs(result))}
 
 
 def _print(results: "Sequence[CaseResult]") -> None:
