@@ -124,11 +124,8 @@ def run(
         StoreError: the folder of results cannot be used.
         KeyboardInterrupt: Ctrl-C; what was computed is kept.
     """
-    if not isinstance(settings or {}, Mapping):
-        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
-    given = {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
     chosen = loaded(cases)
-    names, texts, tables = prepared(chosen, engines, given)
+    names, texts, tables = prepared(chosen, engines, _texts_of(settings))
     workshop = opened(jobs, quiet)
     results = cross_validate(chosen, workshop, names, checked(accuracy), texts, tables)
     return CrossValidation(results, workshop.store.notices)
@@ -139,6 +136,8 @@ def report(
     folder: "str | os.PathLike[str]" = "reports/output",
     engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]" = MAIN,
     *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
     jobs: int | None = None,
     quiet: bool = False,
 ) -> Path:
@@ -148,6 +147,8 @@ def report(
         cases: as of `run`.
         folder: is created where it is missing.
         engines: as of `run`.
+        accuracy: likewise.
+        settings: likewise.
         jobs: likewise.
         quiet: likewise.
 
@@ -155,14 +156,21 @@ def report(
         The page.
 
     Raises:
-        CaseError, StoreError, KeyboardInterrupt: as `run`.
+        CaseError, SettingError, StoreError, KeyboardInterrupt: as `run`.
         OutputError: the folder cannot be written to.
     """
     from reports.report import write_report
 
     chosen = loaded(cases)
-    names, _, tables = prepared(chosen, engines, {})
-    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables).page
+    names, texts, tables = prepared(chosen, engines, _texts_of(settings))
+    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables, checked(accuracy), texts).page
+
+
+def _texts_of(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:
+    """Settings by engine as texts. SettingError: they are no dictionary by engine of dictionaries."""
+    if not isinstance(settings or {}, Mapping):
+        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
+    return {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
 
 
 def opened(jobs: int | None, quiet: bool) -> Workshop:
