@@ -1,9 +1,10 @@
 """Runs of the engine in question and of `reference`, and by how much they may differ."""
 
+import contextlib
 import functools
 import time
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from cases.conformance.checks import Array, LeftOut
@@ -36,6 +37,8 @@ _FINE: Final = ReferenceSettings(modes=4, tolerance=1e-8)
 #: By how many times its own estimate a column may be off: of the claims measured in 59 scenes the worst was missed 2.5-fold, and in a
 #: column that no claim is made for the estimate is this module's.
 BENEFIT: Final = 3.0
+#: Rungs above the default that are tried until an error falls: on a ladder of small steps one changes little.
+_SHARPENED: Final = 3
 #: Part of a column's size that nobody notices: sums of many numbers are rounded.
 ROUNDING: Final = 1e-6
 
@@ -127,6 +130,7 @@ class Bench:
         """A complete and finite run. Raises as `run_once`, and LeftOut."""
         key = motion, settings or self.settings(motion.scene)
         if key not in self._runs:
+            self._compile(motion, key[1])
             self._tell(motion)
             began = time.monotonic()
             try:
@@ -136,13 +140,24 @@ class Bench:
                 self._simulated += motion.duration
         return self._runs[key]
 
+    def _compile(self, motion: Motion, settings: Settings) -> None:
+        """Before the first run one of a single row, so that no time counts what is compiled or loaded for it."""
+        if self._runs or not self.engine.compiles:
+            return
+        progress.tell(engine=self.engine.name, phase="compiling")
+        with contextlib.suppress(EngineFailure):
+            replace(motion, duration=motion.output_step).by(self.engine, settings)
+
     def _tell(self, motion: Motion) -> None:
         """Say how far the trial is. Raises LeftOut where the next run does not fit into the time that is left."""
         done = len(self._runs)
         ahead = self._spent / self._simulated * motion.duration if self._simulated else 0.0
         if self.seconds is not None and done and time.monotonic() - self._began + ahead > self.seconds:
             raise LeftOut(f"left out: there was no time for it, a run takes about {span(ahead)}", "try it without --quick")
-        left = f", about {span(self._spent / done * (self.expected - done))} left" if 0 < done < self.expected else ""
+        rest = self._spent / done * (self.expected - done) if done else 0.0
+        if self.seconds is not None:
+            rest = min(rest, self.seconds - (time.monotonic() - self._began))
+        left = f", about {span(rest)} left" if rest > 0.0 else ""
         of = f" of about {max(self.expected, done + 1)}" if self.expected else ""
         progress.tell(engine=self.engine.name, phase=f"run {done + 1}{of}{left}")
 
@@ -152,13 +167,17 @@ class Bench:
         found: Settings | None = solver.finer(settings, (2.0,) * max(1, len(solver.comparisons(settings, scene, 1e-3))), 1e-3)
         return found
 
-    def sharpened(self, motion: Motion) -> Trajectory | None:
-        """The run one rung above the default; None where there is none. What falls with it is an error of the resolution."""
-        finer = self.finer(motion.scene, self.settings(motion.scene))
-        try:
-            return None if finer is None else self.run(motion, finer)
-        except EngineFailure:
-            return None
+    def sharpened(self, motion: Motion) -> Iterator[Trajectory]:
+        """Runs of the rungs above the default, from the next one on, a few at most: what falls with them is an error of the resolution."""
+        settings: Settings | None = self.settings(motion.scene)
+        for _ in range(_SHARPENED):
+            settings = self.finer(motion.scene, settings) if settings is not None else None
+            if settings is None:
+                return
+            try:
+                yield self.run(motion, settings)
+            except EngineFailure:
+                return
 
     def coarsened(self, motion: Motion) -> Trajectory | None:
         """A run that is coarser than the default by what `comparisons` say; None where they name none."""

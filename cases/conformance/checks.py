@@ -37,6 +37,11 @@ class Check:
     cause: str = ""
     advice: str = ""
 
+    @property
+    def left_out(self) -> bool:
+        """Whether there was no time for it."""
+        return self.status == "not judged" and self.cause.startswith(LEFT_OUT)
+
 
 @dataclass(frozen=True)
 class Conformance:
@@ -60,14 +65,14 @@ class Conformance:
     @property
     def left_out(self) -> tuple[str, ...]:
         """Names of the checks that were not begun for lack of time."""
-        return tuple(check.check for check in self.checks if check.status == "not judged" and check.cause.startswith(LEFT_OUT))
+        return tuple(check.check for check in self.checks if check.left_out)
 
     @property
     def verdict(self) -> str:
         """In words."""
         failed = f"does not conform: {len(self.failed)} check{'s' * (len(self.failed) > 1)} failed"
         verdict = {True: "conforms", False: failed, None: "not judged"}[self.conforms]
-        return f"{verdict}, as far as there was time; left out: {some(self.left_out)}" if self.left_out else verdict
+        return f"{verdict}, as far as there was time: {len(self.left_out)} checks are left out" if self.left_out else verdict
 
 
 class Fault(Exception):

@@ -14,7 +14,7 @@ from cases.explanation import Hypothesis, explain
 from cases.mistakes import Finding
 from engines.base import EngineFailure
 from engines.relative import rms
-from reference_model.mechanism import ImpossibleMechanism, Mechanism, PrescribedSpeed, TorqueDrive, changed
+from reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive, changed
 
 #: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
 #: are small beside the follower's.
@@ -36,10 +36,10 @@ _SIMPLE: Final = {0.5: "half", 2.0: "twice"}
 _SCALED: Final = (
     "follower.bending_stiffness", "follower.mass_per_length", "follower.length", "pivot_distance", "crank.length", "crank.mass",
     "crank.inertia", "crank.center_of_mass", "crank.drive.torque", "crank.drive.damping", "crank.drive.initial_speed", "tip.mass",
-    "tip.inertia", "base.inertia",
+    "tip.inertia", "base.inertia", "spin_up.speed", "spin_up.time",
 )  # fmt: skip
 #: The weighted difference that a scene makes.
-Effect = Callable[[Mechanism], Array]
+Effect = Callable[[Scene], Array]
 
 
 def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[str, float] | None) -> Finding | None:
@@ -51,7 +51,6 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
         tolerances: by how much columns may be off; None: the engine does not say.
     """
     known, scene = solution(motion), motion.scene
-    assert isinstance(scene, Mechanism)
     part, allowed = (0.01, dict[str, float]()) if tolerances is None else (1e-4, tolerances)
     sizes = {name: rms(known[name]) for name in moves if rms(known[name]) > 0.0}
 
@@ -59,7 +58,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
         weighted = [(columns[name] - known[name]) / (part * size + allowed.get(name, 0.0)) for name, size in sizes.items()]
         return np.concatenate(weighted)
 
-    def effect(other: Mechanism) -> Array:
+    def effect(other: Scene) -> Array:
         return stacked(solution(replace(motion, scene=other)))
 
     shown = stacked(moves)
@@ -74,14 +73,26 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     return None
 
 
-def _others(scene: Mechanism, effect: Effect) -> Iterator[Hypothesis]:
+def _others(scene: Scene, effect: Effect) -> Iterator[Hypothesis]:
     """Scenes that differ by a mistake which no number has to be found for."""
-    crank, drive = scene.crank, scene.crank.drive
     others: dict[str, dict[str, Any]] = {
         "no tip body": {"tip": None},
         "tip.mass ignored": {"tip.mass": 0.0},
         "tip.inertia ignored": {"tip.inertia": 0.0},
         "base.inertia ignored": {"base.inertia": 0.0},
+        **(_of_crank(scene.crank) if isinstance(scene, Mechanism) else {}),
+    }
+    for path, value in _values(scene):
+        others |= {f"{path.replace('drive.', '')} {words} as large": {path: factor * value} for factor, words in _SIMPLE.items()}
+    for words, values in others.items():
+        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
+            yield Hypothesis(words, f"look where {words.split()[0]} enters", effect(changed(scene, values)))
+
+
+def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
+    """Mistakes of the crank and its drive: what they are -> what they make of a scene."""
+    drive = crank.drive
+    others: dict[str, dict[str, Any]] = {
         "crank.inertia taken about O: the crank's mass is not counted": {"crank.center_of_mass": 0.0},
         "crank.inertia shifted to O twice": {"crank.inertia": crank.inertia + crank.mass * crank.center_of_mass**2},
         "crank.inertia ignored": {"crank.inertia": 0.0},
@@ -97,14 +108,10 @@ def _others(scene: Mechanism, effect: Effect) -> Iterator[Hypothesis]:
             "crank.damping of the wrong sign, as a drive": {"crank.drive.torque": turned},
             "the crank's speed prescribed": {"crank.drive": PrescribedSpeed(speed=drive.initial_speed)},
         }
-    for path, value in _values(scene):
-        others |= {f"{path.replace('drive.', '')} {words} as large": {path: factor * value} for factor, words in _SIMPLE.items()}
-    for words, values in others.items():
-        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
-            yield Hypothesis(words, f"look where {words.split()[0]} enters", effect(changed(scene, values)))
+    return others
 
 
-def _values(scene: Mechanism) -> Iterator[tuple[str, float]]:
+def _values(scene: Scene) -> Iterator[tuple[str, float]]:
     """Quantities that may be off by a factor, and their values."""
     for path in _SCALED:
         value: Any = scene
@@ -114,7 +121,7 @@ def _values(scene: Mechanism) -> Iterator[tuple[str, float]]:
             yield path, value
 
 
-def _factors(scene: Mechanism, shown: Array, effect: Effect, begin: float) -> Iterator[Hypothesis]:
+def _factors(scene: Scene, shown: Array, effect: Effect, begin: float) -> Iterator[Hypothesis]:
     """Each quantity as many times as large as explains most, from `begin` on by secants."""
     for path, value in _values(scene):
 

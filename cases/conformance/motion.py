@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from cases.conformance.bench import ROUNDING, TELLING, Bench, Motion, bent_start, columns_of, solution, truth
-from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at
+from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, some
 from cases.conformance.models import acts_as_if
 from cases.conformance.rows import output_steps, pieces
 from cases.conformance.scenes import OUTPUT_STEP, SOFT
@@ -89,10 +89,15 @@ class Amiss(NamedTuple):
         return self.model is not None or not all(finding.explained for finding in self.found.values())
 
 
+def already_amiss(bench: Bench) -> Amiss:
+    """As `amiss`, for checks of something else; without a look at other output steps where there is no time for that."""
+    return amiss(bench, steps=bench.seconds is None)
+
+
 @functools.lru_cache(maxsize=1)
-def amiss(bench: Bench) -> Amiss:
-    """What is wrong with the mild scene's trajectory. Raises EngineFailure if there is none."""
-    run, (late, depending) = bench.run(bench.mild), output_steps(bench)
+def amiss(bench: Bench, *, steps: bool = True) -> Amiss:
+    """What is wrong with the mild scene's trajectory; `steps`: with other output steps, too. Raises EngineFailure if there is none."""
+    run, (late, depending) = bench.run(bench.mild), output_steps(bench) if steps else ({}, {})
     found = findings(bench, bench.mild, late)
     if len(found) < 2:
         return Amiss(late, depending, found, None)
@@ -110,7 +115,7 @@ def _columns(
     if model is not None:
         worst = max(found, key=lambda name: off[name])
         yield Check(f"{kind}s together", "failed", f"{model.cause} ({worst} is off by {share_of(off[worst])})", model.advice)
-        wrong.update(found)
+        wrong.update(off)
         return
     before = sorted(wrong & set(run.columns))
     by_itself = "" if bench.tolerances(motion) is not None else ", and makes no claim that it is not"
@@ -129,7 +134,7 @@ def _columns(
     yield from (Check(f"{kind} {name}", "passed", passed[name]) for name in right if passed[name])
     yield from (Check(_named(kind, names), "passed") for names in _of_a_kind([name for name in right if not passed[name]]))
     if before:
-        yield Check(f"{kind} {', '.join(before)}", "not judged", "their rows are wrong already", "mend those first")
+        yield Check(f"{kind} {some(before)}", "not judged", "they are wrong already", "mend those first")
 
 
 def _of_a_kind(names: Sequence[str]) -> Iterator[list[str]]:
@@ -145,10 +150,9 @@ def _named(kind: str, names: Sequence[str]) -> str:
 
 def _together(check: str, names: Sequence[str], off: Mapping[str, float]) -> Check:
     """Many columns that are off by less than a mistake of theirs would make, in one line."""
-    worst = sorted(names, key=lambda name: -off[name])
-    first = ", ".join(f"{name} by {share_of(off[name])}" for name in worst[:_ONE_BY_ONE])
-    more = f" and {len(worst) - _ONE_BY_ONE} more columns" if len(worst) > _ONE_BY_ONE else ""
-    cause = f"{first}{more} are off by more than the engine's own estimate says; no single mistake explains it"
+    worst = sorted(names, key=lambda name: -off[name])[:_ONE_BY_ONE]
+    most = ", ".join(f"{name} by {share_of(off[name])}" for name in worst)
+    cause = f"{len(names)} columns are off by more than the engine's own estimate says, most {most}; no single mistake explains it"
     return Check(check, "failed", cause, "either the estimate is too small, or the model departs: compare a much finer run with reference")
 
 
@@ -174,13 +178,17 @@ def falling(bench: Bench, motion: Motion, names: Iterable[str]) -> list[str]:
 
     It falls with finer settings, or was larger with coarser ones.
     """
-    run, known, names = bench.run(motion), truth(motion).columns, list(names)
-    if (finer := bench.sharpened(motion)) is not None:
-        return [name for name in names if rms(finer[name] - known[name]) <= FALLS * rms(run[name] - known[name])]
-    coarser = bench.coarsened(motion)
-    if coarser is None:
-        return []
-    return [name for name in names if rms(run[name] - known[name]) <= FALLS * rms(coarser[name] - known[name])]
+    run, known, left = bench.run(motion), truth(motion).columns, list(names)
+    fallen, finest = list[str](), True
+    for finer in bench.sharpened(motion):
+        finest = False
+        fallen += [name for name in left if rms(finer[name] - known[name]) <= FALLS * rms(run[name] - known[name])]
+        left = [name for name in left if name not in fallen]
+        if not left:
+            break
+    if finest and (coarser := bench.coarsened(motion)) is not None:
+        fallen += [name for name in left if rms(run[name] - known[name]) <= FALLS * rms(coarser[name] - known[name])]
+    return fallen
 
 
 def _diagnosed(

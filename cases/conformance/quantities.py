@@ -8,7 +8,7 @@ import numpy as np
 
 from cases.conformance.bench import TELLING, Bench, Motion, columns_of, solution, truth
 from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
-from cases.conformance.motion import Amiss, amiss, falling, findings
+from cases.conformance.motion import Amiss, already_amiss, falling, findings
 from cases.conformance.scenes import CHANGES, Change
 from cases.conformance.together import together
 from cases.explanation import Hypothesis, explain
@@ -37,7 +37,7 @@ _IGNORED: Final = "is ignored in silence: another value changes nothing"
 def quantities(bench: Bench) -> Iterator[Check]:
     """A check for each of `CHANGES`, and one of all together; that one first where there is no time for all."""
     try:
-        wrong = amiss(bench)
+        wrong = already_amiss(bench)
     except EngineFailure:
         yield Check("quantities", "not judged", "there is no trajectory in the mild scene", "mend that first")
         return

@@ -7,7 +7,7 @@ from typing import Final
 
 from cases.conformance.bench import Bench, Truth, truth
 from cases.conformance.checks import Check, Fault, Unjudged, looked_at
-from cases.conformance.motion import Amiss, amiss
+from cases.conformance.motion import Amiss, already_amiss
 from cases.conformance.settings import settings_at_work, stated_errors
 from engines.accurate import ESTIMATED
 from engines.base import Comparison, EngineFailure
@@ -37,7 +37,7 @@ def resolution(bench: Bench) -> Iterator[Check]:
     coarse, default = bench.engine.settings_for(max(_COARSE, bench.engine.default_accuracy), bench.scene), bench.settings(bench.scene)
     yield looked_at("ladder: ends", _ends, bench, coarse)
     try:
-        wrong, known = amiss(bench), _truth(bench)
+        wrong, known = already_amiss(bench), _truth(bench)
         errors, above = _climb(bench, known, coarse, _RUN), _climb(bench, known, default, 2)
         finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), known)
     except EngineFailure as failure:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from cases.conformance.bench import Bench, columns_of, solution
-from cases.conformance.checks import Array, Check, Fault, some
+from cases.conformance.checks import Array, Check, Fault, LeftOut, some
 from cases.conformance.scenes import OUTPUT_STEP
 from cases.explanation import explain
 from cases.mistakes import IN_TIME, lateness, share_of
@@ -45,6 +45,8 @@ def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
         motion = replace(bench.mild, duration=step * rows, output_step=step)
         try:
             there = bench.run(motion)
+        except LeftOut as left_out:
+            return late, depending or {"": Check(name, left_out.status, left_out.cause, left_out.advice)}
         except EngineFailure as failure:
             return late | {"time": Check(name, "failed", f"with {told}: {failure.cause}", failure.advice)}, depending
         changed = dict[str, float]()

@@ -16,7 +16,7 @@ from cases.conformance.together import everything
 from cases.jobs.display import span
 from engines.base import EngineFailure
 from engines.relative import relative_error
-from engines.settings import SettingError
+from engines.settings import SettingError, Settings
 from engines.simple import SimpleEngine, SimpleSettings
 from reference_model.mechanism import Mechanism
 
@@ -25,8 +25,9 @@ _DURATION: Final = 0.05
 #: Factors by which a number is changed until a change shows; what is zero becomes this part of what is accepted at most.
 _FACTORS: Final = (0.5, 2.0, 0.01, 100.0)
 _OF_ZERO: Final = 0.1
-#: Part by which the cost of a run must change to be seen: between two runs of the same settings it scatters by less than half of this.
-_COST: Final = 0.5
+#: By how many times the time of a run must change to be seen, the shortest of so many runs.
+_COST: Final = 1.5
+_TIMED: Final = 3
 #: The case and the time (s) in which the errors of a `SimpleEngine` are stated, and the time in which one may be measured.
 _MEASURED_IN: Final = "thesis-24"
 _MEASURED_OVER: Final = 2.0
@@ -57,12 +58,21 @@ def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
             tried.append(value)
             if any(not np.array_equal(values, other[name]) for name, values in plain.columns.items()):
                 return ""
-            if plain.statistics != other.statistics or abs(other.solve_seconds / plain.solve_seconds - 1.0) > _COST:
+            if _costs_otherwise(bench, motion, (settings, changed)):
                 return "it changes what a run costs"
     if not tried:
         raise Unjudged("no other value is accepted")
     words = ", ".join(f"{value:g}" if isinstance(value, float) else str(value) for value in dict.fromkeys(tried))
     raise Fault(f"{field.name} does nothing: with {words} neither the motion nor its cost is another", "use it, or leave it out")
+
+
+def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Settings]) -> bool:
+    """Whether two runs cost something else: by what their solvers count, or where they count nothing by the time that they take."""
+    counts = [{key: value for key, value in bench.run(motion, each).statistics.items() if not key.endswith("seconds")} for each in settings]
+    if any(counts):
+        return counts[0] != counts[1]
+    plain, other = (min(motion.by(bench.engine, each).solve_seconds for _ in range(_TIMED)) for each in settings)
+    return not 1.0 / _COST < other / plain < _COST
 
 
 def _others(field: "dataclasses.Field[Any]", present: Any) -> Iterator[Any]:

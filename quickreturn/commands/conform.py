@@ -34,8 +34,12 @@ def command(engine: str, quick: bool, as_json: bool) -> int:
         print_json(found)
     else:
         for check in found.checks:
+            if check.left_out:
+                continue  # they are named below
             click.echo(f"{check.status:10}  {check.check}" + (f": {check.cause}" if check.cause else ""))
             if check.advice:
                 click.echo(f"{'':10}  {check.advice}")
+        if found.left_out:
+            click.echo(f"{'left out':10}  for lack of time: {', '.join(found.left_out)}")
         click.echo(f"{engine}: {found.verdict}")
     return {True: GOOD, False: CLAIMS_BROKEN, None: ENGINE_TROUBLE}[found.conforms]
