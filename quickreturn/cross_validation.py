@@ -157,8 +157,8 @@ def run(
         StoreError: the folder of results cannot be used.
         KeyboardInterrupt: Ctrl-C; what was computed is kept.
     """
-    given, chosen = given_settings(settings), loaded(cases)
-    names, texts, tables = prepared(chosen, engines, given)
+    chosen = loaded(cases)
+    names, texts, tables = prepared(chosen, engines, given_settings(settings))
     workshop = opened(jobs, quiet)
     results = cross_validate(chosen, workshop, names, checked(accuracy), texts, tables)
     return CrossValidation(results, workshop.store.notices)
@@ -169,6 +169,8 @@ def report(
     folder: "str | os.PathLike[str]" = "reports/output",
     engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]" = MAIN,
     *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
     jobs: int | None = None,
     quiet: bool = False,
 ) -> Path:
@@ -178,6 +180,8 @@ def report(
         cases: as of `run`.
         folder: is created where it is missing.
         engines: as of `run`.
+        accuracy: likewise.
+        settings: likewise.
         jobs: likewise.
         quiet: likewise.
 
@@ -185,14 +189,14 @@ def report(
         The page.
 
     Raises:
-        CaseError, StoreError, KeyboardInterrupt: as `run`.
+        CaseError, SettingError, StoreError, KeyboardInterrupt: as `run`.
         OutputError: the folder cannot be written to.
     """
     from reports.report import write_report
 
     chosen = loaded(cases)
-    names, _, tables = prepared(chosen, engines, {})
-    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables).page
+    names, texts, tables = prepared(chosen, engines, given_settings(settings))
+    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables, checked(accuracy), texts).page
 
 
 def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:
