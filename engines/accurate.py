@@ -26,12 +26,15 @@ from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription
 from engines.relative import rms
 from engines.settings import SettingError, Settings
 from engines.trajectory import Trajectory
+from reference_model.columns import BEARINGS, BENDING
 
 R = TypeVar("R")
 Q = TypeVar("Q")
 
 #: Columns with an error estimate of their own.
 ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
+#: Columns that have one, too, where the engine gives them: what a part must bear or a drive must give.
+LOADS: Final = (*BENDING, *BEARINGS, "crank_torque", "base_torque")
 
 #: The least factor that differences in a row are credited with: the error is at most 1.4 times the difference from the coarser run.
 #: Two runs that err by as much in unrelated ways differ by more than either errs; in 17 scenes the errors of unresolved motions were at
@@ -40,6 +43,9 @@ LEAST_FACTOR: Final = 1.7
 #: The largest part of an error that a finer run is taken to leave, however slowly the differences fall: the error is at most four times
 #: the larger of them.
 LARGEST_REST: Final = 0.75
+
+#: Remark of a run whose error nobody wanted to know.
+NOT_ESTIMATED: Final = "the error is not estimated, as asked"
 
 #: Libraries in which an author's mistake surfaces.
 _BELOW: Final = frozenset({"numpy", "scipy"})
@@ -66,14 +72,15 @@ class Result:
         accuracy: error of the tip deflection that the run aimed at, None where settings were given and no accuracy was asked.
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
-        error_estimates: the same for each of `ESTIMATED`; None where unknown or where the column is zero throughout.
+        error_estimates: the same for each of `ESTIMATED` and those of `LOADS` that there are; None where unknown or where the column is
+            zero throughout.
         estimate_of: what the two are estimates of.
         reached: False if the estimate misses the accuracy, or if it is unknown or not verified although an accuracy was asked explicitly.
         remark: why not reached or not estimated (a sentence), "" if all is well.
         setup_seconds: building the model of the delivered run.
         solve_seconds: solving the delivered run.
         compile_seconds: compiling or loading machine code before anything was timed.
-        estimate_seconds: wall time of all other runs: those it was compared with and the rungs climbed.
+        estimate_seconds: wall time of all other runs, their setup included: those it was compared with and the rungs climbed.
         description: bodies, joints and degrees of freedom of the delivered run.
         runs: all runs that were made for it, by their settings; the delivered one among them.
     """
@@ -102,6 +109,7 @@ def simulate(
     output_step: float,
     settings: Mapping[str, str] | None = None,
     accuracy: float | None = None,
+    estimate: bool = True,
 ) -> Result:
     """Simulate a scene to an accuracy.
 
@@ -116,18 +124,26 @@ def simulate(
         output_step: s.
         settings: values by name as text; they override the engine's choice and switch the ladder off, the estimate stays.
         accuracy: error of the tip deflection asked for; None is the engine's default.
+        estimate: False: make the one run and estimate nothing; no accuracy can be asked for then.
 
     Raises:
+        ValueError: an accuracy without an estimate.
         Refusal: the engine cannot model the scene.
         SettingError: a setting is not acceptable.
         EngineFailure: the run broke down; carries what was computed up to then.
     """
+    if accuracy is not None and not estimate:
+        raise ValueError(
+            f"accuracy={accuracy:g} without an estimate: whether it is reached is known by the estimate alone; give one of them"
+        )
     engine.check(scene)
     target = accuracy or engine.default_accuracy
     first = engine.settings_for(target, scene)
     if settings:
         first = first.with_texts(dict(settings))
     runs = _Runs(engine, scene, start, duration, output_step)
+    if not estimate:
+        return runs.result(_Judged(first, runs.run(first), remark=NOT_ESTIMATED), None, asked=False)
     if settings:
         return runs.result(runs.judged(first), accuracy, asked=accuracy is not None)
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
@@ -258,13 +274,13 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
         length: follower length, m.
 
     Returns:
-        The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
+        The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED` and `LOADS` that there is.
     """
 
     def part(name: str) -> float:
         return runs.part(lambda a, b: rms(a[name] - b[name]))
 
-    known: list[str] = [name for name in ESTIMATED if name in delivered.columns]
+    known: list[str] = [name for name in (*ESTIMATED, *LOADS) if name in delivered.columns]
     each = {name: _relative(part(name), rms(delivered[name])) for name in known}
     deflection = each["tip_deflection"]
     if deflection is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
@@ -336,7 +352,7 @@ class _Runs(Generic[SceneT, StartT]):
     def _compile(self, settings: Settings) -> None:
         """One output step, so that all code is there before times are taken; what fails here fails again where it counts."""
         start, _, output_step = self._run
-        progress.tell(phase="compiling")
+        progress.tell(engine=self.engine.name, phase=progress.COMPILING)
         began = time.perf_counter()
         with contextlib.suppress(EngineFailure), _no_garbage_collection():
             run_once(self.engine, self.scene, start, output_step, output_step, settings)
@@ -354,7 +370,8 @@ class _Runs(Generic[SceneT, StartT]):
         except (_NoEstimate, EngineFailure) as reason:
             told = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
             return _Judged(settings, made, remark=f"the error is unknown: {told}")
-        columns = {name: _sum([each.get(name) for _, each in parts]) for name in ESTIMATED}
+        names = (*ESTIMATED, *(name for name in LOADS if name in made.trajectory.columns))
+        columns = {name: _sum([each.get(name) for _, each in parts]) for name in names}
         return _Judged(settings, made, tuple(tip for tip, _ in parts), columns)
 
     def _parts(self, settings: Settings, trajectory: Trajectory) -> list[tuple[float, dict[str, float | None]]]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Repetitions at most, 1 to 100, interleaved.",
 )
-@options.assignments
+@options.case_assignments
 @options.limited
 @options.json
 def command(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from cases.benchmark import Benchmark, Compiling
 from cases.frozen_crank import FrozenCrank
@@ -11,6 +12,7 @@ from cases.runs.request import Run
 from cases.studies import Studies
 from reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
 from reports.findings.failures import troubles
+from reports.findings.loads import CaseLoads, loads_of_cases
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.runs import thesis_runs
 from reports.long_studies import About
@@ -53,6 +55,16 @@ class Content:
     def thesis_results(self) -> list[CaseResult]:
         """Those of the runs of the thesis, which is all that its statements are about."""
         return list(thesis_runs(self.results).values())
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it is about somebody's own machines, and no run of the thesis."""
+        return not self.thesis_results
+
+    @cached_property
+    def loads(self) -> list[CaseLoads]:
+        """What the parts of one's own machines bear."""
+        return loads_of_cases(self.results) if self.is_own else []
 
     @property
     def comparisons(self) -> list[MeasuredHalf]:

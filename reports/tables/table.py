@@ -28,6 +28,8 @@ SHOWN: Final = {
     "ms": ("s", 1e3),
     "µs": ("s", 1e6),
     "kN/m": ("N/m", 1e-3),
+    "MPa": ("Pa", 1e-6),
+    "°": ("rad", 180.0 / math.pi),
 }
 #: Letters of a text that is kept on one line.
 LONGEST_LINE: Final = 26

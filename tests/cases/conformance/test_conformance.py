@@ -8,7 +8,7 @@ import pytest
 
 from cases.conformance import GROUPS, conform
 from cases.conformance.bench import Bench
-from cases.conformance.repetition import fingerprint, repetition
+from cases.conformance.repetition import PARTS, Elsewhere, elsewhere, repetition, scenes_in_turn
 from cases.conformance.scenes import BASE, CHANGES
 from engines.base import AnyEngine, Comparison, Simulation
 from engines.exudyn.engine import ExudynEngine
@@ -22,8 +22,17 @@ from engines.start import Start
 from reference_model.mechanism import Mechanism, Scene, changed
 from tests.cases.conformance.mutants import MUTANTS as FIRST
 from tests.cases.conformance.second_mutants import SECOND
+from tests.cases.conformance.third_mutants import (
+    THIRD,
+    BuiltForAFollower,
+    Keeps,
+    KeepsCrank,
+    KeepsFollower,
+    KeepsTip,
+    Threaded,
+)
 
-MUTANTS = FIRST | SECOND
+MUTANTS = FIRST | SECOND | THIRD
 
 
 class EightLinks(MujocoEngine):
@@ -121,20 +130,42 @@ def test_coarse_engines_that_say_so_are_not_accused(coarse: AnyEngine) -> None:
 
 
 @pytest.mark.parametrize(("part", "status"), [(0.01, "passed"), (0.1, "failed")])
-def test_threads_may_add_in_another_order(part: float, status: str) -> None:
+def test_last_digits_may_differ(part: float, status: str) -> None:
     """By a part of the engine's own error; here in the force, by some millionths of it."""
     bench = Bench(ReferenceEngine())
-    errors, other = bench.estimates(dataclasses.replace(bench.mild, duration=0.1)), fingerprint(bench.engine)
+    errors, found = bench.estimates(dataclasses.replace(bench.mild, duration=0.1)), scenes_in_turn(bench.engine)
     assert errors is not None
-    other["slider_force"] = other["slider_force"] + part * errors["slider_force"]
-    (check,) = [check for check in repetition(Bench(bench.engine, other)) if "process" in check.check]
-    assert check.status == status
+    first = found["the mild scene"]
+    other = first | {"slider_force": first["slider_force"] + part * errors["slider_force"]}
+    alone = {"the mild scene": first, "in another process": other} | {name: found[name] for name in PARTS}
+    checks = {check.check: check.status for check in repetition(bench, Elsewhere(found, alone))}
+    assert checks.pop("the same from another process") == status
+    assert set(checks.values()) == {"passed"}
+
+
+def test_threads_may_add_in_another_order() -> None:
+    """Compared are processes that have one thread each, not the caller, who may have many."""
+    other = elsewhere(Threaded())
+    assert not other.reason
+    assert all(check.status == "passed" for check in repetition(Bench(Threaded()), other))
+
+
+@pytest.mark.parametrize(("kind", "part"), [(KeepsCrank, "crank"), (KeepsTip, "tip"), (KeepsFollower, "follower")])
+def test_a_part_kept_of_an_earlier_scene_is_named(kind: type[Keeps], part: str) -> None:
+    failed = [check for check in repetition(Bench(kind()), elsewhere(kind())) if check.status == "failed"]
+    assert [check.check for check in failed] == [f"nothing kept of an earlier {part}"]
+    assert f"the {part} of an earlier scene is kept" in failed[0].cause
+
+
+def test_a_model_that_is_kept_until_the_follower_is_another_one_is_found() -> None:
+    failed = [check for check in repetition(Bench(BuiltForAFollower()), elsewhere(BuiltForAFollower())) if check.status == "failed"]
+    assert {check.check.rsplit(" ", 1)[1] for check in failed} == {"crank", "tip"}
 
 
 def test_a_class_that_no_other_process_can_import_is_not_accused() -> None:
     found = conform(type("Local", (ReferenceEngine,), {})(), groups=("repetition",))
     assert found.conforms
-    (check,) = [check for check in found.checks if "process" in check.check]
+    (check,) = [check for check in found.checks if check.check == "the same from another process"]
     assert check.status == "not judged"
     assert "entry point" in check.advice
 
