@@ -23,7 +23,7 @@ from reports.tables.table import csv_text
 
 #: The script's parts, in their order; and those of chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js")
-OF_CHAPTERS: Final = ("tables.js", "plots.js", "choice.js")
+OF_CHAPTERS: Final = ("tables.js", "plots.js")
 #: The plotting library's files, in the folder of its package.
 BOKEH: Final = ("bokeh.min.js", "bokeh-api.min.js")
 #: What an engine is, in two words for a person.

@@ -238,13 +238,13 @@ def test_tables_are_sorted_and_filtered(opened: Open) -> None:
 def test_nothing_overflows_a_telephone_and_no_picture_is_empty(opened: Open, scheme: str) -> None:
     page = opened("#at=200", width=390, height=844, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details.chapter').forEach(each => { each.open = true; })")
-    drawn_all = "[...document.querySelectorAll('.drawn, #signals')].every(each => each.children.length || !each.clientWidth)"
-    page.wait_for_function(drawn_all, timeout=20_000)
+    pictures = ".drawn:not([hidden]), #signals"
+    page.wait_for_function(f"[...document.querySelectorAll('{pictures}')].every(each => each.children.length)", timeout=20_000)
     page.wait_for_timeout(500)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert drawn(page, "stage")
     assert drawn(page, "curve")
-    for holder in page.locator(".drawn:visible, #signals").all():
+    for holder in page.locator(pictures).all():
         assert len(holder.screenshot()) > 5000  # a blank one of this size takes some 1,000 bytes
     labels = page.locator("canvas[role=img], .drawn").evaluate_all("all => all.map(each => each.getAttribute('aria-label'))")
     assert all(label and len(label) > 20 for label in labels)
@@ -314,15 +314,13 @@ def test_on_paper_there_are_stills_and_no_buttons(opened: Open) -> None:
 
 def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
     page = opened("#chapter=methods")
-    choices = page.locator("#methods .choices").first
-    first, second = choices.locator(".drawn").all()
-    for name, shown, other in (
-        ("solving alone", first, second),
-        ("all that one waits for", second, first),
-        ("solving alone", first, second),
-    ):
-        choices.get_by_role("radio", name=name).check()
-        shown.locator(":scope > *").first.wait_for()
-        assert shown.is_visible()
-        assert not other.is_visible()
-        assert len(shown.screenshot()) > 5000
+    figure = page.locator("#methods figure.plot").first
+    plots = figure.locator(".drawn")
+    plots.nth(0).locator(".bk-Figure").wait_for()
+    assert not plots.nth(1).is_visible()
+    figure.get_by_role("radio", name="all that one waits for").check()
+    plots.nth(1).locator(".bk-Figure").wait_for()
+    assert not plots.nth(0).is_visible()
+    figure.get_by_role("radio", name="solving alone").check()
+    assert plots.nth(0).is_visible()
+    assert not plots.nth(1).is_visible()

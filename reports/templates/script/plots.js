@@ -115,9 +115,9 @@ async function drawSignals(holder) {
 document.getElementById("signals-csv")?.addEventListener("click", () => save(`${state.run}.csv`, signalTable(Object.keys(DATA.signals))));
 
 async function drawOpened() {
-  for (const holder of document.querySelectorAll("details[open] .drawn")) {
+  for (const holder of document.querySelectorAll("details[open] .drawn:not([hidden])")) {
     const key = [state.engines, isDark()].join();
-    if (holder.dataset.shown === key || !holder.clientWidth) continue;
+    if (holder.dataset.shown === key) continue;
     holder.dataset.shown = key;
     draw(await plotting(), holder, JSON.parse(holder.dataset.plot));
   }
@@ -125,3 +125,9 @@ async function drawOpened() {
   if (signals && motion) await drawSignals(signals);
 }
 showPlots = () => { drawOpened(); };
+
+// One plot of several in a figure.
+for (const choice of document.querySelectorAll(".choice")) choice.addEventListener("change", (event) => {
+  choice.parentElement.querySelectorAll(".drawn").forEach((holder, k) => { holder.hidden = k !== Number(event.target.value); });
+  showPlots();
+});
