@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from reports.words import case_label, duration, in_words, listed, number, size
+from reports.words import case_label, duration, in_words, listed, number, quantity, size
 
 Tables = Mapping[str, pd.DataFrame]
 
@@ -121,6 +121,21 @@ def answer(tables: Tables) -> list[str]:
         f"after {duration(setup)} of setting up: {solving[0][0]}, made for this mechanism;",
         f"{solving[1][0]} takes {number(solving[1][1] / solving[0][1], '.0f')} times as long",
     ]
+
+
+def strength(tables: Tables) -> list[str]:
+    """Will it hold? By the reference where it gives the stress, else by the first engine that does."""
+    rows = tables["strength"][tables["strength"]["case"] == tables["strength"]["case"][0]]
+    lead = sorted(rows[rows["quantity"] == "stress"]["engine"], key=lambda name: name != "reference")[0]
+    mine = rows[rows["engine"] == lead].set_index("quantity")
+    found = [f"{quantity(mine['value']['stress'], 'MPa')} at {1e3 * mine['place']['stress']:.0f} mm from P"]
+    known = [(key, word) for key, word in (("yield_factor", "yielding"), ("fatigue_factor", "fatigue")) if key in mine.index]
+    found += [f"safety {mine['value'][key]:.3g} against {word}" for key, word in known[:1]]
+    ratios = rows[rows["quantity"] == "frequency_ratio"]["value"]
+    if len(ratios):
+        harmonic = max(1, round(ratios.iloc[0]))
+        found.append(f"harmonic {harmonic} is {size(ratios.iloc[0] / harmonic - 1.0)} from resonance")
+    return found
 
 
 def agreement(tables: Tables) -> list[str]:
@@ -296,6 +311,7 @@ def files(tables: Tables) -> list[str]:
 #: Chapter -> what its heading must say: phrases that hold all of its numbers.
 EXPECTED: Final[Mapping[str, Callable[[Tables], list[str]]]] = {
     "answer": answer,
+    "strength": strength,
     "agreement": agreement,
     "runs": runs,
     "recorded": recorded,
