@@ -65,23 +65,24 @@ def _series(table: Benchmark, across: str) -> list[Series]:
     def at(point: Any, measured: Any) -> float:
         return measured.solve_seconds if across == SOLVE_TIME else measured.degrees_of_freedom
 
-    front = [(at(point, point.measured), point.error()) for point in pareto_front(table.points) if point.error()]
+    front = [(at(point, point.measured), 100.0 * error) for point in pareto_front(table.points) if (error := point.error())]
     found = []
     if across == SOLVE_TIME:
-        found.append(Series("Pareto front", "", [x for x, _ in front], [y for _, y in front if y], broad=True))
+        found.append(Series("Pareto front", "", [x for x, _ in front], [y for _, y in front], broad=True))
     for name in tables.methods_of([table]):
         done = [(p, m, error) for p, m in completed(table.points) if p.method == name and (error := p.error())]
         if done:
             texts = [f"{settings_words(p.changing)}; {duration(m.solve_seconds)}, error {size(error)}" for p, m, error in done]
             engine = done[0][0].engine
-            xs, ys = [at(p, m) for p, m, _ in done], [error for *_, error in done]
+            xs, ys = [at(p, m) for p, m, _ in done], [100.0 * error for *_, error in done]
             found.append(Series(name, engine, xs, ys, texts, hollow=name != engine))
     return found
 
 
 def _errors_over(table: Benchmark, across: str) -> Plot:
     below = table.confirmation.differences.get("tip_deflection")
-    return Plot("benchmark.csv", across, "error of the tip deflection", _series(table, across), "xy", below)
+    shaded = None if below is None else 100.0 * below
+    return Plot("benchmark.csv", across, "error of the tip deflection [%]", _series(table, across), "xy", shaded)
 
 
 def hard_scenes(content: Content) -> dict[str, Any] | None:

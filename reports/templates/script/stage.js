@@ -4,9 +4,12 @@ const TEXT = "14px system-ui, sans-serif", BOLD = "600 14px system-ui, sans-seri
 
 const ARROW = -2.35;  // where on the crank's circle the way of turning stands, rad
 
-/** A canvas made sharp for the screen; its context in CSS pixels, with width and height. */
+/** Whether the page is laid out for printing. */
+const onPaper = () => "print" in document.documentElement.dataset;
+
+/** A canvas made sharp for screen or paper; its context in CSS pixels, with width and height. */
 function fitted(canvas) {
-  const ratio = Math.max(1, window.devicePixelRatio || 1);
+  const ratio = onPaper() ? 3 : Math.max(1, window.devicePixelRatio || 1);
   const { clientWidth: width, clientHeight: height } = canvas;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio);
@@ -66,8 +69,8 @@ class Stage {
     stroke(pen, colours.soft, 1, () => { pen.moveTo(...P); pen.lineTo(...end); }, "butt", [5, 4]);
     this.trail(pen, at, place);
     this.engines.forEach((name, k) => {
-      const { width: broad, dash } = this.looks[name];
-      stroke(pen, this.engineColour(name), broad, () => smooth(pen, lines[k]), "butt", dash);
+      const { width: broad, dash, offset } = this.looks[name];
+      stroke(pen, this.engineColour(name), broad, () => smooth(pen, lines[k]), "butt", dash, offset);
       if (tip) this.tipBody(pen, lines[k], this.engineColour(name), broad);
     });
 
@@ -192,9 +195,9 @@ function sampled(line) {
   });
 }
 
-function stroke(pen, style, width, path, cap = "round", dash = []) {
+function stroke(pen, style, width, path, cap = "round", dash = [], offset = 0) {
   pen.strokeStyle = style; pen.lineWidth = width; pen.lineCap = cap;
-  pen.setLineDash(dash);
+  pen.setLineDash(dash); pen.lineDashOffset = offset;
   pen.beginPath(); path(); pen.stroke();
   pen.setLineDash([]);
 }
