@@ -1,6 +1,7 @@
 // Charts of the chapters as SVG, from their description (reports/page/plot.py): points and lines over two axes, or rows of points.
 
-const SVG = "http://www.w3.org/2000/svg", FONT = "system-ui, \"DejaVu Sans\", sans-serif";
+const SVG = Object.assign(document.createElement("div"), { innerHTML: "<svg></svg>" }).firstChild.namespaceURI;
+const FONT = "system-ui, \"DejaVu Sans\", sans-serif";
 const [TICK, NAME] = [12, 13];  // letters, px
 const pens = document.createElement("canvas").getContext("2d");
 
@@ -152,7 +153,7 @@ class Chart {
     const left = 14 + Math.max(...vertical.ticks.map((value) => wide(onAxis(value)))), right = named ? 24 + Math.max(...shown.map(({ name }) => wide(name, NAME))) : 14;
     const horizontal = new Axis(shown.flatMap(({ x }) => x), plot.log.includes("x"), [left, width - right], Math.floor((width - left - right) / 60));
     const made = this.frame(width, height);
-    this.grid(made, horizontal, above, height - below);
+    this.grid(made, horizontal, width, above, height - below);
     for (const value of vertical.ticks) {
       const y = vertical.place(value);
       made.append(svg("line", { x1: left, x2: width - right, y1: y, y2: y, stroke: colour("faint") }), words(left - 6, y + 4, onAxis(value), { anchor: "end" }));
@@ -195,10 +196,10 @@ class Chart {
     }
   }
 
-  grid(made, horizontal, top, bottom) {
+  grid(made, horizontal, width, top, bottom) {
     for (const value of horizontal.ticks) {
-      const x = horizontal.place(value), zero = value === 0 && !horizontal.logarithmic;
-      made.append(svg("line", { x1: x, x2: x, y1: top, y2: bottom, stroke: colour(zero ? "soft" : "faint") }), words(x, bottom + 17, onAxis(value)));
+      const x = horizontal.place(value), half = wide(onAxis(value)) / 2 + 1, zero = value === 0 && !horizontal.logarithmic;
+      made.append(svg("line", { x1: x, x2: x, y1: top, y2: bottom, stroke: colour(zero ? "soft" : "faint") }), words(Math.min(Math.max(x, half), width - half), bottom + 17, onAxis(value)));
     }
   }
 
@@ -210,7 +211,7 @@ class Chart {
     const numbers = shown.flatMap(({ y }) => y), logarithmic = plot.log.includes("y");
     const horizontal = new Axis(plot.limit ? [...numbers, (logarithmic ? 2 : 1) * plot.limit[0]] : numbers, logarithmic, [left, width - right], Math.floor((width - left - right) / 60));
     const made = this.frame(width, height), bottom = height - 44;
-    this.grid(made, horizontal, above, bottom);
+    this.grid(made, horizontal, width, above, bottom);
     if (plot.limit) {
       const x = horizontal.place(plot.limit[0]);
       made.append(svg("rect", { x, y: above, width: width - right - x, height: bottom - above, fill: colour("bad-wash") }));
