@@ -53,9 +53,14 @@ def _without_exponent(text: str) -> str:
     return f"{digits.removesuffix('1')}{of_ten}" if digits in ("1", "+1", "-1") else f"{digits}·{of_ten}"
 
 
+def within_turn(degrees: float) -> float:
+    """A crank angle as people are shown it, from 0 to 360 degrees: 451 is 91."""
+    return degrees if 0.0 <= degrees <= 360.0 else degrees % 360.0
+
+
 def angle(degrees: float) -> str:
-    """A crank angle from 0 to 360 degrees: 451 is 91°."""
-    return f"{number(degrees if 0.0 <= degrees <= 360.0 else degrees % 360.0, 'g')}°"
+    """A crank angle, in degrees, within one turn: "91°"."""
+    return f"{number(within_turn(degrees), 'g')}°"
 
 
 def settings_words(settings: Mapping[str, Any]) -> str:

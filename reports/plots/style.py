@@ -27,7 +27,7 @@ SMALL: Final = 8.0  # pt, ticks and notes
 SAMPLE: Final = 3.4  # sizes of the letters, length of a legend's sample
 POINTS_PER_INCH: Final = 72.0
 
-VERMILION: Final = "#D55E00"
+QUICK: Final = "#E0A21B"  # the quick return, as on the page
 GREY: Final = "#666666"
 LIGHT: Final = "#EAEAEA"
 BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
