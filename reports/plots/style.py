@@ -24,7 +24,7 @@ PER_INCH: Final = 192  # dots of a picture file: two to a CSS pixel, sharp on fi
 FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
 SMALL: Final = 8.0  # pt, ticks and notes
 
-SAMPLE: Final = 3.4  # sizes of the letters, length of a legend's sample
+SAMPLE: Final = 4.0  # sizes of the letters, length of a legend's sample: a period of the dashes and more
 POINTS_PER_INCH: Final = 72.0
 
 QUICK: Final = "#E0A21B"  # the quick return, as on the page
