@@ -48,6 +48,13 @@ class Case:
         """Values in SI by section and key of the case file; sections and keys that the scene lacks are left out."""
         return {**values_of(self.scene), "simulation": {"duration": self.duration, "output_step": self.output_step}}
 
+    def to_toml(self) -> str:
+        """The text of a case file for the same case, in SI units, each key with its meaning. CaseError: a value that no file can hold."""
+        from cases.document import document_of
+        from cases.written import as_toml
+
+        return as_toml(document_of(self))
+
     @property
     def mechanism(self) -> Mechanism:
         """The scene, where crank and slider are needed.

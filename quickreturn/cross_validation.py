@@ -74,6 +74,19 @@ class CrossValidation:
         table.attrs["units"] = {name: "Hz" if "frequency" in name else "see unit" for name in table.columns if name.startswith(_NUMBERS)}
         return table
 
+    @property
+    def loads(self) -> "pd.DataFrame":
+        """What the parts bear: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
+        import pandas as pd
+
+        from reports.findings.loads import loads_of_cases
+        from reports.tables.strength import of_case
+
+        cases = loads_of_cases(self.results)
+        return pd.DataFrame(
+            [{"case": each.case.name, "engine": engine} | vars(number) for each in cases for engine, number in of_case(each)]
+        )
+
     def cycle(self, case: str, engine: str) -> "pd.DataFrame":
         """The last cycle of an engine on a case, from the slider's farthest place to the next. LookupError: there is none."""
         columns = self[case, engine].cycle

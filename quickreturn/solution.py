@@ -8,9 +8,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cases.case import Case
 from cases.errors import as_written, nearest_or_all
-from engines.accurate import Result
+from engines.accurate import ESTIMATED, Result
 from engines.base import AnyEngine, Engine
 from engines.registry import usable_engine
 from engines.scene import simulate_scene
@@ -19,11 +21,12 @@ from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, engine_given, one_case
 from reference_model import machine_code
-from reference_model.columns import COLUMNS
+from reference_model.columns import BEARINGS, BENDING, COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from cases.loads import Loads
     from quickreturn.curves import Drawing
 
 
@@ -64,6 +67,23 @@ class Solution:
 
         of = {"total": "error", "integration": "integration error", "unverified": "error, not verified"}[self.result.estimate_of]
         return pd.Series(self.result.error_estimates, dtype=float, name=of)
+
+    @cached_property
+    def loads(self) -> "Loads":
+        """What the parts bear: stress along the arm, forces in joints and bearings; estimates are those of the columns, at their peaks."""
+        from cases.loads import loads_of
+
+        columns = self.trajectory.columns
+
+        def claim(name: str, _: float) -> float | None:
+            strains = [
+                error for gauge in ("strain_1", "strain_2", "strain_3") if (error := self.result.error_estimates.get(gauge)) is not None
+            ]
+            bends = max(strains, default=None) if name.startswith("moment_") else None
+            share = self.result.error_estimates.get(name, bends)
+            return None if share is None else share * float(np.max(np.abs(columns[name])))
+
+        return loads_of(self.case.scene, columns, claim)
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -112,18 +132,21 @@ class Solution:
         check_writable(place, "", ".webp", ".html")
         write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
 
-    def rows(self, kept: str = "") -> Iterator[tuple[str, str]]:
-        """What there is to say, a name and a text each; `kept`: where the rows are."""
-        from reports.words import settings_words
+    def rows(self, kept: str = "", notes: str = "its `notes`") -> Iterator[tuple[str, str]]:
+        """What there is to say, a name and a text each; `kept`: where the rows are; `notes`: where those on the case are."""
+        from reports.findings.loads import stress_text
+        from reports.words import TIED, settings_words
 
         result = self.result
         times = {part: getattr(result, f"{part}_seconds") for part in ("compile", "setup", "solve", "estimate")}
         yield "case", self.case.name
         yield "engine", f"{self.engine} ({self.version})"
         if self.case.notes:
-            yield "notes", f"{len(self.case.notes)} on this case, in `quickreturn show {self.case.name}` and its `notes`"
+            yield "notes", f"{len(self.case.notes)} on this case: see {notes}"
         yield "rows", f"{len(self.trajectory)}{kept and ' in '}{kept}"
         yield from _estimates(result)
+        if (loads := self.loads).stress is not None:
+            yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())
         yield "settings", settings_words(self.settings)
         if self.remark:
@@ -191,16 +214,23 @@ def as_csv(trajectory: Trajectory) -> bytes:
 
 
 def _estimates(found: Result) -> Iterator[tuple[str, str]]:
-    """The error estimate of every column, a row for each; of a follower that does not bend, that of the tip's place."""
+    """Error estimates, a row for each of `ESTIMATED`, and one for the largest of the moments and of the bearing forces.
+
+    Of a follower that does not bend, the first is that of the tip's place.
+    """
     from reports.words import ESTIMATE
 
     name, beside = ESTIMATE[found.estimate_of]
-    each, estimate = dict(found.error_estimates), found.error_estimate
+    each, estimate = {name: found.error_estimates[name] for name in ESTIMATED}, found.error_estimate
     deflection = each.pop("tip_deflection")
     asked = "" if found.accuracy is None else f" (asked: {found.accuracy:g})"
     place = "deflection" if deflection is not None or estimate is None else "tip's place"
     lines = {place: f"{_digits(estimate)}{asked}{beside and '; '}{beside}"}
     lines |= {column.removeprefix("tip_").removeprefix("slider_").replace("_", " "): _digits(value) for column, value in each.items()}
+    for name_of_all, columns in (("moments", BENDING), ("bearings", BEARINGS)):
+        known = [estimate for column in columns if (estimate := found.error_estimates.get(column)) is not None]
+        if known:
+            lines[name_of_all] = f"{_digits(max(known))} at most"
     width = max(map(len, lines))
     for number, (column, text) in enumerate(lines.items()):
         yield "" if number else name, f"{column:{width}}  {text}"

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from cases import conformance
-from cases.benchmark import SCENES, stored
+from cases.benchmark import SCENES, compiling, stored
+from cases.benchmark.scenes import ENGINES
 from cases.case import Case
 from cases.case_file import load_case
 from cases.frozen_crank import FrozenCrank, frozen_crank
@@ -22,7 +23,7 @@ from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import REFERENCE, CaseResult, cross_validate
 from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
-from engines.registry import MAIN
+from engines.registry import MAIN, engine
 from reports import long_studies
 from reports.findings.failures import INCOMPLETE
 from reports.findings.runs import of_library
@@ -122,9 +123,11 @@ def write(content: Content, folder: Path) -> Written:
 
 
 def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
-    """The verdicts that are stored."""
+    """The verdicts that are stored, and those of record for other engines."""
     found = {name: workshop.stored(conformance.job(name)) for name in engines}
-    return {name: outcome.value.verdict for name, outcome in found.items() if outcome is not None and outcome.value is not None}
+    values = {name: outcome.value for name, outcome in found.items() if outcome is not None and outcome.value is not None}
+    own = {name: long_studies.RecordedConformance.of(value, engine(name).version()).words for name, value in values.items()}
+    return long_studies.conformance() | own
 
 
 def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[FrozenCrank | None, list[str]]:
@@ -163,6 +166,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
     return {
         "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
         "benchmarks": [table for name in SCENES if (table := own[name] or known.get(name))],
+        "compiling": compiling(workshop, ENGINES, compute=False) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
         "of_record": {study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
     }

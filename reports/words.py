@@ -101,6 +101,28 @@ def size(share: float) -> str:
     return f"{number(value, '.0f' if value >= 10.0 else '.1f' if value >= 1.0 else '.2g')}{TIED}%"
 
 
+#: Factors by which a number in SI units is written, by the unit that it is written in.
+_WRITTEN: Final = {"MPa": 1e-6, "µε": 1e6, "mm": 1e3, "kN": 1e-3}
+
+
+def quantity(value: float, unit: str) -> str:
+    """A number in SI units as it is written in a unit, to four figures: "35.70 MPa"."""
+    scaled = value * _WRITTEN.get(unit, 1.0)
+    places = min(6, max(0, 3 - math.floor(math.log10(abs(scaled))))) if scaled else 0
+    return f"{number(scaled, f'.{places}f')}{TIED}{unit}"
+
+
+def off_by(error: float, value: float) -> str:
+    """By how much of itself a number may be off: "± 0.2 %"; what is less than 0.01 % is told as that."""
+    share = abs(error / value) if value else 0.0
+    return f"±{TIED}{size(share)}" if share >= 1e-4 else f"off by less than 0.01{TIED}%"
+
+
+def degrees(angle: float) -> str:
+    """An angle in whole degrees from 0 to 359."""
+    return f"{round(math.degrees(angle)) % 360}°"
+
+
 def span(low: float, high: float, form: str) -> str:
     """A range."""
     return f"{number(low, form)} to {number(high, form)}"

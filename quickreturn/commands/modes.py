@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     "--crank-angle",
     "crank_angles",
     metavar="DEG",
-    required=True,
     read=options.angles,
+    default="0:180:90",
+    show_default=True,
     help="Angle at which the crank is held, degrees; or FROM:TO:STEP, both ends included.",
 )
 @options.single(
@@ -44,7 +45,7 @@ def command(
     assignments: Sequence[str],
     as_json: bool,
 ) -> int:
-    """Natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.
+    """Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.
 
     With several engines, cases or angles the JSON document is a list. Exit code 3: an engine failed, or what it returned are no natural
     frequencies; nothing is printed then.
@@ -60,9 +61,11 @@ def command(
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
     texts = questions.settings_of(settings, engines)
-    asked = list(itertools.product(options.load_all(cases, tag, overrides), engines))
+    loaded = options.load_all(cases, tag, overrides)
+    asked = list(itertools.product(loaded, engines))
     for case, name in asked:
         questions.check(name, case.mechanism, texts[name])
+    options.tell_doubts(loaded)
     angles = [math.radians(angle) for angle in crank_angles]
     jobs = [Job(f"{case.name} {name}", frozen_crank, (case, name, angles, count, texts[name])) for case, name in asked]
     found = []

@@ -1,6 +1,6 @@
 """A plot as data, which the script draws. Its numbers are those of the table whose file stands beside it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -61,9 +61,11 @@ class Plot:
 
 
 def plots_in(values: Any) -> Iterator[Plot]:
-    """Plots among values, also those in lists and tuples."""
+    """Plots among values, also those in lists, tuples and dictionaries."""
     for value in values:
         if isinstance(value, Plot):
             yield value
         elif isinstance(value, (list, tuple)):
             yield from plots_in(value)
+        elif isinstance(value, Mapping):
+            yield from plots_in(value.values())

@@ -56,6 +56,7 @@ def rendered(template: str, view: View, more: tuple[str, ...] = (), **values: An
         "looks": view.looks,
         "kinds": KINDS,
         "cyclic": view.axis == "crank_angle",
+        "enveloped": any(run["stress"] for run in view.runs),
         "groups": _groups(view),
         "style": Markup(made.get_template("style.css").render(engines=view.engines, looks=view.looks)),
         "script": Markup("\n".join(made.get_template(f"script/{part}").render() for part in (*SCRIPT, *more))),
@@ -66,9 +67,10 @@ def rendered(template: str, view: View, more: tuple[str, ...] = (), **values: An
 def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     """The page of a report."""
     results, answer = content.results, answer_of(content)
-    view = cycles(results, answer.engines)
+    view = cycles(results, answer.engines, content.loads)
     view.drawn = [series.of for chapter in chapters for plot in chapter.plots for series in plot.series]
     shown = shown_first(results)
+    loads = next((each for each in content.loads if each.case is shown.case and each.lead), None)
     title_of_case = shown.case.title if len(results) == 1 else ""
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
     return rendered(
@@ -79,6 +81,7 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         answer=answer,
+        own=loads,
         of_thesis=len(content.thesis_results) == len(results),
         title_of_case=title_of_case,
         first_mode=_first_mode(shown),

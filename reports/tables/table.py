@@ -16,7 +16,7 @@ import pandas as pd
 from reports.words import HALF, QUANTITY, case_label, channel_name, number
 
 Value = str | int | float | bool | None
-Mark = Literal["", "good", "missed", "open", "failed"]
+Mark = Literal["", "good", "missed", "open", "failed", "model"]
 
 CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("reports") / "templates" / "captions.toml").read_text("utf-8"))
 #: Units of the page that are not those of the CSV file -> its unit, value in the page / value in the file.
@@ -28,6 +28,8 @@ SHOWN: Final = {
     "ms": ("s", 1e3),
     "µs": ("s", 1e6),
     "kN/m": ("N/m", 1e-3),
+    "MPa": ("Pa", 1e-6),
+    "°": ("rad", 180.0 / math.pi),
 }
 #: Letters of a text that is kept on one line.
 LONGEST_LINE: Final = 26
@@ -41,7 +43,7 @@ class Cell:
         value: in SI units, as it goes into the CSV file; None where there is none.
         text: what the page shows instead of the formatted value.
         note: a remark: in the page shown by a click, in the CSV file in a column of its own.
-        mark: "missed" a tolerance, "failed", "open" (no answer, for a reason), "good".
+        mark: "missed" a tolerance, "failed", "open" (no answer, for a reason), "good", "model" (a good answer of a model that is not).
         run: case that it opens on the first screen.
     """
 

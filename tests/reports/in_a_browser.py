@@ -42,12 +42,8 @@ WATCHING = """(() => {
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A report on three made-up runs, in one of which an engine failed."""
     folder = tmp_path_factory.mktemp("page")
-    write(
-        Content(
-            results=RESULTS, studies=studies(), benchmarks=[made_up_benchmark(), made_up_benchmark("thesis-17")], facts=machine_facts()
-        ),
-        folder,
-    )
+    benchmarks = [made_up_benchmark(timed=True), made_up_benchmark("thesis-17")]
+    write(Content(results=RESULTS, studies=studies(), benchmarks=benchmarks, facts=machine_facts()), folder)
     return (folder / "index.html").as_uri()
 
 

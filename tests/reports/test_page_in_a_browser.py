@@ -248,7 +248,7 @@ def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) ->
     assert len(set(stills)) == 4
     assert page.locator("details:not([open])").count() == 0
     widths = page.locator(".chart, #signals canvas, #curve").evaluate_all("all => all.map(each => each.getBoundingClientRect().width)")
-    assert len(widths) == page.locator(".drawn, #signals canvas, #curve").count()
+    assert len(widths) == page.locator(".drawn:visible, #signals canvas, #curve").count()
     assert all(600 < width <= 700 for width in widths)  # of a sheet's 703 between its margins
     sharp = page.locator("#signals canvas").evaluate_all("all => all.map(canvas => canvas.width / canvas.clientWidth)")
     assert min(sharp) > 2.9  # dots to a pixel
@@ -286,3 +286,17 @@ def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None
     assert page.locator("#remark").is_hidden()
     page.locator("#methods .chart").first.locator("[data-series=reference] circle").first.tap()
     assert page.locator("#methods .reading").first.inner_text().startswith("reference: modes 2, tolerance 1e-7; 2.0")
+
+
+def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
+    page = opened("#chapter=methods")
+    figure = page.locator("#methods figure.plot").first
+    plots = figure.locator(".drawn")
+    plots.nth(0).locator(".chart").wait_for()
+    assert not plots.nth(1).is_visible()
+    figure.get_by_role("radio", name="all that one waits for").check()
+    plots.nth(1).locator(".chart").wait_for()
+    assert not plots.nth(0).is_visible()
+    figure.get_by_role("radio", name="solving alone").check()
+    assert plots.nth(0).is_visible()
+    assert not plots.nth(1).is_visible()

@@ -217,7 +217,7 @@ def test_the_answer_follows_from_the_numbers() -> None:
     cubic = answer_of(Content(results=[reported_result("thesis-24")])).cubic
     assert cubic is not None
     assert cubic.frequency.median == pytest.approx(0.13, abs=0.01)  # made up: 1.13 times, and 0.4 % of noise
-    assert f"rings {size(cubic.frequency.median)} too fast".replace("\N{NO-BREAK SPACE}", " ") in told
+    assert f"rings {size(cubic.frequency.median)} faster and shows".replace("\N{NO-BREAK SPACE}", " ") in told
     assert "4 of 4" in told
 
 

@@ -29,15 +29,15 @@ def open_points(content: Content) -> dict[str, Any] | None:
     found = content.studies.sensitivity
     return {
         "notable": NOTABLE,
-        "frequency": _strongest(found, "first_mode_frequency"),
-        "amplitude": _strongest(found, "first_mode_amplitude"),
+        "frequency": strongest(found, "first_mode_frequency"),
+        "amplitude": strongest(found, "first_mode_amplitude"),
         "failures": content.studies.failures,
         "plot": _sensitivity(found),
         "table": tables.sensitivity(found),
     }
 
 
-def _strongest(found: Sequence[Moved], quantity: str) -> list[tuple[str, float]]:
+def strongest(found: Sequence[Moved], quantity: str) -> list[tuple[str, float]]:
     """Changes and how far they move a quantity at most, the strongest first."""
     largest: dict[str, float] = {}
     for each in found:

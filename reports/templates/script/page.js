@@ -4,7 +4,7 @@ const element = (id) => document.getElementById(id);
 const DATA = JSON.parse(element("view").textContent);
 const looks = DATA.looks;
 const SPEEDS = [1, 2, 5, 10, 20, 50, 100];
-const state = { run: DATA.start, engines: DATA.engines, at: 0, signal: "tip_acceleration", bend: "auto", chapter: "", section: "" };
+const state = { run: DATA.start, engines: DATA.engines, at: 0, signal: "tip_acceleration", bend: "auto", stress: true, chapter: "", section: "" };
 const still = window.matchMedia("(prefers-reduced-motion: reduce)");
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 let motion = null, playing = false, before = 0, factor = 1, loading = 0, writing = 0;
@@ -30,6 +30,7 @@ function readAddress(hash) {
   if (Object.hasOwn(DATA.signals, given.get("signal") ?? "")) wanted.signal = given.get("signal");
   if (given.has("at") && Number.isFinite(Number(given.get("at")))) wanted.at = Math.max(0, Number(given.get("at")));
   if (given.get("bend") === "auto" || Number(given.get("bend")) >= 1) wanted.bend = given.get("bend");
+  if (given.has("stress")) wanted.stress = given.get("stress") !== "off";
   if (given.has("chapter")) wanted.chapter = chapters().some((found) => found.id === given.get("chapter")) ? given.get("chapter") : "";
   if (given.has("chapter")) wanted.section = sectionIn(wanted.chapter, given.get("section")) ? given.get("section") : "";
   return { wanted, at: given.has("at") };
@@ -44,6 +45,7 @@ function writeAddress() {
 function writeNow() {
   const told = new URLSearchParams({ run: state.run, engines: state.engines.join(","), at: String(Number(state.at.toFixed(3))), signal: state.signal });
   if (state.bend !== "auto") told.set("bend", state.bend);
+  if (!state.stress) told.set("stress", "off");
   if (state.chapter) told.set("chapter", state.chapter);
   if (state.chapter && state.section) told.set("section", state.section);
   history.replaceState(null, "", `#${told.toString().replaceAll("%2C", ",")}`);
@@ -84,13 +86,17 @@ function show() {
   if (any) {
     state.at = Math.min(state.at, motion.span);
     factor = state.bend === "auto" ? motion.factor(names.length ? names : motion.engines) : Number(state.bend);
-    stage.show(motion, names, factor, looks);
+    stage.show(motion, names, factor, looks, state.stress ? run.stress : null);
     curve.show(motion, names, looks, signalOf(state.signal));
     layOutValues(element("values"), curve);
     element("at").max = motion.span;
   }
   element("bend").options[0].textContent = state.bend === "auto" ? `automatic: × ${written(factor)}` : "automatic";
   element("bend").value = state.bend;
+  if (element("stress")) {
+    element("stress").checked = state.stress;
+    element("stressed").hidden = !run.stress;
+  }
   element("signal").value = state.signal;
   const mm = (length) => `${written(1000 * length, 3)} mm`;
   element("caption").textContent = `${run.title} · follower ${mm(run.scene.follower)}, crank ${mm(run.scene.crank)}${any && motion.cyclic ? `, one turn in ${written(1000 * motion.duration, 4)} ms` : ""}`;
@@ -241,6 +247,7 @@ element("signal").append(...Object.entries(DATA.signals).map(([name, { label }])
 element("signal").addEventListener("change", (event) => change({ signal: event.target.value }));
 element("bend").append(new Option("automatic", "auto"), ...SPEEDS.map((times) => new Option(`× ${times}`, times)));
 element("bend").addEventListener("change", (event) => change({ bend: event.target.value }));
+element("stress")?.addEventListener("change", (event) => change({ stress: event.target.checked }));
 element("speed").append(...SPEEDS.map((times) => new Option(times === 1 ? "as it is" : `1/${times}`, times)));
 element("zoom-in").addEventListener("click", () => curve.zoomBy(0.5, state.at));
 element("zoom-out").addEventListener("click", () => curve.zoomBy(2, state.at));
@@ -296,7 +303,7 @@ function stills() {
     canvas.style.cssText = "width:420px;height:240px";
     const still = new Stage(canvas, engineColour), at = motion.span * k / 4;
     document.body.append(canvas);  // a canvas that is not laid out has no size
-    still.show(motion, drawnOrder(), factor, looks);
+    still.show(motion, drawnOrder(), factor, looks, state.stress ? runOf(state.run).stress : null);
     still.draw(at);
     canvas.setAttribute("aria-label", curve.cursorText(at));
     element("stills").append(canvas);
