@@ -12,7 +12,7 @@ import numpy as np
 
 from cases.case import Case
 from cases.errors import as_written, nearest_or_all
-from engines.accurate import Result
+from engines.accurate import ESTIMATED, Result
 from engines.base import AnyEngine, Engine
 from engines.registry import usable_engine
 from engines.scene import simulate_scene
@@ -21,7 +21,7 @@ from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, engine_given, one_case
 from reference_model import machine_code
-from reference_model.columns import COLUMNS
+from reference_model.columns import BEARINGS, BENDING, COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -214,16 +214,23 @@ def as_csv(trajectory: Trajectory) -> bytes:
 
 
 def _estimates(found: Result) -> Iterator[tuple[str, str]]:
-    """The error estimate of every column, a row for each; of a follower that does not bend, that of the tip's place."""
+    """Error estimates, a row for each of `ESTIMATED`, and one for the largest of the moments and of the bearing forces.
+
+    Of a follower that does not bend, the first is that of the tip's place.
+    """
     from reports.words import ESTIMATE
 
     name, beside = ESTIMATE[found.estimate_of]
-    each, estimate = dict(found.error_estimates), found.error_estimate
+    each, estimate = {name: found.error_estimates[name] for name in ESTIMATED}, found.error_estimate
     deflection = each.pop("tip_deflection")
     asked = "" if found.accuracy is None else f" (asked: {found.accuracy:g})"
     place = "deflection" if deflection is not None or estimate is None else "tip's place"
     lines = {place: f"{_digits(estimate)}{asked}{beside and '; '}{beside}"}
     lines |= {column.removeprefix("tip_").removeprefix("slider_").replace("_", " "): _digits(value) for column, value in each.items()}
+    for name_of_all, columns in (("moments", BENDING), ("bearings", BEARINGS)):
+        known = [estimate for column in columns if (estimate := found.error_estimates.get(column)) is not None]
+        if known:
+            lines[name_of_all] = f"{_digits(max(known))} at most"
     width = max(map(len, lines))
     for number, (column, text) in enumerate(lines.items()):
         yield "" if number else name, f"{column:{width}}  {text}"

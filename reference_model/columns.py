@@ -87,6 +87,7 @@ SHAPE: Final = tuple(name for name in COLUMNS if name.startswith("shape_"))
 MOMENTS: Final = tuple(name for name in COLUMNS if name.startswith("moment_") and name != "moment_slider")
 #: All bending moments: what an engine leaves out for a rigid follower if it knows moments by curvature alone.
 BENDING: Final = (*MOMENTS, "moment_slider")
+BEARINGS: Final = ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y")
 
 #: Places in a row of what the compiled models tell of an instant; the caller adds the time. Shape and moments along the follower come last.
 (

@@ -116,3 +116,30 @@ def test_a_rigid_follower_has_the_closed_forms(model_of: Any, prescribed: bool) 
     for number, name in enumerate(MOMENTS, 1):
         expected = rigid_bending_moment(mechanism, number / (PLACES + 1) * mechanism.follower.length, *motion)
         np.testing.assert_allclose(columns[name], expected, atol=1e-6 * np.max(np.abs(expected)), err_msg=name)
+
+
+@pytest.mark.parametrize("tip_force_acts", [False, True], ids=["weight", "weight and force"])
+def test_a_standing_follower_bears_what_statics_says(tip_force_acts: bool) -> None:
+    """Crank held, follower damped to rest: an overhanging beam with a uniform load, a weight at its end, and a force there.
+
+    It hangs along -n1 from P, so that b2 = -n2 and a pull along +n2 is one along -b2.
+    """
+    crank = dataclasses.replace(run_24().crank, drive=PrescribedSpeed(speed=1e-9))
+    g, pull = 0.5, 0.3 if tip_force_acts else 0.0  # m/s^2 and N: small deflections
+    tip = {"center_of_mass": 0.01, "force": (0.0, pull)}
+    mechanism = dataclasses.replace(run_24(gravity=(0.0, g), follower={"damping": 2.0}, tip=tip), crank=crank)
+    columns = run(BeamModel.following(mechanism, 4), 8.0, 8, 1e-7)[1]
+    beam, tip_body = mechanism.follower, mechanism.tip_body
+    s, L, load, weight = mechanism.pivot_distance + crank.length, beam.length, beam.mass_per_length * g, tip_body.mass * g
+    reaction = (0.5 * load * L**2 + weight * (L + 0.01) + pull * L) / s
+    largest = 0.5 * load * (L - s) ** 2 + weight * (L + 0.01 - s) + pull * (L - s)
+    places = [*(L * k / (PLACES + 1) for k in range(1, PLACES + 1)), s]
+    for name, x in zip(BENDING, places, strict=True):
+        moment = -0.5 * load * (L - x) ** 2 - weight * (L + 0.01 - x) - pull * (L - x) + reaction * max(0.0, s - x)
+        # the deflection, some thousandths of the length, shortens the levers by its square
+        assert columns[name][-1] == pytest.approx(moment, abs=1e-4 * largest), name
+    held = load * L + weight + pull - reaction  # along -n2, what the slider leaves to the pivot
+    assert columns["pivot_force_y"][-1] == pytest.approx(-held, abs=1e-4 * reaction)
+    # the slider pushes along the normal -n2, which leans with the line
+    assert columns["pivot_force_x"][-1] == pytest.approx(0.0, abs=1e-2 * reaction)
+    assert columns["crank_force_y"][-1] == pytest.approx(-reaction - mechanism.crank_mass * g, rel=1e-4)
