@@ -1,7 +1,7 @@
 """A case: one scene, and what to simulate of it; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -68,11 +68,15 @@ class Case(Shown):
         return {**values_of(self.scene), "simulation": {"duration": self.duration, "output_step": self.output_step}}
 
     def to_toml(self) -> str:
-        """The text of a case file for the same case, in SI units, each key with its meaning. CaseError: a value that no file can hold."""
-        from cases.document import document_of
+        """The text of a case file for the same case: values as they were written, else in SI, each key with its meaning.
+
+        Raises:
+            CaseError: a value that no file can hold, such as NaN.
+        """
+        from cases.copies import as_written
         from cases.written import as_toml
 
-        return as_toml(document_of(self))
+        return as_toml(replace(as_written(self), header={"name": self.name, "title": self.title, "tags": list(self.tags)}))
 
     @property
     def mechanism(self) -> Mechanism:

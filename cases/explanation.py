@@ -64,6 +64,8 @@ def explain(
         most: the largest part of the difference that a mistake may leave.
     """
     off = rms(found - expected)
+    if off == 0.0:
+        return None
     allowed = max(most * off, min(noise, 0.5 * off))
     left = [(rms(found - each.values), each) for each in hypotheses]
     for fitted in (False, True):

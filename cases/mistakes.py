@@ -92,7 +92,7 @@ def diagnose(
         coarsely = explain(found, expected, seen, most=share) if off > 0.2 * size else None
         if coarsely is not None:
             return Finding(f"{name} {coarsely.words}", coarsely.advice, coarsely.left)
-        if within or off < HOPELESS * size:
+        if within or off < HOPELESS * size or not (COLUMNS[name].required or name == name.rstrip(_DIGITS)):
             return None
     explained = explain(found, expected, [*tried, *_fitted(name, found, expected)], tolerance or 0.0)
     if explained is not None:
@@ -171,8 +171,9 @@ def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism
     for other, column in COLUMNS.items():
         alike = column.required or other.rstrip(_DIGITS) == name.rstrip(_DIGITS)
         if other != name and other in beside and column.unit == unit and alike:
-            for sign, minus in ((1.0, ""), (-1.0, "minus ")):
-                yield Hypothesis(f"holds {minus}{other}", f"exchange them: {name} is {meaning}", sign * beside[other])
+            for sign, minus in ((1.0, ""), (-1.0, "minus ")):  # places side by side are alike in a coarse engine
+                words, exchange = f"holds {minus}{other}", f"exchange them: {name} is {meaning}"
+                yield Hypothesis(words, exchange, sign * beside[other], gross=column.required)
     if name in ("crank_angle", "follower_angle"):
         yield from _of_angles(expected)
     if unit == "1":

@@ -9,6 +9,9 @@ from reports.findings.runs import run_number
 MINUS: Final = "−"
 #: A blank at which no line breaks.
 TIED: Final = "\N{NO-BREAK SPACE}"
+#: Powers of ten within which numbers are written without one.
+LEAST, GREATEST = -3, 6
+RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 HALF: Final = {"pre": "pre-return", "post": "post-return"}
 QUANTITY: Final = {
     "consensus_frequency": "first-mode frequency, consensus",
@@ -28,20 +31,42 @@ ESTIMATE: Final = {
 
 
 def number(value: float, form: str) -> str:
-    """A number in the page: a true minus sign, no negative zero, words for what is no number."""
+    """A number in the page: a true minus sign, no negative zero, words for what is no number, powers of ten as people write them."""
     if math.isnan(value):
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else f"{MINUS}∞"
-    text = format(value, form)
+    text = _without_exponent(format(value, form))
     if text[0] in "+-" and not any(digit in text for digit in "123456789"):
         text = text[1:]  # -0.00 is no less and +0.00 no more than 0.00
     return text.replace("-", MINUS)
 
 
+def _without_exponent(text: str) -> str:
+    """1.2e+02 as 120, 1e-07 as 10⁻⁷, 1.4e-05 as 1.4·10⁻⁵; other texts as they are."""
+    digits, mark, power = text.partition("e")
+    if not mark:
+        return text
+    if LEAST <= int(power) <= GREATEST:
+        return f"{float(text):{'+' if text.startswith('+') else ''}.{max(0, len(digits.partition('.')[2]) - int(power))}f}"
+    of_ten = f"10{str(int(power)).translate(RAISED)}"
+    return f"{digits.removesuffix('1')}{of_ten}" if digits in ("1", "+1", "-1") else f"{digits}·{of_ten}"
+
+
+def within_turn(degrees: float) -> float:
+    """A crank angle as people are shown it, from 0 to 360 degrees: 451 is 91."""
+    return degrees if 0.0 <= degrees <= 360.0 else degrees % 360.0
+
+
+def angle(degrees: float) -> str:
+    """A crank angle, in degrees, within one turn: "91°"."""
+    return f"{number(within_turn(degrees), 'g')}°"
+
+
 def settings_words(settings: Mapping[str, Any]) -> str:
-    """Settings as "modes 5, tolerance 1e-07"."""
-    return ", ".join(f"{name.replace('_', ' ')} {f'{value:g}' if isinstance(value, float) else value}" for name, value in settings.items())
+    """Settings as "modes 5, tolerance 1e-7": numbers as one would type them."""
+    texts = {name: f"{value:g}".replace("e-0", "e-") if isinstance(value, float) else str(value) for name, value in settings.items()}
+    return ", ".join(f"{name.replace('_', ' ')} {text}" for name, text in texts.items())
 
 
 def duration(seconds: float) -> str:

@@ -166,11 +166,23 @@ def findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str,
             finding = _diagnosed(name, run[name], known[name], tolerance, known, motion.scene)
             if finding is not None:
                 found[name] = finding
+    if tolerances is None:
+        return _alike_in_all_places(found, run)
     puzzling = [name for name, finding in found.items() if not finding.explained]
-    if puzzling and tolerances is not None:
+    if puzzling:
         for name in falling(bench, motion, puzzling):
             del found[name]
     return found
+
+
+def _alike_in_all_places(found: dict[str, Finding], run: Trajectory) -> dict[str, Finding]:
+    """Findings of a model that says nothing of its error; those of places along the follower only where all of them show the same."""
+    kept = dict(found)
+    for names in _of_a_kind(columns_of(run)):
+        causes = {found[name].cause.removeprefix(name) if name in found else "" for name in names}
+        if len(names) > 1 and len(causes) > 1:
+            kept = {name: finding for name, finding in kept.items() if name not in names}
+    return kept
 
 
 def falling(bench: Bench, motion: Motion, names: Iterable[str]) -> list[str]:

@@ -108,7 +108,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
     if worst and not wrong:
         _tell_of_rows(bench, after, told)
-    if mistake := _mistake(change, context, found, known, effect, None if worst is None or wrong else share, duration):
+    if mistake := _mistake(change, context, found, known, effect, worst, None if worst is None or wrong else share, duration):
         raise Fault(mistake, advice)
     off = f"the effect is off by {share_of(left)}"
     if worst == "":
@@ -169,6 +169,7 @@ def _mistake(
     found: tuple[Mapping[str, Array], Mapping[str, Array]],
     known: tuple[Mapping[str, Array], Mapping[str, Array]],
     effect: _Effects,
+    worst: str | None,
     share: float | None,
     duration: float,
 ) -> str:
@@ -179,7 +180,7 @@ def _mistake(
             scenes[words] = solution(Motion(changed(context, values), duration))
         except (EngineFailure, ImpossibleMechanism):
             continue
-    for among in (None, _RIGID):
+    for among in (None, _RIGID) if worst else (None,):
         shown, due = (effect.between(first, second, among) for first, second in (found, known))
         tried = [Hypothesis(f"{change.name} acts with the wrong sign", "", -due)]
         tried += [Hypothesis(words, "", effect.between(known[0], columns, among)) for words, columns in scenes.items()]

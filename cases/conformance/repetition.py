@@ -24,9 +24,9 @@ from reference_model.mechanism import Mechanism, changed
 _DURATION: Final = 0.1  # s
 #: Part of a column by which it may differ.
 _SAME: Final = 1e-6
-#: Part of its own error that an engine may differ by: a step size control makes 1e-5 of a column of other last digits at a tolerance of
-#: 1e-5.
-_OF_ERROR: Final = 0.02
+#: Part of its own error that an engine may differ by, by what its estimate is of. Other last digits lead a step size control to other
+#: steps, and the integration's error to another value of the same size; of the whole error that is a small part.
+_OF_ERROR: Final = {"total": 0.02, "integration": 1.0, "unverified": 0.02}
 #: Part of a scene -> what is changed in it, so that a state kept of it shows.
 PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "crank": {"crank.length": 0.09, "crank.inertia": 4e-3},
@@ -77,9 +77,11 @@ def elsewhere(engine: AnyEngine | str, seconds: float | None = None) -> Elsewher
         pickle.dumps(engine)
     except Exception as error:  # of whatever kind pickle makes it
         return Elsewhere(reason=f"pickle raised {type(error).__name__}: {error}")
+    limits = None if seconds is None else Limits(seconds, default_limits().memory)
+    if found_engine(engine).compiles:  # what a process compiles and what it loads may differ in the last digits: all shall load it
+        answers(LocalProcesses(1, limits), [Job("compiling", one_scene, (engine, _FIRST))], "other processes")
     names = (_FIRST, "in another process", *PARTS)
     jobs: list[Job[Any]] = [Job("scenes in turn", scenes_in_turn, (engine,)), *(Job(name, one_scene, (engine, name)) for name in names)]
-    limits = None if seconds is None else Limits(seconds, default_limits().memory)
     first, *others = answers(LocalProcesses(2, limits), jobs, "other processes")
     for outcome in (first, *others):
         if outcome.failure.startswith(STOPPED):
@@ -130,14 +132,15 @@ def _same(bench: Bench, first: Mapping[str, Array], second: Mapping[str, Array],
 
 
 def _errors(bench: Bench) -> Mapping[str, float]:
-    """Of the columns by the engine's own estimate, in their units. It takes time: it is made where something depends on it."""
-    return bench.estimates(Motion(bench.scene, _DURATION)) or {}
+    """By how much columns may differ for the engine's own error, in their units. It takes time: it is only made where it matters."""
+    part = _OF_ERROR[bench.engine.estimates]
+    return {name: part * error for name, error in (bench.estimates(Motion(bench.scene, _DURATION)) or {}).items()}
 
 
 def _differing(first: Mapping[str, Array], second: Mapping[str, Array], errors: Mapping[str, float]) -> str:
     """The first column that differs; "" where none does."""
     for name, values in first.items():
-        allowed = max(_SAME * (rms(values) + 1e-12), _OF_ERROR * errors.get(name, 0.0))
+        allowed = max(_SAME * (rms(values) + 1e-12), errors.get(name, 0.0))
         if len(values) != len(second[name]) or rms(values - second[name]) > allowed:
             return name
     return ""

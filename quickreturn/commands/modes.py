@@ -87,16 +87,18 @@ def command(
 def _print(angled: "list[Modes]") -> None:
     """One angle: a line for each mode; several: a line for each angle."""
     from reports.output import print_table
+    from reports.words import within_turn
 
+    degrees = [f"{within_turn(math.degrees(each.crank_angle)):g}" for each in angled]
     first = angled[0]
     if len(angled) == 1:
-        click.echo(f"{first.case}, crank at {math.degrees(first.crank_angle):g} deg, {first.engine} ({first.version})")
+        click.echo(f"{first.case}, crank at {degrees[0]} deg, {first.engine} ({first.version})")
         if first.frequencies:
             print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(first.frequencies, 1)])
     else:
         click.echo(f"{first.case}, {first.engine} ({first.version}): natural frequencies in Hz")
         most = max(len(each.frequencies) for each in angled)
-        rows = [[f"{math.degrees(each.crank_angle):g}", *(f"{value:.6g}" for value in each.frequencies)] for each in angled]
+        rows = [[angle, *(f"{value:.6g}" for value in each.frequencies)] for angle, each in zip(degrees, angled, strict=True)]
         print_table([row + ["-"] * (most + 1 - len(row)) for row in rows], ["crank deg", *map(str, range(1, most + 1))])
     if not any(each.frequencies for each in angled):
         click.echo("no natural frequency: nothing in this model can vibrate with the crank held")

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from reports.page.content import Content
 from reports.page.facts import agreement, methods, own, runs, strength, studies, thesis
+from reports.page.plot import Plot, plots_in
 from reports.tables.table import Table
 
 Facts = Mapping[str, Any]
@@ -27,6 +28,11 @@ class Chapter:
     def tables(self) -> Iterator[Table]:
         """All tables among the facts, in their order."""
         return tables_in(self.facts.values())
+
+    @property
+    def plots(self) -> Iterator[Plot]:
+        """All plots among the facts."""
+        return plots_in(self.facts.values())
 
 
 def tables_in(values: Any) -> Iterator[Table]:

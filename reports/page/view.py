@@ -13,12 +13,11 @@ from cases.library.thesis import RUNS
 from cases.runs.comparison import CaseResult
 from cases.runs.request import NOT_SETTLED, Run
 from cases.studies import ACCURACY_CASE
-from engines.registry import RIVALS
 from reference_model.columns import COLUMNS, SHAPE
 from reference_model.mechanism import Mechanism
 from reports.findings.loads import CaseLoads
 from reports.findings.runs import of_library, run_number
-from reports.looks import looks
+from reports.looks import Look, looks
 from reports.page.packing import packed
 from reports.tables.table import SHOWN
 
@@ -51,12 +50,14 @@ class View:
         engines: names.
         runs: one per case, in the form that the script reads.
         blobs: the packed motions of each of them.
+        drawn: names of whatever else is drawn on the page.
     """
 
     axis: str
     engines: Sequence[str]
     runs: list[dict[str, Any]] = field(default_factory=list)
     blobs: list[str] = field(default_factory=list)
+    drawn: Sequence[str] = ()
 
     def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str], loads: CaseLoads | None = None) -> None:
         """A case with the columns of each engine that has a motion; `facts` says a word on each engine, `loads` how the arm is stressed."""
@@ -78,12 +79,17 @@ class View:
         )
 
     @property
+    def looks(self) -> dict[str, Look]:
+        """The looks of all that is drawn on the page."""
+        return looks((*self.engines, *self.drawn))
+
+    @property
     def document(self) -> dict[str, Any]:
         """What goes to the script besides the blobs."""
         factors = {unit: SHOWN[unit][1] if unit in SHOWN else 1.0 for _, unit in SIGNALS.values()}
         return {
             "axis": self.axis,
-            "looks": {name: vars(look) for name, look in looks((*self.engines, *RIVALS)).items()},
+            "looks": {name: vars(look) for name, look in self.looks.items()},
             "engines": self.engines,
             "signals": {name: {"label": label, "unit": unit, "factor": factors[unit]} for name, (label, unit) in SIGNALS.items()},
             "units": {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)},

@@ -92,7 +92,7 @@ def _series(table: Benchmark, across: str) -> list[Series]:
     """The Pareto front of the solve times as a broad band, and the points of each method."""
     found = []
     if across == SOLVE_TIME:
-        front = [(m.solve_seconds, error) for point, m in completed(pareto_front(table.points)) if (error := point.error())]
+        front = [(m.solve_seconds, 100.0 * error) for point, m in completed(pareto_front(table.points)) if (error := point.error())]
         found.append(Series("Pareto front", "", [x for x, _ in front], [y for _, y in front], broad=True))
     for name in tables.methods_of([table]):
         done = [(point, m) for point, m in completed(table.points) if point.method == name and point.error()]
@@ -100,7 +100,8 @@ def _series(table: Benchmark, across: str) -> list[Series]:
         if places:
             texts = [f"{settings_words(point.changing)}; {_time(m, across)}, error {size(error)}" for _, error, point, m in places]
             engine = places[0][2].engine
-            found.append(Series(name, engine, [x for x, *_ in places], [y for _, y, *_ in places], texts, hollow=name != engine))
+            xs, ys = [x for x, *_ in places], [100.0 * error for _, error, *_ in places]
+            found.append(Series(name, engine, xs, ys, texts, hollow=name != engine))
     return found
 
 
@@ -111,7 +112,8 @@ def _time(measured: Measured, across: str) -> str:
 
 def _errors_over(table: Benchmark, across: str) -> Plot:
     below = table.confirmation.differences.get("tip_deflection")
-    return Plot("benchmark.csv", across, "error of the tip deflection", _series(table, across), "xy", below)
+    shaded = None if below is None else 100.0 * below
+    return Plot("benchmark.csv", across, "error of the tip deflection [%]", _series(table, across), "xy", shaded)
 
 
 def _over_time(table: Benchmark) -> dict[str, Plot]:

@@ -5,9 +5,12 @@ const TEXT = "14px system-ui, sans-serif", BOLD = "600 14px system-ui, sans-seri
 const BAND = 0.1;  // of the follower's length: how far the largest stress reaches from the arm
 const ARROW = -2.35;  // where on the crank's circle the way of turning stands, rad
 
-/** A canvas made sharp for the screen; its context in CSS pixels, with width and height. */
+/** Whether the page is laid out for printing. */
+const onPaper = () => "print" in document.documentElement.dataset;
+
+/** A canvas made sharp for screen or paper; its context in CSS pixels, with width and height. */
 function fitted(canvas) {
-  const ratio = Math.max(1, window.devicePixelRatio || 1);
+  const ratio = onPaper() ? 3 : Math.max(1, window.devicePixelRatio || 1);
   const { clientWidth: width, clientHeight: height } = canvas;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio);
@@ -69,8 +72,8 @@ class Stage {
     const banded = this.stress ? this.engines.indexOf(this.stress.engine) : -1;
     const edges = banded >= 0 ? this.band(pen, lines[banded], scale, compact) : [];
     this.engines.forEach((name, k) => {
-      const { width: broad, dash } = this.looks[name];
-      stroke(pen, this.engineColour(name), broad, () => smooth(pen, lines[k]), "butt", dash);
+      const { width: broad, dash, offset } = this.looks[name];
+      stroke(pen, this.engineColour(name), broad, () => smooth(pen, lines[k]), "butt", dash, offset);
       if (tip) this.tipBody(pen, lines[k], this.engineColour(name), broad);
     });
 
@@ -228,9 +231,9 @@ function sampled(line) {
   });
 }
 
-function stroke(pen, style, width, path, cap = "round", dash = []) {
+function stroke(pen, style, width, path, cap = "round", dash = [], offset = 0) {
   pen.strokeStyle = style; pen.lineWidth = width; pen.lineCap = cap;
-  pen.setLineDash(dash);
+  pen.setLineDash(dash); pen.lineDashOffset = offset;
   pen.beginPath(); path(); pen.stroke();
   pen.setLineDash([]);
 }
