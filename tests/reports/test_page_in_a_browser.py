@@ -300,3 +300,14 @@ def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
     figure.get_by_role("radio", name="solving alone").check()
     assert plots.nth(0).is_visible()
     assert not plots.nth(1).is_visible()
+
+
+def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
+    page = opened("#at=0&chapter=methods")
+    with page.expect_download() as waited:
+        page.locator("#methods .take").first.click()
+    picture = Path(waited.value.path()).read_text("utf-8")
+    assert waited.value.suggested_filename == "benchmark.svg"
+    assert picture.startswith("<svg xmlns=")
+    assert "solve time [s]" in picture
+    assert "var(" not in picture  # another program reads it
