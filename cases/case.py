@@ -1,20 +1,24 @@
 """A case: one scene, and what to simulate of it; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from cases.errors import CaseError
+from cases.shown import Cell, Rows, Shown
 from cases.units import DIMENSIONS, Dimension
 from reference_model.mechanism import Mechanism, Scene
 from reference_model.quantities import Quantity, quantities_of, quantity
 from reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
 from reference_model.scene_values import values_of
 
+if TYPE_CHECKING:
+    from cases.document import Document
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Case:
+class Case(Shown):
     """A named scene in SI units with its simulation times.
 
     Attributes:
@@ -26,6 +30,7 @@ class Case:
         output_step: s.
         notes: what a reader of results must know, e.g. which published value was replaced and why, or which value is hardly meant.
         source: the file's path, or "library".
+        document: the values as they were written, with their units; None of a case that was made from numbers.
     """
 
     name: str
@@ -36,12 +41,26 @@ class Case:
     output_step: float = quantity("s", "between rows of a trajectory", sign="positive")
     notes: tuple[str, ...] = ()
     source: str = ""
+    document: "Document | None" = field(default=None, repr=False, compare=False)
 
-    def __repr__(self) -> str:
-        """Name, title and the values in SI, one to a line."""
-        rows = [(f"{section}.{key}", value) for section, keys in self.values.items() for key, value in keys.items()]
-        lines = [f"  {path:30} {shown_value(value)} {PATHS[path].unit}".rstrip() for path, value in rows]
-        return "\n".join([f"{self.name}: {self.title}", *lines])
+    def _parts(self) -> Iterator[Cell]:
+        """Name, title, notes, and a row for each value: in SI, and as it was written."""
+        from cases.copies import as_written
+        from cases.document import in_words
+
+        yield f"{self.name}: {self.title}"
+        yield from (f"note: {note}" for note in self.notes)
+        si = {f"{section}.{key}": value for section, keys in self.values.items() for key, value in keys.items()}
+        written = {f"{section}.{key}": value for section, keys in as_written(self).values.items() for key, value in keys.items()}
+        texts = {path: in_words(value) for path, value in written.items() if not isinstance(value, (float, tuple))}
+        yield Rows(
+            [
+                (path, shown_value(si[path]) if path in si else "", quantity.unit if path in si else "", texts.get(path, ""))
+                for path, quantity in PATHS.items()
+                if path in si or path in texts
+            ],
+            ("value", "in SI", "unit", "as written"),
+        )
 
     @property
     def values(self) -> dict[str, dict[str, Any]]:
@@ -49,11 +68,15 @@ class Case:
         return {**values_of(self.scene), "simulation": {"duration": self.duration, "output_step": self.output_step}}
 
     def to_toml(self) -> str:
-        """The text of a case file for the same case, in SI units, each key with its meaning. CaseError: a value that no file can hold."""
-        from cases.document import document_of
+        """The text of a case file for the same case: values as they were written, else in SI, each key with its meaning.
+
+        Raises:
+            CaseError: a value that no file can hold, such as NaN.
+        """
+        from cases.copies import as_written
         from cases.written import as_toml
 
-        return as_toml(document_of(self))
+        return as_toml(replace(as_written(self), header={"name": self.name, "title": self.title, "tags": list(self.tags)}))
 
     @property
     def mechanism(self) -> Mechanism:
@@ -67,6 +90,20 @@ class Case:
         raise CaseError(
             self.name, "[crank]", None, "this case has no crank and no slider, and what is asked needs them", "use show or simulate"
         )
+
+    def with_(self, overrides: Mapping[str, str] | None = None, *, name: str | None = None) -> "Case":
+        """A copy with other values and a name of its own; its title tells the changes.
+
+        Args:
+            overrides: as a case file has them, by dotted key: {"crank.length": "5 in"}.
+            name: of the copy; None: made of this case's name and the changes, such as "press-crank.length-5-in".
+
+        Raises:
+            CaseError: a mistake in the overrides, or neither is given.
+        """
+        from cases.copies import copy_of
+
+        return copy_of(self, overrides or {}, name)
 
 
 def shown_value(value: Any) -> str:

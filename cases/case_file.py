@@ -29,15 +29,15 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
         CaseError: no such case, an unreadable file, or a mistake in the file or the overrides.
     """
     if not in_library(name_or_path):
-        return case_of(load_document(name_or_path, overrides))
+        return case_of(_document(name_or_path, overrides))
     original = library_case(name_or_path)
     if not overrides:
         return original
-    changed, meant = case_of(load_document(name_or_path, overrides)), tuple(doubts(original.scene))
+    changed, meant = case_of(_document(name_or_path, overrides)), tuple(doubts(original.scene))
     return replace(changed, notes=(*original.notes, *(note for note in changed.notes if note not in meant)), source=original.source)
 
 
-def load_document(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Document:
+def _document(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Document:
     """The values of a case as they are written, with overrides; raises like `load_case`, but for values that cannot be."""
     if in_library(name_or_path):
         document = library_document(name_or_path)

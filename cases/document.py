@@ -3,7 +3,7 @@
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from cases.broken_toml import broken_toml
@@ -29,7 +29,7 @@ class Document:
     source: str  # file or case name, for messages
     header: Mapping[str, Any]  # name, title and tags as read
     values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI of a case that was no text
-    overridden: frozenset[str] = frozenset()  # dotted keys that `--set` gave
+    overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> raw value that `--set` gave, latest last
 
     def at(self, path: str) -> Any:
         """The value at a dotted key, or at one of the header; None where there is none."""
@@ -81,7 +81,8 @@ class Document:
                 raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")
             values[path] = _value_of(text) if isinstance(text, str) else list(text) if isinstance(text, tuple) else text
             _check(OVERRIDE, path, values[path])
-        return replace(self.changed(values), overridden=frozenset(texts))
+        earlier = {path: value for path, value in self.overridden.items() if path not in values}
+        return replace(self.changed(values), overridden=earlier | {path: values[path] for path in texts})
 
 
 def document_of(case: Case) -> Document:
@@ -171,3 +172,17 @@ def _value_of(text: str) -> Any:
         except ValueError:
             return text
     return text
+
+
+def in_words(value: Any) -> str:
+    """A raw value, such as "5 in", or several as "(0 m/s^2, -9.81 m/s^2)"."""
+    return value if isinstance(value, str) else f"({', '.join(map(str, value))})"
+
+
+def with_changes(title: str, overridden: Mapping[str, Any]) -> str:
+    """A title, and the values that override those of the file, for it may hold the old ones; their number where there is no room."""
+    if not overridden:
+        return title
+    *others, last = (f"{path} = {in_words(value)}" for path, value in overridden.items())
+    told = f"{title}, with {', '.join(others)}{' and ' if others else ''}{last}"
+    return told if len(told) <= _LONGEST_TITLE else f"{title}, with {len(overridden)} other values"

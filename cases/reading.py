@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from cases.case import PATHS, SECTIONS, Case, dimension_of
-from cases.document import Document, header_of, read_document
+from cases.document import Document, header_of, read_document, with_changes
 from cases.doubts import doubts
 from cases.errors import CaseError
 from cases.units import QuantityError, parse_quantity
@@ -56,7 +56,8 @@ def case_of(document: Document) -> Case:
         raise _missing(document, untimed)
     if problem := misfit(times["duration"], times["output_step"]):
         raise document.error(document.blame("simulation.duration", "simulation.output_step"), *problem)
-    return Case(name=name, title=title, tags=tags, scene=scene, source=document.source, notes=tuple(doubts(scene)), **times)
+    notes, title = tuple(doubts(scene)), with_changes(title, document.overridden)
+    return Case(name=name, title=title, tags=tags, scene=scene, source=document.source, notes=notes, document=document, **times)
 
 
 def misfit(duration: float, output_step: float) -> tuple[str, str] | None:

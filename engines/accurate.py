@@ -44,6 +44,9 @@ LEAST_FACTOR: Final = 1.7
 #: the larger of them.
 LARGEST_REST: Final = 0.75
 
+#: Remark of a run whose error nobody wanted to know.
+NOT_ESTIMATED: Final = "the error is not estimated, as asked"
+
 #: Libraries in which an author's mistake surfaces.
 _BELOW: Final = frozenset({"numpy", "scipy"})
 
@@ -77,7 +80,7 @@ class Result:
         setup_seconds: building the model of the delivered run.
         solve_seconds: solving the delivered run.
         compile_seconds: compiling or loading machine code before anything was timed.
-        estimate_seconds: wall time of all other runs: those it was compared with and the rungs climbed.
+        estimate_seconds: wall time of all other runs, their setup included: those it was compared with and the rungs climbed.
         description: bodies, joints and degrees of freedom of the delivered run.
         runs: all runs that were made for it, by their settings; the delivered one among them.
     """
@@ -106,6 +109,7 @@ def simulate(
     output_step: float,
     settings: Mapping[str, str] | None = None,
     accuracy: float | None = None,
+    estimate: bool = True,
 ) -> Result:
     """Simulate a scene to an accuracy.
 
@@ -120,18 +124,26 @@ def simulate(
         output_step: s.
         settings: values by name as text; they override the engine's choice and switch the ladder off, the estimate stays.
         accuracy: error of the tip deflection asked for; None is the engine's default.
+        estimate: False: make the one run and estimate nothing; no accuracy can be asked for then.
 
     Raises:
+        ValueError: an accuracy without an estimate.
         Refusal: the engine cannot model the scene.
         SettingError: a setting is not acceptable.
         EngineFailure: the run broke down; carries what was computed up to then.
     """
+    if accuracy is not None and not estimate:
+        raise ValueError(
+            f"accuracy={accuracy:g} without an estimate: whether it is reached is known by the estimate alone; give one of them"
+        )
     engine.check(scene)
     target = accuracy or engine.default_accuracy
     first = engine.settings_for(target, scene)
     if settings:
         first = first.with_texts(dict(settings))
     runs = _Runs(engine, scene, start, duration, output_step)
+    if not estimate:
+        return runs.result(_Judged(first, runs.run(first), remark=NOT_ESTIMATED), None, asked=False)
     if settings:
         return runs.result(runs.judged(first), accuracy, asked=accuracy is not None)
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
@@ -340,7 +352,7 @@ class _Runs(Generic[SceneT, StartT]):
     def _compile(self, settings: Settings) -> None:
         """One output step, so that all code is there before times are taken; what fails here fails again where it counts."""
         start, _, output_step = self._run
-        progress.tell(phase="compiling")
+        progress.tell(engine=self.engine.name, phase=progress.COMPILING)
         began = time.perf_counter()
         with contextlib.suppress(EngineFailure), _no_garbage_collection():
             run_once(self.engine, self.scene, start, output_step, output_step, settings)

@@ -1,8 +1,12 @@
 """How far a run is, told to whoever listens. A worker listens for the person who waits; else nobody does, and telling costs nothing."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
+
+#: The phase in which machine code is compiled, or loaded if it is kept from before.
+COMPILING: Final = "compiling"
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,19 @@ def listen(listener: Callable[[Progress], None] | None) -> None:
     """Have `listener` told from now on; None: nobody."""
     global _listener, _present
     _listener, _present = listener, Progress()
+
+
+@contextmanager
+def heard_by(listener: Callable[[Progress], None]) -> Iterator[None]:
+    """Have `listener` told meanwhile, unless somebody listens already: a worker's messages go to the person who waits for it."""
+    if _listener is not None:
+        yield
+        return
+    listen(listener)
+    try:
+        yield
+    finally:
+        listen(None)
 
 
 def tell(**changes: Any) -> None:

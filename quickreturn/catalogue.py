@@ -3,14 +3,15 @@
 import fnmatch
 import glob
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from cases.case import Case
 from cases.case_file import load_case, with_times
-from cases.document import OVERRIDE
+from cases.copies import told_as_overrides
 from cases.errors import CaseError, as_written
 from cases.library import CatalogueLine, case_names, catalogue
+from cases.shown import Cell, Rows, Shown
 
 if TYPE_CHECKING:
     from cases.recorded import RecordedTable
@@ -23,7 +24,7 @@ T = TypeVar("T")
 AnyCase = str | os.PathLike[str] | Case | CatalogueLine
 
 
-class Listing(tuple[T, ...]):
+class Listing(Shown, tuple[T, ...]):
     """Things that show themselves as a small table, one to a row."""
 
     columns: Mapping[str, Callable[[T], str]]
@@ -35,10 +36,8 @@ class Listing(tuple[T, ...]):
         found.columns = columns
         return found
 
-    def __repr__(self) -> str:
-        from reports.output import table_text
-
-        return table_text([[text(each) for text in self.columns.values()] for each in self], list(self.columns))
+    def _parts(self) -> Iterator[Cell]:
+        yield Rows([[text(each) for text in self.columns.values()] for each in self], list(self.columns))
 
 
 def case(
@@ -52,7 +51,8 @@ def case(
 
     Args:
         name: e.g. "thesis-24" or "my/scene.toml".
-        overrides: other values, as a case file has them, by dotted key: {"crank.length": "5 in"}.
+        overrides: other values, as a case file has them, by dotted key: {"crank.length": "5 in"}. The name stays, as with `--set`, so
+            that results are found under it, and the title tells the changes; `Case.with_` makes a copy with a name of its own.
         duration: s, where not that of the case.
         output_step: s, likewise.
 
@@ -60,14 +60,9 @@ def case(
         CaseError: no such case, or a mistake in the file or the overrides; the sentence names the nearest that is known.
     """
     if isinstance(name, Case):
-        raise CaseError(name.name, None, None, "this is a case already", "give its name or path, with all overrides")
-    if not isinstance(overrides or {}, Mapping):
-        raise CaseError("overrides", None, None, f"{as_written(overrides)} is no dictionary", 'such as {"crank.length": "5 in"}')
-    try:
+        raise CaseError(name.name, None, None, "this is a case already", "change it by its method with_")
+    with told_as_overrides(overrides or {}):
         loaded = load_case(_name(name), overrides)
-    except CaseError as wrong:
-        source = "overrides" if wrong.source == OVERRIDE else wrong.source
-        raise CaseError(source, wrong.key, wrong.value, wrong.problem, wrong.accepted) from None
     return with_times(loaded, duration, output_step)
 
 
@@ -132,7 +127,7 @@ def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = loa
     called = [one.name for one in chosen]
     for one in called:
         if called.count(one) > 1:
-            raise CaseError(one, None, None, "two cases have this name", "give each a name of its own")
+            raise CaseError(one, None, None, "two cases have this name", "give each a name of its own: case.with_(..., name=...)")
     return chosen
 
 

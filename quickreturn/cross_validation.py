@@ -1,7 +1,7 @@
 """Engines on cases in their steady state, measured, compared and held to what they claim; and the report on that."""
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +9,9 @@ from cases.errors import as_written, nearest_or_all
 from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
-from cases.runs.comparison import CaseResult, cross_validate
+from cases.runs.comparison import CaseResult, Check, cross_validate
 from cases.runs.request import Run
+from cases.shown import Cell, Shown
 from engines.registry import MAIN
 from engines.settings import SettingError, as_texts
 from engines.trajectory import Trajectory
@@ -29,11 +30,15 @@ if TYPE_CHECKING:
 _NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
 
 
-class CrossValidation:
+class CrossValidation(Shown):
     """What came of some engines on some cases.
 
+    `passed` says whether all is well, `departures` where it is not:
+
+        assert found.passed, found.departures
+
     Attributes:
-        results: of each case: its runs by engine, the comparisons, and what became of the claims.
+        results: of each case: its runs by engine, the comparisons (`checks`), and what became of the claims.
         notices: sentences on stored results that were damaged or could not be written.
     """
 
@@ -46,6 +51,16 @@ class CrossValidation:
         judged = [passed for result in self.results if (passed := result.whole.passed) is not None]
         return all(judged) if judged else None
 
+    @property
+    def departures(self) -> dict[tuple[str, str, str], list[Check]]:
+        """Case, engine and the engine or table that it departs from -> the numbers in which they differ by more than both claim.
+
+        Each says what was measured (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and
+        `its`, with `value`, `estimate` and `uncertainty`. Empty where no engine departs; `passed` is None where none could be judged.
+        """
+        found = {result.case.name: result.whole.departures for result in self.results}
+        return {(case, *pair): checks for case, pairs in found.items() for pair, checks in pairs.items()}
+
     def __getitem__(self, place: tuple[str, str]) -> Run:
         """All that is known of an engine on a case: `runs["thesis-24", "mujoco"]`. LookupError: there is none."""
         if not (isinstance(place, tuple) and len(place) == 2):
@@ -56,6 +71,10 @@ class CrossValidation:
             if given not in known:
                 raise LookupError(f"{as_written(given)}: not among these results; {nearest_or_all(given, tuple(known))}")
         return results[case].runs[name]
+
+    def _ipython_key_completions_(self) -> list[tuple[str, str]]:
+        """What a notebook offers after `runs["`."""
+        return [(result.case.name, engine) for result in self.results for engine in result.runs]
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -106,10 +125,11 @@ class CrossValidation:
         cycles = {result.case.name: {name: run.cycle for name, run in result.runs.items() if run.cycle} for result in self.results}
         return stacked(cycles, chosen)
 
-    def __repr__(self) -> str:
-        from quickreturn.verdict_text import text_of
+    def _parts(self) -> Iterator[Cell]:
+        from quickreturn.verdict_text import parts_of
 
-        return "\n".join(text_of(result) for result in self.results)
+        for result in self.results:
+            yield from parts_of(result)
 
 
 def run(
@@ -137,11 +157,8 @@ def run(
         StoreError: the folder of results cannot be used.
         KeyboardInterrupt: Ctrl-C; what was computed is kept.
     """
-    if not isinstance(settings or {}, Mapping):
-        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
-    given = {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
     chosen = loaded(cases)
-    names, texts, tables = prepared(chosen, engines, given)
+    names, texts, tables = prepared(chosen, engines, given_settings(settings))
     workshop = opened(jobs, quiet)
     results = cross_validate(chosen, workshop, names, checked(accuracy), texts, tables)
     return CrossValidation(results, workshop.store.notices)
@@ -152,6 +169,8 @@ def report(
     folder: "str | os.PathLike[str]" = "reports/output",
     engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]" = MAIN,
     *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
     jobs: int | None = None,
     quiet: bool = False,
 ) -> Path:
@@ -161,6 +180,8 @@ def report(
         cases: as of `run`.
         folder: is created where it is missing.
         engines: as of `run`.
+        accuracy: likewise.
+        settings: likewise.
         jobs: likewise.
         quiet: likewise.
 
@@ -168,14 +189,21 @@ def report(
         The page.
 
     Raises:
-        CaseError, StoreError, KeyboardInterrupt: as `run`.
+        CaseError, SettingError, StoreError, KeyboardInterrupt: as `run`.
         OutputError: the folder cannot be written to.
     """
     from reports.report import write_report
 
     chosen = loaded(cases)
-    names, _, tables = prepared(chosen, engines, {})
-    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables).page
+    names, texts, tables = prepared(chosen, engines, given_settings(settings))
+    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables, checked(accuracy), texts).page
+
+
+def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:
+    """Settings by engine, as texts. SettingError: they are no such dictionary."""
+    if not isinstance(settings or {}, Mapping):
+        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
+    return {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
 
 
 def opened(jobs: int | None, quiet: bool) -> Workshop:

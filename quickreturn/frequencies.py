@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from cases.case import Case
+from cases.jobs.display import compilation_told
+from engines import progress
 from engines.settings import as_texts
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.solution import found_engine
@@ -35,6 +37,7 @@ def modes(
     *,
     count: int = 4,
     settings: Mapping[str, Any] | None = None,
+    quiet: bool = False,
 ) -> "pd.DataFrame":
     """Natural frequencies in Hz, a row for each crank angle: follower straight, at rest, no gravity, undamped.
 
@@ -44,6 +47,7 @@ def modes(
         crank_angle: at which the crank is held, degrees; one or several.
         count: how many at most; there are fewer columns if the model has fewer.
         settings: of the engine, by name; None: those for its default accuracy.
+        quiet: as of `simulate`.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be.
@@ -59,7 +63,9 @@ def modes(
     if not (isinstance(count, int) and count > 0):
         raise ValueError(f"count={count!r}: a whole number from 1 on is needed")
     angles = given.tolist()
-    found = frozen_crank(one_case(case), engine, [math.radians(angle) for angle in angles], count, as_texts(settings or {}))
+    scene, texts = one_case(case), as_texts(settings or {})
+    with compilation_told(quiet):
+        found = frozen_crank(scene, engine, [math.radians(angle) for angle in angles], count, texts)
     table = pd.DataFrame([each.frequencies for each in found], index=pd.Index(angles, name="crank angle [deg]"))
     table.columns = pd.Index([f"mode {number} [Hz]" for number in range(1, table.shape[1] + 1)])
     table.attrs.update(case=found[0].case, engine=found[0].engine, version=found[0].version, settings=found[0].settings)
@@ -78,6 +84,9 @@ def frozen_crank(
     version, shown = chosen.version(), used.as_dict()
 
     def at(angle: float) -> list[float]:
-        return [float(frequency) for frequency in natural_frequencies(chosen, case.mechanism, angle, count, used)]
+        found = [float(frequency) for frequency in natural_frequencies(chosen, case.mechanism, angle, count, used)]
+        progress.tell(phase="natural frequencies")
+        return found
 
+    progress.tell(engine=chosen.name, phase=progress.COMPILING if chosen.compiles else "natural frequencies")
     return [Modes(case.name, angle, chosen.name, version, shown, at(angle)) for angle in crank_angles]

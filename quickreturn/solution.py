@@ -12,9 +12,12 @@ import numpy as np
 
 from cases.case import Case
 from cases.errors import as_written, nearest_or_all
-from engines.accurate import ESTIMATED, Result
+from cases.jobs.display import compilation_told
+from cases.shown import Cell, Rows, Shown
+from engines.accurate import ESTIMATED, NOT_ESTIMATED, Result
 from engines.base import AnyEngine, Engine
 from engines.registry import usable_engine
+from engines.relative import rms
 from engines.scene import simulate_scene
 from engines.settings import as_texts
 from engines.trajectory import Trajectory
@@ -25,6 +28,7 @@ from reference_model.columns import BEARINGS, BENDING, COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
     from cases.loads import Loads
     from quickreturn.curves import Drawing
@@ -35,7 +39,7 @@ class UnknownColumn(LookupError):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Solution:
+class Solution(Shown):
     """A trajectory, and how far it can be trusted.
 
     Attributes:
@@ -104,6 +108,20 @@ class Solution:
         """A column. UnknownColumn: there is none of this name."""
         return self.frame[known_column(column, self.trajectory.columns)]
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """What a notebook offers after `solution["`."""
+        return list(self.frame.columns)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """The trajectory as an xarray dataset over `time`, with units and error estimates as attributes, which netCDF keeps.
+
+        Raises:
+            ModuleNotFoundError: xarray is not installed.
+        """
+        from quickreturn.dataset import dataset_of
+
+        return dataset_of(self)
+
     def plot(self, *columns: str) -> "Drawing":
         """Columns over time; without any the deflection and the acceleration of the tip, the middle strain and the slider force.
 
@@ -132,8 +150,13 @@ class Solution:
         check_writable(place, "", ".webp", ".html")
         write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
 
-    def rows(self, kept: str = "", notes: str = "its `notes`") -> Iterator[tuple[str, str]]:
-        """What there is to say, a name and a text each; `kept`: where the rows are; `notes`: where those on the case are."""
+    def rows(self, kept: str = "", notes: str = "its `notes`") -> Iterator[tuple[str, Cell]]:
+        """What there is to say, a name and a text or rows each.
+
+        Args:
+            kept: where the table's rows are.
+            notes: where the notes on the case are.
+        """
         from reports.findings.loads import stress_text
         from reports.words import TIED, settings_words
 
@@ -144,7 +167,8 @@ class Solution:
         if self.case.notes:
             yield "notes", f"{len(self.case.notes)} on this case: see {notes}"
         yield "rows", f"{len(self.trajectory)}{kept and ' in '}{kept}"
-        yield from _estimates(result)
+        if self.remark != NOT_ESTIMATED:
+            yield self._estimates()
         if (loads := self.loads).stress is not None:
             yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())
@@ -152,10 +176,32 @@ class Solution:
         if self.remark:
             yield "remark", self.remark
 
-    def __repr__(self) -> str:
-        from reports.output import table_text
+    def _estimates(self) -> tuple[str, Rows]:
+        """Error estimates, relative and in their units: of `ESTIMATED`, and the largest of the moments and of the bearing forces.
 
-        return table_text(list(self.rows()))
+        Of a follower that does not bend, the first is that of the tip's place.
+        """
+        from reports.words import ESTIMATE
+
+        found = self.result
+        name, beside = ESTIMATE[found.estimate_of]
+        asked = "" if found.accuracy is None else f"asked: {found.accuracy:g}"
+        rows = []
+        for column in ESTIMATED:
+            relative = found.error_estimates[column]
+            size, words = rms(self.trajectory[column]), column.removeprefix("tip_").removeprefix("slider_").replace("_", " ")
+            unit = COLUMNS[column].unit
+            if column == "tip_deflection" and relative is None and found.error_estimate is not None:
+                relative, size, words = found.error_estimate, self.case.scene.follower.length, "tip's place"
+            about = "; ".join(filter(None, (asked, beside))) if column == "tip_deflection" else ""
+            rows.append((words, _digits(relative), "" if relative is None else _digits(relative * size, unit), about))
+        for words, columns in (("moments", BENDING), ("bearings", BEARINGS)):
+            if known := [estimate for column in columns if (estimate := found.error_estimates.get(column)) is not None]:
+                rows.append((words, _digits(max(known)), "", "at most"))
+        return name, Rows(rows, ("of", "relative", "RMS", ""))
+
+    def _parts(self) -> Iterator[Cell]:
+        yield Rows(list(self.rows()))
 
 
 def simulate(
@@ -164,6 +210,8 @@ def simulate(
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Any] | None = None,
+    estimate: bool = True,
+    quiet: bool = False,
 ) -> Solution:
     """Simulate a case from its standard start, in this process.
 
@@ -172,15 +220,20 @@ def simulate(
         engine: a name or an engine, one of your own for example.
         accuracy: relative error of the tip deflection asked for; None: the engine's default.
         settings: of the engine, by name; they are taken as they are, and the error is estimated all the same.
+        estimate: False: make the one run and spare those that it would be compared with. Nothing is known of its error then.
+        quiet: whether nothing is told on standard error while code is compiled, which happens once on a machine.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be; the sentence says what is accepted.
+        ValueError: an accuracy that cannot be asked for, or one without an estimate.
         EngineFailure: the run broke down; `partial` holds the trajectory as far as it came.
     """
     chosen, scene = found_engine(engine), one_case(case)
     if sentence := machine_code.forgotten():
         warnings.warn(sentence, stacklevel=2)
-    result = simulate_scene(chosen, scene.scene, scene.duration, scene.output_step, as_texts(settings or {}), checked(accuracy))
+    texts = as_texts(settings or {})
+    with compilation_told(quiet):
+        result = simulate_scene(chosen, scene.scene, scene.duration, scene.output_step, texts, checked(accuracy), estimate)
     return Solution(scene, chosen.name, chosen.version(), replace(result, runs={}))
 
 
@@ -213,28 +266,5 @@ def as_csv(trajectory: Trajectory) -> bytes:
     return "".join(f"{','.join(line)}\n" for line in ([*names], *(map(repr, row) for row in rows))).encode("ascii")
 
 
-def _estimates(found: Result) -> Iterator[tuple[str, str]]:
-    """Error estimates, a row for each of `ESTIMATED`, and one for the largest of the moments and of the bearing forces.
-
-    Of a follower that does not bend, the first is that of the tip's place.
-    """
-    from reports.words import ESTIMATE
-
-    name, beside = ESTIMATE[found.estimate_of]
-    each, estimate = {name: found.error_estimates[name] for name in ESTIMATED}, found.error_estimate
-    deflection = each.pop("tip_deflection")
-    asked = "" if found.accuracy is None else f" (asked: {found.accuracy:g})"
-    place = "deflection" if deflection is not None or estimate is None else "tip's place"
-    lines = {place: f"{_digits(estimate)}{asked}{beside and '; '}{beside}"}
-    lines |= {column.removeprefix("tip_").removeprefix("slider_").replace("_", " "): _digits(value) for column, value in each.items()}
-    for name_of_all, columns in (("moments", BENDING), ("bearings", BEARINGS)):
-        known = [estimate for column in columns if (estimate := found.error_estimates.get(column)) is not None]
-        if known:
-            lines[name_of_all] = f"{_digits(max(known))} at most"
-    width = max(map(len, lines))
-    for number, (column, text) in enumerate(lines.items()):
-        yield "" if number else name, f"{column:{width}}  {text}"
-
-
-def _digits(estimate: float | None) -> str:
-    return "unknown" if estimate is None else f"{estimate:.1e}"
+def _digits(estimate: float | None, unit: str = "") -> str:
+    return "unknown" if estimate is None else f"{estimate:.1e} {unit}".removesuffix(" 1").rstrip()

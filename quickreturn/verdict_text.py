@@ -6,8 +6,8 @@ from typing import Final
 from cases.loads import UNITS
 from cases.runs.comparison import REFERENCE, CaseResult, Check, Kind, not_judged
 from cases.runs.request import Run
+from cases.shown import Cell, Rows
 from reports.findings.loads import CaseLoads, leading_loads, stress_text
-from reports.output import table_text
 from reports.words import TIED, cost, quantity
 
 #: Departures shown of a pair of engines.
@@ -23,15 +23,15 @@ _HEADS: Final = (
 )  # fmt: skip
 
 
-def text_of(result: CaseResult) -> str:
-    """A table of the engines and recorded tables, their remarks, what the parts bear, and what was judged."""
+def parts_of(result: CaseResult) -> list[Cell]:
+    """Rows of the engines and recorded tables, their remarks, what the parts bear, and what was judged."""
     whole = result.whole
     rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
     remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
     judged = [f"  {line}" for line in _verdict(whole)]
     borne = [f"  {line}" for line in _borne(leading_loads(result))]
     state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
-    return "\n".join([f"{result.case.name}: {result.case.title}{state}", table_text(rows, _HEADS), *remarks, *borne, *judged])
+    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _HEADS), *remarks, *borne, *judged]
 
 
 def _verdict(result: CaseResult) -> list[str]:

@@ -12,7 +12,7 @@ Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from reference_model.quantities import quantity
 
@@ -315,7 +315,10 @@ class FollowerAlone(_Bodies):
 Scene = Mechanism | FollowerAlone
 
 
-def changed(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
+_Scene = TypeVar("_Scene", bound=Scene)
+
+
+def changed(mechanism: _Scene, values: Mapping[str, Any]) -> _Scene:
     """The scene with other values, each named by its place in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
 
     Raises:

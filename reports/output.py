@@ -1,4 +1,4 @@
-"""What goes out: files written whole or not at all, JSON that any reader takes, and text in aligned columns."""
+"""What goes out: files written whole or not at all, JSON that any reader takes, and rows in a terminal."""
 
 import dataclasses
 import json
@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from cases.errors import printable, shortened
+from cases.shown import Cell, Rows
 
 
 class OutputError(Exception):
@@ -108,16 +109,9 @@ def plain(value: Any) -> Any:
     return value
 
 
-def print_table(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> None:
-    """Print rows of texts in left-aligned columns two blanks apart."""
-    click.echo(table_text(rows, heads))
-
-
-def table_text(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> str:
-    """Rows of texts in left-aligned columns two blanks apart."""
-    lines = [list(heads), *map(list, rows)] if heads else [list(row) for row in rows]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    return "\n".join("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip() for line in lines)
+def print_table(rows: Iterable[Sequence[Cell]], heads: Sequence[str] = ()) -> None:
+    """Print rows of texts in aligned columns."""
+    click.echo(Rows(list(rows), heads).text())
 
 
 def _resolved(path: Path) -> Path:

@@ -70,6 +70,8 @@ def write_report(
     workshop: Workshop,
     engines: Sequence[str] = MAIN,
     tables: Mapping[str, Sequence[RecordedTable]] | None = None,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
 ) -> Written:
     """Compute what is missing, and write the page and its tables.
 
@@ -79,6 +81,8 @@ def write_report(
         workshop: where results are computed and kept.
         engines: names.
         tables: case -> what was recorded of it, beside the recordings of the experiment.
+        accuracy: error of the tip deflection asked of every engine; None: each engine's default.
+        settings: of an engine, by its name: setting -> value as text.
 
     Raises:
         CaseError: a recorded table that cannot be read or is not of its case; nothing has been computed then.
@@ -89,7 +93,7 @@ def write_report(
     recorded = {case: [*found] for case, found in (tables or {}).items()}
     for table in experiment_tables():
         recorded.setdefault(table.declared["case"], []).append(table)
-    results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if _studied(cases) else None)
+    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, work() if _studied(cases) else None)
     frozen, missing = _frozen_crank(of_library(results, ACCURACY_CASE), workshop)
     content = Content(
         results=results,

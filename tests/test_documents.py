@@ -38,6 +38,7 @@ DOCUMENTS = {
 }
 
 LONGEST_README = 900  # words, code and tables included
+LONGEST_LINE_OF_CODE = 100
 LARGEST_ANIMATION = 500_000  # bytes
 #: A block between fences, which may be indented as a part of a list.
 FENCED = re.compile(r"^(?P<by> *)```(?P<kind>[a-z]*)[ ]?(?P<about>\S*)\n(?P<text>.*?)^(?P=by)```$", re.MULTILINE | re.DOTALL)
@@ -245,6 +246,18 @@ def test_speeds_are_those_of_the_recorded_benchmark(document: str, rounding: flo
                 assert (shown is None) == (name not in fastest), (name, level)
                 if shown:
                     assert float(shown[0]) == pytest.approx(fastest[name].solve_seconds, rel=rounding), (name, level)
+
+
+@pytest.mark.parametrize("document", sorted(DOCUMENTS.keys() - {"docs/engine.md"}))
+def test_examples_have_short_lines(document: str) -> None:
+    """They are read, in a narrow column and beside other text."""
+    code = [block for block in blocks_of(document) if block.kind in ("python", "toml")]
+    assert [line for block in code for line in block.text.splitlines() if len(line) > LONGEST_LINE_OF_CODE] == []
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "examples").rglob("*.py")), ids=lambda file: file.name)
+def test_examples_that_are_packages_have_short_lines(file: Path) -> None:
+    assert [line for line in file.read_text("utf-8").splitlines() if len(line) > LONGEST_LINE_OF_CODE] == []
 
 
 def test_an_engine_in_sixty_lines_has_no_more() -> None:

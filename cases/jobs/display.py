@@ -13,6 +13,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final
 
 from cases.jobs.job import Executor, Job, Outcome, T
+from engines import progress as progress_of_engines
 from reference_model import machine_code
 
 if TYPE_CHECKING:
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
 #: Until the first line, and between lines, s. What is done before needs none.
 FIRST: Final = 0.3
 EVERY: Final = 5.0
+#: Seconds of the processor that may go before it is told that code is compiled. Loading what is kept takes one, compiling 15 to 40.
+UNTOLD: Final = 2.0
+#: Between looks at that, s.
+EVERY_LOOK: Final = 0.2
 #: Shown on a line at most.
 _MOST_AT_WORK: Final = 4
 
@@ -154,6 +159,36 @@ def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
     finally:
         ended.set()
         thread.join()
+
+
+@contextlib.contextmanager
+def compilation_told(quiet: bool) -> Iterator[None]:
+    """One line while this process waits for code that is compiled; nothing where it is kept from before, or to the quiet.
+
+    The line comes by the processor's time and not by the clock: on a busy machine loading what is kept takes long, too.
+    """
+    ended: list[threading.Event] = []
+
+    def hear(progress: "Progress") -> None:
+        while ended:
+            ended.pop().set()
+        if progress.phase == progress_of_engines.COMPILING and not quiet:
+            ended.append(threading.Event())
+            threading.Thread(target=_tell_of_compiling, args=(progress.engine, ended[0], time.process_time()), daemon=True).start()
+
+    with progress_of_engines.heard_by(hear):
+        try:
+            yield
+        finally:
+            while ended:
+                ended.pop().set()
+
+
+def _tell_of_compiling(engine: str, ended: threading.Event, began: float) -> None:
+    while not ended.wait(EVERY_LOOK):
+        if time.process_time() - began > UNTOLD:
+            _say(f"{engine}: compiling its equations, once for this machine; that takes about half a minute ...")
+            return
 
 
 @functools.cache

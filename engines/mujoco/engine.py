@@ -35,6 +35,7 @@ class MujocoEngine(Engine[ChainSettings]):
     """Rigid links with hinge springs; the slider is an exact multiplier on a smooth centre line, closed after every step."""
 
     name: ClassVar[str] = "mujoco"
+    compiles = True
     method: ClassVar[str] = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, Runge-Kutta of order 4"
     default_accuracy: ClassVar[float] = 7e-3
     settings_type = ChainSettings

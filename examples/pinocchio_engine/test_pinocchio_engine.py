@@ -1,4 +1,4 @@
-"""Does the engine do what it says? Run by pytest where the package is installed; takes some minutes."""
+"""Does the engine do what it says? Run by pytest where the package is installed; takes minutes."""
 
 import numpy as np
 import pytest

@@ -3,7 +3,7 @@
 import os
 import re
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -36,7 +36,8 @@ def command(file: str, origin: str | None, assignments: Sequence[str]) -> None:
     The name of the case is that of the file without .toml. Keys that are left out stand there as comments. A file that exists is
     never overwritten.
     """
-    from cases.case_file import load_case, load_document
+    from cases.case_file import load_case
+    from cases.copies import as_written
     from cases.written import as_toml
     from reports.output import write_file
 
@@ -44,8 +45,8 @@ def command(file: str, origin: str | None, assignments: Sequence[str]) -> None:
     options.refuse_engine_settings(settings)
     header = _header(file)
     original = load_case(origin or EXAMPLE, overrides)
-    document = replace(load_document(origin or EXAMPLE, overrides), header=header)
-    remarks = tuple(_origin(original, overrides)) if origin else ()
+    document = replace(as_written(original), header=header)
+    remarks = tuple(_origin(original)) if origin else ()
     write_file(Path(file), as_toml(document, remarks).encode())
     options.tell_doubts([replace(original, name=header["name"])])
     _print_what_next(file, original)
@@ -80,12 +81,11 @@ def _header(file: str) -> dict[str, str]:
     return {"name": name, "title": title[:1].upper() + title[1:]}
 
 
-def _origin(case: "Case", overrides: Mapping[str, str]) -> Iterator[str]:
+def _origin(case: "Case") -> Iterator[str]:
     """What a reader of a copy must know of the case that was copied."""
     from cases.doubts import doubts
 
-    changes = " and ".join(f"{key} = {value}" for key, value in overrides.items())
-    yield f"A copy of {case.name} ({case.title})" + (f" with {changes}." if changes else ".")
+    yield f"A copy of {case.name} ({case.title})."
     meant = tuple(doubts(case.scene))
     yield from (f"Note: {note}." for note in case.notes if note not in meant)
 

@@ -47,7 +47,8 @@ def command(
     workshop = options.opened_workshop(loaded, names)
     from cases.runs.comparison import cross_validate
     from cases.runs.request import REFUSED
-    from quickreturn.verdict_text import text_of
+    from cases.shown import in_lines
+    from quickreturn.verdict_text import parts_of
 
     results = cross_validate(loaded, workshop, names, accuracy, texts, tables)
     if as_json:
@@ -55,7 +56,7 @@ def command(
     else:
         for result in results:
             if not all(each.status == REFUSED for each in result.runs.values()):  # else there is nothing to show
-                click.echo(text_of(result))
+                click.echo(in_lines(parts_of(result)))
     return exit_code(results, workshop, engines)
 
 

@@ -51,6 +51,7 @@ _NOTHING: Final[dict[str, Any]] = {
 @options.duration
 @options.single("--output-step", metavar="S", read=options.seconds, help='Time between rows, "1 ms" or a number of seconds.')
 @options.accuracy
+@click.option("--no-estimate", is_flag=True, help="Make the one run alone: nothing is known of its error then.")
 @options.assignments
 @options.output(
     "Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name. Default: nothing is written.",
@@ -66,6 +67,7 @@ def command(
     duration: float | None,
     output_step: float | None,
     accuracy: float | None,
+    no_estimate: bool,
     assignments: Sequence[str],
     output: str | None,
     as_json: bool,
@@ -82,6 +84,10 @@ def command(
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import check_writable, print_json
 
+    if no_estimate and accuracy is not None:
+        raise click.UsageError(
+            f"--accuracy {accuracy:g} and --no-estimate are both given; the estimate alone shows what is reached, give one of them"
+        )
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
@@ -91,7 +97,7 @@ def command(
             check_writable(Path(file), "" if case.source == "library" else case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
-    for case, name, outcome in _attempted(loaded, engines, settings, accuracy):
+    for case, name, outcome in _attempted(loaded, engines, settings, accuracy, not no_estimate):
         try:
             known, found = _written(outcome, places[case.name, name])
         except Exception as error:  # the others' results are written before it is told
@@ -140,7 +146,11 @@ def trajectories(
 
 
 def _attempted(
-    cases: "Sequence[Case]", engines: Sequence[str], settings: Mapping[str, Mapping[str, str]], accuracy: float | None
+    cases: "Sequence[Case]",
+    engines: Sequence[str],
+    settings: Mapping[str, Mapping[str, str]],
+    accuracy: float | None,
+    estimate: bool = True,
 ) -> "list[tuple[Case, str, Outcome[tuple[str, Solution | EngineFailure]]]]":
     """How each engine fares on each case, in a worker, as far as that cannot be known beforehand. Raises as `questions.check`."""
     from cases.jobs.job import Job
@@ -151,12 +161,14 @@ def _attempted(
     for case, name in pairs:
         questions.check(name, case.scene, texts[name])
     options.tell_doubts(cases)
-    jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy)) for case, name in pairs]
+    jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy, estimate)) for case, name in pairs]
     outcomes = questions.asked(jobs, "simulating", options.limits(), options.quiet())
     return [(case, name, outcome) for (case, name), outcome in zip(pairs, outcomes, strict=True)]
 
 
-def attempt(case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None) -> "tuple[str, Solution | EngineFailure]":
+def attempt(
+    case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None, estimate: bool
+) -> "tuple[str, Solution | EngineFailure]":
     """Simulate, in a worker: version of the engine, and what came of it. Raises as `quickreturn.simulate` but for failures."""
     from engines.base import EngineFailure
     from engines.registry import usable_engine
@@ -164,7 +176,7 @@ def attempt(case: "Case", engine: str, settings: Mapping[str, str], accuracy: fl
 
     version = usable_engine(engine).version()
     try:
-        return version, simulate(case, engine, accuracy=accuracy, settings=settings)
+        return version, simulate(case, engine, accuracy=accuracy, settings=settings, estimate=estimate)
     except EngineFailure as failure:
         return version, failure
 

@@ -17,15 +17,17 @@ class CaseLoads:
     Attributes:
         case: the case.
         loads: by engine, of those with a cycle that can be used.
+        models: engines whose discretization is their model, so that a difference is no error of theirs.
     """
 
     case: Case
     loads: dict[str, Loads]
+    models: frozenset[str] = frozenset()
 
     @property
     def lead(self) -> str:
-        """The engine whose numbers are told: `reference`, else the first that gives the stress; "" where none does."""
-        stressed = [name for name, found in self.loads.items() if found.stress is not None]
+        """The engine whose numbers are told: `reference`, else the first that gives a stress; "" where none does, or it is zero."""
+        stressed = [name for name, found in self.loads.items() if found.stress is not None and found.stress.largest.value > 0.0]
         return REFERENCE if REFERENCE in stressed else next(iter(stressed), "")
 
     @cached_property
@@ -54,8 +56,9 @@ class CaseLoads:
         return abs(of_motion(self.case.mechanism))
 
     def departures(self) -> dict[str, float]:
-        """Largest stress of the other engines over that of the one that leads, less one."""
-        stress = {name: found.stress.largest.value for name, found in self.loads.items() if found.stress is not None}
+        """Largest stress of the other engines that simulate the same model, over that of the one that leads, less one."""
+        same = {name: found for name, found in self.loads.items() if name not in self.models}
+        stress = {name: found.stress.largest.value for name, found in same.items() if found.stress is not None}
         lead = stress.pop(self.lead, 0.0)
         return {name: value / lead - 1.0 for name, value in stress.items()} if lead else {}
 
@@ -64,7 +67,7 @@ def loads_of_case(result: CaseResult) -> CaseLoads:
     """What engines find on a case; recorded tables are left out, for they need not have the moments."""
     mechanism = result.case.mechanism
     found = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
-    return CaseLoads(result.case, found)
+    return CaseLoads(result.case, found, frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration"))
 
 
 def leading_loads(result: CaseResult) -> CaseLoads:

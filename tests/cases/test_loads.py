@@ -45,14 +45,14 @@ def rigid_cycle(mechanism: Mechanism, rows: int = 721) -> Columns:
     length, moments = mechanism.follower.length, {}
     for number, name in enumerate(MOMENTS, 1):
         moments[name] = rigid_bending_moment(mechanism, number * length / 12.0, angle, SPEED)
-    at_slider = [rigid_bending_moment(mechanism, s * (1 + 1e-12), q, SPEED) for s, q in zip(motion.slider_position, angle, strict=True)]
+    at_slider = rigid_bending_moment(mechanism, motion.slider_position, angle, SPEED)  # type: ignore[arg-type]  # arrays do as well
     return {
         "time": (angle - np.pi) / SPEED,
         "crank_angle": angle,
         "follower_angle": motion.follower_angle,
         "slider_position": motion.slider_position,
         "tip_acceleration": length * motion.follower_acceleration,
-        "moment_slider": np.array(at_slider),
+        "moment_slider": at_slider,
         "slider_force": rigid_kinetostatics(mechanism, angle, SPEED)[0],
         **{
             f"{name}_force_{axis}": part

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.case import PATHS, SECTIONS, Case
-from cases.case_file import load_case, load_document
+from cases.case_file import load_case
+from cases.document import document_of
 from cases.errors import CaseError
 from cases.library import case_names
 from cases.reading import parse_case
@@ -28,8 +29,8 @@ def same(ours: Case, theirs: Case) -> bool:
 @pytest.mark.parametrize("name", case_names())
 def test_every_case_of_the_library_is_the_same_when_it_is_written_and_read(name: str) -> None:
     case = load_case(name)
-    assert same(parse_case(as_toml(load_document(name)), "written"), case)
-    assert same(parse_case(case.to_toml(), "written in SI"), case)
+    assert same(parse_case(case.to_toml(), "written"), case)
+    assert same(parse_case(as_toml(document_of(case)), "written in SI"), case)
 
 
 @given(scenes(compliant=True, turning_slider=True), st.floats(0.1, 1e3), st.floats(1e-3, 1e3))
@@ -49,7 +50,7 @@ def test_any_scene_is_the_same_when_it_is_written_and_read(scene: object, speed:
 
 
 def test_values_stay_as_a_person_wrote_them() -> None:
-    text = as_toml(load_document("thesis-24", {"crank.length": "4.50 in"}))
+    text = load_case("thesis-24", {"crank.length": "4.50 in"}).to_toml()
     for written in ('length = "4.50 in"', 'damping = "0.60176535 lbf*in*s/rad"', 'strain_gauges = ["6.25 in", "12.5 in", "18.75 in"]'):
         assert written in text
 
@@ -62,7 +63,7 @@ def test_every_key_that_could_be_there_is_explained(name: str) -> None:
     if alone:
         possible -= {path for path in PATHS if path.startswith(("crank.", "slider.", "tip.force"))} | {"mechanism.pivot_distance"}
     told, section = set(), ""
-    for line in as_toml(load_document(name)).splitlines():
+    for line in load_case(name).to_toml().splitlines():
         if head := re.fullmatch(r"(?:# )?\[(\w+)\]", line):
             section = head[1]
         elif (key := re.match(r"(?:# )?(\w+) = ", line)) and section:
@@ -75,7 +76,7 @@ def test_every_key_that_could_be_there_is_explained(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["thesis-24", "rigid", "hard-no-tip", "shaper-cutting"])
 def test_a_value_that_stands_as_a_comment_is_the_one_that_holds(name: str) -> None:
-    text, case = as_toml(load_document(name)), load_case(name)
+    text, case = load_case(name).to_toml(), load_case(name)
     # Every commented key that has a number, and its section: what the file says is then written out, and changes nothing.
     written = re.sub(r'^# (\w+ = ("[^."][^"]*"|\["[^."].*?\]))', r"\1", text, flags=re.MULTILINE)
     if name != "hard-no-tip":  # [tip] needs a mass and an inertia, for which dots stand there
@@ -95,7 +96,7 @@ def flat(case: Case) -> list[float]:
 
 
 def test_dots_for_a_number_are_refused_with_what_to_write() -> None:
-    text = as_toml(load_document("thesis-24")).replace("bending_stiffness = ", "# ").replace("# elastic_modulus", "elastic_modulus")
+    text = load_case("thesis-24").to_toml().replace("bending_stiffness = ", "# ").replace("# elastic_modulus", "elastic_modulus")
     with pytest.raises(CaseError, match=r'follower.elastic_modulus: "\.\.\. GPa" .*write one plain number'):
         parse_case(text, "mine.toml")
 

@@ -1,15 +1,20 @@
 """The error estimate and the ladder, on an engine whose error is known in closed form."""
 
 import math
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from engines.accurate import LARGEST_REST, LEAST_FACTOR, Compared, Result, run_once, shown_factor, simulate
-from engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal
+from engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
 from engines.settings import SettingError, Settings
-from engines.start import standard_start
+from engines.start import Start, standard_start
 from reference_model.mechanism import Mechanism
 from tests.engines.fake_engine import FakeEngine, FakeSettings, error_of
 from tests.engines.scenes import run_24
@@ -111,6 +116,56 @@ def test_times_are_of_the_delivered_run_only() -> None:
     result = run(accuracy=4e-4)
     assert (result.setup_seconds, result.solve_seconds) == (0.25, 0.125)
     assert result.estimate_seconds >= 0.0
+
+
+def test_without_an_estimate_there_is_one_run_and_nothing_is_claimed() -> None:
+    scene, engine = run_24(), FakeEngine()
+    result = simulate(engine, scene, standard_start(scene), DURATION, STEP, estimate=False)
+    assert list(result.runs) == [engine.settings_for(engine.default_accuracy, scene)]
+    assert (result.error_estimate, result.accuracy, result.reached) == (None, None, True)
+    assert set(result.error_estimates.values()) == {None}
+    assert result.remark == "the error is not estimated, as asked"
+    with pytest.raises(ValueError, match=r"^accuracy=0\.01 without an estimate: .*give one of them"):
+        simulate(engine, scene, standard_start(scene), DURATION, STEP, accuracy=1e-2, estimate=False)
+
+
+class LoadsAtItsFirstModel(FakeEngine):
+    """Takes `LOADING` for its first model, as engines do that compile then."""
+
+    compiles = True
+
+    def __init__(self) -> None:
+        self.loaded = False
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: FakeSettings) -> Simulation:
+        time.sleep(0.0 if self.loaded else LOADING)
+        self.loaded = True
+        return super().prepare(mechanism, start, settings)
+
+
+LOADING = 0.2  # s
+
+
+@pytest.mark.parametrize("estimate", [True, False])
+def test_what_is_compiled_or_loaded_is_booked_apart(estimate: bool) -> None:
+    scene = run_24()
+    result = simulate(LoadsAtItsFirstModel(), scene, standard_start(scene), DURATION, STEP, estimate=estimate)
+    assert result.compile_seconds >= LOADING
+    assert result.estimate_seconds < LOADING
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("name", ["mujoco", "reference"])
+def test_an_engine_that_compiles_says_so(name: str, tmp_path: Path) -> None:
+    """On a machine without compiled code, where compiling takes 15 to 40 s and all else a second or two."""
+    code = f"import quickreturn as qr; r = qr.simulate(qr.case('thesis-24', duration=0.1), '{name}').result"
+    code += "; print(r.compile_seconds, r.setup_seconds + r.solve_seconds + r.estimate_seconds)"
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    compiling, rest = map(float, found.stdout.split())
+    assert compiling > 5.0
+    assert rest < 0.3 * compiling
+    assert f"{name}: compiling its equations" in found.stderr
 
 
 def test_failing_coarse_run_makes_the_estimate_unknown() -> None:

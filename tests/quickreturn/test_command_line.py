@@ -219,6 +219,8 @@ COLUMNS = {
     "strain 3": "strain_3",
     "force": "slider_force",
 }
+#: Of the columns that have one.
+UNITS = {"tip_deflection": " m", "tip_acceleration": " m/s\\^2", "slider_force": " N"}
 
 
 def test_the_estimate_of_every_column_is_shown(call: Call) -> None:
@@ -227,17 +229,19 @@ def test_the_estimate_of_every_column_is_shown(call: Call) -> None:
     assert found["strain_1"] is not None
     assert found["slider_force"] is None, "zero throughout"
     shown = simulated(call, "--accuracy", "1e-2").output
-    assert re.search(r"^error estimate +deflection ", shown, re.MULTILINE)
+    assert re.search(r"^error estimate +of +relative +RMS$", shown, re.MULTILINE)
     for name, column in COLUMNS.items():
         text = "unknown" if found[column] is None else f"{found[column]:.1e}"
-        assert re.search(rf"\b{name} +{re.escape(text)}( \(asked: 0\.01\))?$", shown, re.MULTILINE), (name, shown)
+        size = rf" +\S+{UNITS.get(column, '')}" if found[column] else ""
+        asked = r" +asked: 0\.01" if column == "tip_deflection" else ""
+        assert re.search(rf"^ +{name} +{re.escape(text)}{size}{asked}$", shown, re.MULTILINE), (name, shown)
 
 
 def test_the_estimate_of_a_follower_that_does_not_bend_is_the_tips(call: Call) -> None:
     found = document(simulated(call, "--set", "engine.behaviour=rigid", "--json"))
     assert found["error_estimates"]["tip_deflection"] is None
     shown = simulated(call, "--set", "engine.behaviour=rigid").output
-    assert re.search(rf"^error estimate +tip's place +{found['error_estimate']:.1e}$", shown, re.MULTILINE), shown
+    assert re.search(rf"^ +tip's place +{found['error_estimate']:.1e} +\S+ m$", shown, re.MULTILINE), shown
 
 
 def test_an_integration_error_is_called_so(call: Call, tmp_path: Path) -> None:
@@ -245,7 +249,9 @@ def test_an_integration_error_is_called_so(call: Call, tmp_path: Path) -> None:
     answer = simulated(call, "--accuracy", "1e-2", engine="variant")
     assert (answer.code, answer.errors) == (0, "")
     assert re.search(
-        r"^integration error +deflection +\S+ \(asked: 0\.01\); model error not estimated, see `run`$", answer.output, re.MULTILINE
+        r"^integration error +of .*\n +deflection +\S+ +\S+ m +asked: 0\.01; model error not estimated, see `run`$",
+        answer.output,
+        re.MULTILINE,
     )
     assert document(simulated(call, "--json", engine="variant"))["estimate_of"] == "integration"
     for arguments in (("engines",), ("engines", "variant")):
@@ -260,7 +266,7 @@ def test_an_estimate_that_is_not_verified_reaches_no_accuracy_that_was_asked(cal
     variant(tmp_path, "estimates = 'unverified'")
     answer = simulated(call, "--accuracy", "1e-2", engine="variant")
     assert answer.code == 3
-    assert re.search(r"^error estimate +deflection +\S+ \(asked: 0\.01\); estimate not verified$", answer.output, re.MULTILINE)
+    assert re.search(r"^ +deflection +\S+ +\S+ m +asked: 0\.01; estimate not verified$", answer.output, re.MULTILINE)
     assert answer.errors.startswith("quickreturn: small: engine variant: ")
     assert "are not verified" in answer.errors
     assert "101 rows are kept in out.csv" in answer.errors
@@ -268,6 +274,17 @@ def test_an_estimate_that_is_not_verified_reaches_no_accuracy_that_was_asked(cal
     assert (asked_nothing.code, asked_nothing.errors) == (0, "")
     assert document(asked_nothing)["estimate_of"] == "unverified"
     assert "error; estimate not verified" in call("engines").output
+
+
+def test_without_an_estimate_nothing_is_said_of_the_error(call: Call) -> None:
+    found = document(simulated(call, "--no-estimate", "--json"))
+    assert (found["error_estimate"], found["reached"], found["estimate_seconds"]) == (None, True, pytest.approx(0.0, abs=0.1))
+    shown = simulated(call, "--no-estimate").output
+    assert "error estimate" not in shown
+    assert re.search(r"^remark +the error is not estimated, as asked$", shown, re.MULTILINE)
+    refused = simulated(call, "--no-estimate", "--accuracy", "1e-2")
+    assert refused.code == 2
+    assert "--accuracy 0.01 and --no-estimate are both given" in refused.errors
 
 
 def test_an_unknown_error_is_told_with_its_reason(call: Call) -> None:

@@ -33,7 +33,7 @@ def test_a_copy_has_the_values_of_the_case_as_they_are_written(call: Call, tmp_p
     text = (tmp_path / "stiffer_arm.toml").read_text()
     assert 'length = "4 in" ' in text
     prose = " ".join(line.removeprefix("# ") for line in text.splitlines() if line.startswith("#"))
-    assert "A copy of thesis-24 (Run 24: crank 4 in, six plates, 16.6 rad/s) with follower.bending_stiffness = 3000 lbf*in^2." in prose
+    assert "A copy of thesis-24 (Run 24: crank 4 in, six plates, 16.6 rad/s, with follower.bending_stiffness = 3000 lbf*in^2)." in prose
     for note in load_case("thesis-24").notes:  # what was replaced of the published values is not forgotten in the copy
         assert f"Note: {note}." in prose
 

@@ -1,14 +1,19 @@
 """Three lines of Python: what `import quickreturn as qr` offers, on engines that cost nothing."""
 
+import json
 import subprocess
 import sys
+import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
+from numpy.typing import NDArray
 
 import quickreturn as qr
 from tests.engines.fake_engine import FakeEngine
@@ -174,6 +179,7 @@ def test_run_takes_names_and_gives_frames(place: Path) -> None:
     assert found.passed is True
     assert set(found.frame["engine"]) == {"sound", "also-sound"}
     assert found["small", "sound"].settled
+    assert found._ipython_key_completions_() == [("small", "sound"), ("small", "also-sound")]
     cycle = found.cycle("small", "also-sound")
     assert cycle.attrs["units"]["strain_1"] == "1"
     assert "within what is claimed" in repr(found)
@@ -185,6 +191,111 @@ def test_run_takes_names_and_gives_frames(place: Path) -> None:
     assert len(found.plot().axes) == 1
     with pytest.raises(qr.UnknownColumn, match="tip_x"):
         found.plot("tip_z")
+
+
+def test_a_notebook_completes_names_of_columns(place: Path) -> None:
+    solution = qr.simulate("small.toml", "fake")
+    offered = solution._ipython_key_completions_()
+    assert "tip_deflection" in offered
+    assert all(len(solution[name]) == 101 for name in offered)
+
+
+def test_a_dataset_says_what_everything_is_and_netcdf_keeps_it(place: Path) -> None:
+    solution = qr.simulate("small.toml", "fake", accuracy=1e-2)
+    dataset = solution.to_xarray()
+    assert list(dataset.coords) == ["time"]
+    assert set(dataset.variables) == set(solution.frame.columns)
+    assert {name: variable.attrs["units"] for name, variable in dataset.variables.items()} == solution.frame.attrs["units"]
+    assert dataset["tip_deflection"].attrs["long_name"] == "tip deflection"
+    assert dataset["tip_deflection"].attrs["error_estimate"] == dataset.attrs["error_estimate"] == solution.result.error_estimate
+    assert "error_estimate" not in dataset["slider_force"].attrs, "unknown"
+    about = {
+        "case": "small",
+        "title": solution.case.title,
+        "engine": "fake",
+        "accuracy": 1e-2,
+        "reached": "yes",
+        "error_estimate_of": "total",
+    }
+    assert about.items() <= dataset.attrs.items()
+    assert json.loads(dataset.attrs["settings"]) == solution.settings
+    everywhere = [dataset.attrs, *(variable.attrs for variable in dataset.variables.values())]
+    assert {type(value) for attributes in everywhere for value in attributes.values()} == {str, float}
+    dataset.to_netcdf(place / "run.nc")
+    with xr.open_dataset(place / "run.nc") as kept:
+        assert kept.identical(dataset)
+    assert "remark" in qr.simulate("small.toml", "fake", estimate=False).to_xarray().attrs
+
+
+def test_parquet_keeps_units_and_numbers(place: Path) -> None:
+    frame = qr.simulate("small.toml", "fake").frame
+    frame.to_parquet(place / "run.parquet")
+    kept = pd.read_parquet(place / "run.parquet")
+    assert kept.equals(frame)
+    assert kept.attrs == frame.attrs
+
+
+def test_a_missing_xarray_is_one_sentence_that_names_the_extra(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    solution = qr.simulate("small.toml", "fake")
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ModuleNotFoundError, match=r"^to_xarray needs the package xarray: pip install 'quickreturn\[notebook\]'$"):
+        solution.to_xarray()
+
+
+class Compiling(FakeEngine):
+    """Keeps the processor busy for its first model or its first frequencies, or only waits."""
+
+    compiles = True
+    busy = 0.5  # s
+    idle = 0.0
+
+    def prepare(self, *arguments: Any) -> qr.Simulation:
+        self.load()
+        return super().prepare(*arguments)
+
+    def natural_frequencies(self, *arguments: Any) -> NDArray[np.float64]:
+        self.load()
+        return super().natural_frequencies(*arguments)
+
+    def load(self) -> None:
+        time.sleep(self.idle)
+        began = time.process_time()
+        while time.process_time() - began < self.busy:
+            pass
+
+
+class Loading(Compiling):
+    """Takes long by the clock alone, as on a busy machine."""
+
+    busy, idle = 0.0, 0.5
+
+
+@pytest.mark.parametrize(
+    "call",
+    [qr.simulate, qr.modes, lambda *given, **more: qr.simulate(*given, estimate=False, **more)],
+    ids=["simulate", "modes", "no estimate"],
+)
+def test_the_person_who_waits_for_a_compiler_is_told_once(
+    call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    told = "  fake: compiling its equations, once for this machine; that takes about half a minute ...\n"
+    monkeypatch.setattr("cases.jobs.display.UNTOLD", 0.1)
+    call("small.toml", Compiling())
+    assert capfd.readouterr() == ("", told)
+    call("small.toml", Compiling(), quiet=True)
+    call("small.toml", FakeEngine())
+    call("small.toml", Loading())
+    assert capfd.readouterr() == ("", "")
+
+
+def test_without_an_estimate_the_table_is_the_same_and_nothing_is_claimed(place: Path) -> None:
+    quick = qr.simulate("small.toml", "fake", settings={"step": 0.05}, estimate=False)
+    assert quick.frame.equals(qr.simulate("small.toml", "fake", settings={"step": 0.05}).frame)
+    assert quick.estimates.isna().all()
+    assert "the error is not estimated, as asked" in repr(quick)
+    assert "error estimate" not in repr(quick)
+    with pytest.raises(ValueError, match=r"^accuracy=0\.01 without an estimate"):
+        qr.simulate("small.toml", "fake", accuracy=1e-2, estimate=False)
 
 
 def test_code_that_is_not_kept_is_said(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,6 +27,33 @@ print(solution, runs, qr.engines(), sep="\\n")
 """
 
 
+#: What a type checker must know of each package: without `py.typed` in it a type would be Any, and not the one asserted.
+TYPED = """
+from typing import assert_type
+import numpy as np
+from numpy.typing import NDArray
+import quickreturn as qr
+from cases.runs.request import Run
+from engines.accurate import Result
+from reference_model.mechanism import Mechanism
+from reports.words import percent
+
+shown = percent(0.5)
+case = qr.case("thesis-24").with_({"crank.length": "5 in"})
+assert_type(case, qr.Case)
+assert_type(case.mechanism, Mechanism)
+assert_type(case.mechanism.crank.length, float)
+solution = qr.simulate(case, "thesis", estimate=False)
+assert_type(solution, qr.Solution)
+assert_type(solution.result, Result)
+assert_type(solution.trajectory["tip_x"], NDArray[np.float64])
+assert_type(qr.run(case, "thesis")["thesis-24", "thesis"], Run)
+assert_type([each.name for each in qr.cases()], list[str])
+assert_type(qr.conform("thesis").conforms, bool | None)
+assert_type(shown, str)
+"""
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Built from what git knows: nothing that lies about by accident."""
@@ -47,10 +74,10 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_wheel_holds_every_package_with_its_data_and_no_tests(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
-    assert {name.partition("/")[0] for name in names if "dist-info" not in name} == {
-        "reference_model", "engines", "cases", "reports", "quickreturn",
-    }  # fmt: skip
-    for needed in ("quickreturn/py.typed", "cases/library/example.toml", "cases/data/thesis_runs.csv"):
+    packages = {"reference_model", "engines", "cases", "reports", "quickreturn"}
+    assert {name.partition("/")[0] for name in names if "dist-info" not in name} == packages
+    assert {f"{package}/py.typed" for package in packages} <= set(names)
+    for needed in ("cases/library/example.toml", "cases/data/thesis_runs.csv"):
         assert needed in names
     here = {
         path.relative_to(ROOT).as_posix() for path in (ROOT / "reports/templates").rglob("*") if path.is_file() and path.suffix != ".pyc"
@@ -74,6 +101,8 @@ def test_three_lines_of_python_and_the_program_run_far_from_the_checkout(wheel: 
         assert found.returncode == 0, found.stderr
         return found.stdout
 
+    (work / "typed.py").write_text(TYPED)
+    subprocess.run([sys.executable, "-m", "mypy", "--strict", "--python-executable", python, "typed.py"], cwd=work, check=True)
     assert run(python, "script.py").count("begun") == 1
     assert (work / "plot.png").read_bytes().startswith(b"\x89PNG")
     program = tmp_path / "venv/bin/quickreturn"

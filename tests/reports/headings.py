@@ -134,7 +134,8 @@ def agreement(tables: Tables) -> list[str]:
         least = [f"{size(sharp[kind])} in every {word}" for kind, word in (("frequency", "frequency"), ("extreme", "peak"))]
         found = [f"{in_words(len(_alike(tables)))} agree within what they claim in all {compared.sum()} comparisons"]
         found += [*least, f"or {size(sharp['amplitude'])} in every amplitude would have shown"]
-    return [*found, f"the 1999 model is {size(tables['map']['thesis_frequency_difference'].abs().max())} off in frequency at worst"]
+    cubic = size(tables["map"]["thesis_frequency_difference"].abs().max())
+    return [*found, f"the 1999 model’s frequency is {cubic} off the converged one at worst"]
 
 
 def runs(tables: Tables) -> list[str]:

@@ -290,16 +290,37 @@ def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None
 
 def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
     page = opened("#chapter=methods")
-    figure = page.locator("#methods figure.plot").first
-    plots = figure.locator(".drawn")
-    plots.nth(0).locator(".chart").wait_for()
-    assert not plots.nth(1).is_visible()
-    figure.get_by_role("radio", name="all that one waits for").check()
-    plots.nth(1).locator(".chart").wait_for()
-    assert not plots.nth(0).is_visible()
-    figure.get_by_role("radio", name="solving alone").check()
-    assert plots.nth(0).is_visible()
-    assert not plots.nth(1).is_visible()
+    choices = page.locator("#methods .choices").first
+    first, second = choices.locator(".drawn").all()
+    for name, shown, other in (
+        ("solving alone", first, second),
+        ("all that one waits for", second, first),
+        ("solving alone", first, second),
+    ):
+        choices.get_by_role("radio", name=name).check()
+        shown.locator(".chart").wait_for()
+        assert shown.is_visible()
+        assert not other.is_visible()
+        assert len(shown.screenshot()) > 5000
+
+
+def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switched_off(opened: Open, tmp_path: Path) -> None:
+    write(Content(results=[made_up_result("example")], facts=machine_facts()), tmp_path)
+    own = (tmp_path / "index.html").as_uri()
+    page = opened("#at=100", url=own)
+    assert page.is_checked("#stress")
+    with_band = drawn(page, "stage")
+    page.uncheck("#stress")
+    without = drawn(page, "stage")
+    assert without not in ("", with_band)
+    page.wait_for_function("location.hash.includes('stress=off')")
+    again = opened(page.evaluate("location.hash"), url=own, width=390)
+    assert not again.is_checked("#stress")
+    assert again.evaluate("document.documentElement.scrollWidth") <= 390
+    tops = again.evaluate("['.numbers', '#stage'].map(each => document.querySelector(each).getBoundingClientRect().top)")
+    assert tops[0] < tops[1]  # on a telephone the answer comes before the picture
+    assert page.locator(".told .numbers dt").count() == 8
+    assert opened().locator("#stress").count() == 0  # the thesis' page keeps its first screen
 
 
 def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:

@@ -168,7 +168,10 @@ def test_a_report_on_ones_own_case_has_its_title_and_no_word_on_the_thesis() -> 
     assert "whips" not in page.text  # as the thesis' thin arms do
     assert "belongs to" not in page.text  # no placeholder
     assert 'crank.length="90 mm"' in page.text  # a command for this case, with a value that it can have
+    assert names[0] == "strength"
+    assert names.index("agreement") > names.index("each")  # the machine comes before what engines think of each other
     both = Content(results=[reported_result("thesis-24"), reported_result("example")])
+    assert "strength" not in [chapter.id for chapter in chapters_of(both)]
     assert [result.case.name for result in both.thesis_results] == ["thesis-24"]
 
 

@@ -25,12 +25,14 @@ from reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, 
 from reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from reports.findings.failures import INCOMPLETE, troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
-from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
+from reports.findings.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
 from reports.page.answer import answer_of
 from reports.page.chapters import chapters_of
 from reports.page.content import Content
+from reports.page.facts import thesis
 from reports.page.facts.agreement import run_map
 from reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
+from tests.reports import pages
 from tests.reports.plotted_results import with_run, with_table
 from tests.reports.reported_results import reported_result
 
@@ -341,3 +343,20 @@ def test_classes_count_runs() -> None:
     assert rows["thesis"][-2:] == [2, 0]
     assert rows["reference"] == [0, 0, 2, 0, 0, 0, 0]
     assert rows["exudyn"][-1] == 1
+
+
+@pytest.mark.parametrize(("before", "explained"), [(0.0, True), (0.04, True), (-0.2, False), (0.08, False)])
+def test_counts_that_miss_the_thesis_words_before_the_return_are_no_explanation_of_them(
+    monkeypatch: pytest.MonkeyPatch, before: float, explained: bool
+) -> None:
+    medians = {"pre": before, "post": 0.12}
+    excesses = [
+        Excess(median=median, lowest=median, highest=median, count=3, visible=visible, half=half, channel=channel)
+        for visible in VISIBLE
+        for half, median in medians.items()
+        for channel in CHANNELS
+    ]
+    monkeypatch.setattr(thesis, "counted_excess", lambda _: excesses)
+    told = pages.text_of(pages.one_run())
+    assert "So the halves differ as the thesis says." in told
+    assert ("that part of its words this does not explain" in told) is not explained

@@ -40,9 +40,3 @@ function drawOpened() {
   }
 }
 showPlots = drawOpened;
-
-// One plot of several in a figure.
-for (const choice of document.querySelectorAll(".choice")) choice.addEventListener("change", (event) => {
-  choice.parentElement.querySelectorAll(".drawn").forEach((holder, k) => { holder.hidden = k !== Number(event.target.value); });
-  showPlots();
-});

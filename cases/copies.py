@@ -1,0 +1,93 @@
+"""Copies of a case with other values, and the names that they get."""
+
+import contextlib
+import hashlib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+from cases.case import Case
+from cases.document import OVERRIDE, Document, document_of, header_of, in_words
+from cases.errors import CaseError
+from cases.errors import as_written as value_as_written
+from cases.reading import case_of
+
+#: Characters of a name at most, as `header_of` accepts it.
+LONGEST_NAME: Final = 64
+#: Characters of the hash at the end of a name that would be too long: two copies share it with a probability of 2^-32.
+_HASH: Final = 8
+
+
+def changed(case: Case, overrides: Mapping[str, str]) -> Case:
+    """The case with other values: dotted key -> text as in a case file. Name and source stay, the title tells the changes.
+
+    Raises:
+        CaseError: a mistake in the overrides.
+    """
+    document = as_written(case)
+    before, new = case_of(document), case_of(document.overridden_by(overrides))
+    # What is told of the case and not of its numbers stays; a doubt that was not told of the case is not told of the copy.
+    kept = [note for note in case.notes if note not in before.notes]
+    doubted = [note for note in new.notes if note in case.notes or note not in before.notes]
+    return replace(new, notes=(*kept, *doubted), source=case.source)
+
+
+def copy_of(case: Case, overrides: Mapping[str, str], name: str | None = None) -> Case:
+    """`changed` under a name of its own; without `name` under one that is made of the case's name and the changes.
+
+    Raises:
+        CaseError: a mistake in the overrides or the name, or neither is given.
+    """
+    with told_as_overrides(overrides):
+        new = changed(case, overrides)
+    if name is None and not overrides:
+        raise CaseError(case.name, None, None, "a copy without a change needs a name", 'such as with_(name="shaper-2")')
+    before = {} if case.document is None else case.document.overridden
+    after = {} if new.document is None else new.document.overridden
+    called = _name_of_copy(case.name, before, {path: after[path] for path in overrides}) if name is None else name
+    header_of(Document(f"copy of {case.name}", {"name": called}, {}))
+    return replace(new, name=called)
+
+
+@contextlib.contextmanager
+def told_as_overrides(overrides: Any) -> Iterator[None]:
+    """Has mistakes in overrides that come from Python told without the command line's option. Raises CaseError for what is no mapping."""
+    if not isinstance(overrides, Mapping):
+        raise CaseError("overrides", None, None, f"{value_as_written(overrides)} is no dictionary", 'such as {"crank.length": "5 in"}')
+    try:
+        yield
+    except CaseError as wrong:
+        source = "overrides" if wrong.source == OVERRIDE else wrong.source
+        raise CaseError(source, wrong.key, wrong.value, wrong.problem, wrong.accepted) from None
+
+
+def as_written(case: Case) -> Document:
+    """The document that the case was read from, with its present name, title and times; in SI if the scene was replaced since."""
+    document = case.document
+    if document is None or (read := case_of(document)).scene != case.scene:
+        return document_of(case)
+    document = replace(document, header={**document.header, "name": case.name})
+    if read.title != case.title:
+        document = replace(document, header={**document.header, "title": case.title}, overridden={})
+    times = case.values["simulation"]
+    return document if times == read.values["simulation"] else document.changed({f"simulation.{key}": times[key] for key in times})
+
+
+def _name_of_copy(name: str, before: Mapping[str, Any], changes: Mapping[str, Any]) -> str:
+    """The name with the changes in it; what the name tells of an earlier value of the same key goes.
+
+    A name that would be too long ends in a hash of all that it should tell.
+    """
+    for path in changes:
+        if path in before:
+            name = name.replace(_part(path, before[path]), "")
+    whole = name + "".join(_part(path, value) for path, value in changes.items())
+    if len(whole) <= LONGEST_NAME:
+        return whole
+    return f"{whole[: LONGEST_NAME - _HASH - 1]}-{hashlib.sha256(whole.encode()).hexdigest()[:_HASH]}"
+
+
+def _part(path: str, value: Any) -> str:
+    """A change as a part of a name: "-crank.length-5-in". Signs that a name cannot have become hyphens."""
+    return "-" + re.sub(r"[^A-Za-z0-9._-]", "-", f"{path}-{in_words(value)}".replace("+", ""))

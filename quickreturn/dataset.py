@@ -1,0 +1,56 @@
+"""Trajectories as xarray datasets, whose attributes say what each variable is and how far it may be off."""
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from reference_model.columns import COLUMNS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from quickreturn.solution import Solution
+
+
+def dataset_of(solution: "Solution") -> "xr.Dataset":
+    """The trajectory over its dimension `time`.
+
+    Attributes are texts and numbers alone, so that netCDF keeps them: of each variable `units`, `long_name`, `comment` and, where it is
+    known, `error_estimate`; of the whole what was simulated, by what, and what is known of its error.
+
+    Raises:
+        ModuleNotFoundError: xarray is not installed.
+    """
+    try:
+        import xarray as xr
+    except ModuleNotFoundError as missing:
+        sentence = "to_xarray needs the package xarray: pip install 'quickreturn[notebook]'"
+        raise ModuleNotFoundError(sentence, name=missing.name) from None
+    estimates = solution.result.error_estimates
+    variables: dict[str, tuple[str, Any, dict[str, Any]]] = {}
+    for name in solution.frame.columns:
+        about: dict[str, Any] = {"units": COLUMNS[name].unit, "long_name": name.replace("_", " "), "comment": COLUMNS[name].meaning}
+        if (estimate := estimates.get(name)) is not None:
+            about["error_estimate"] = float(estimate)
+        variables[name] = ("time", solution.trajectory[name], about)
+    return xr.Dataset(variables, {"time": variables.pop("time")}, _attributes(solution))
+
+
+def _attributes(solution: "Solution") -> dict[str, str | float]:
+    """What the whole dataset says; what is unknown is left out."""
+    from importlib.metadata import version
+
+    result = solution.result
+    known: dict[str, str | float | None] = {
+        "case": solution.case.name,
+        "title": solution.case.title,
+        "engine": solution.engine,
+        "version": solution.version,
+        "settings": json.dumps(solution.settings),
+        "accuracy": result.accuracy,
+        "error_estimate": result.error_estimate,
+        "error_estimate_of": result.estimate_of,
+        "reached": "yes" if result.reached else "no",
+        "remark": result.remark or None,
+        "source": f"quickreturn {version('quickreturn')}",
+    }
+    return {name: value for name, value in known.items() if value is not None}
