@@ -19,7 +19,7 @@ from reference_model.columns import PLACES, SHAPE
 from reference_model.mechanism import Mechanism, Scene
 from reference_model.rigid import rigid_motion
 from reports.plots.style import FONT_SIZE, GREY, QUICK, SMALL, look
-from reports.words import angle
+from reports.words import angle_text
 
 Array = NDArray[np.float64]
 
@@ -189,7 +189,7 @@ def mechanisms(cases: Sequence[Case]) -> Drawing:
     motions = [unbent(case) for case in cases]
     figure = drawing(0.3 + 3.2 * len(cases), WIDTH)
     for axes, case, motion in zip(figure.subplots(len(cases), 1, squeeze=False)[:, 0], cases, motions, strict=True):
-        said = "" if motion.crank_angle is None else f"crank at {angle(math.degrees(float(motion.crank_angle[0])))}"
+        said = "" if motion.crank_angle is None else f"crank at {angle_text(math.degrees(float(motion.crank_angle[0])))}"
         Scenery(axes, case, {"reference": motion}, 1.0).show(0, said)
         axes.set_title(f"{case.name}: {case.title}", fontsize=FONT_SIZE, loc="left")
     figure.legend(handles=legend({"follower": motions[0]}, 1.0)[2:], loc="outside lower center", fontsize=SMALL, frameon=False)

@@ -58,7 +58,7 @@ def within_turn(degrees: float) -> float:
     return degrees if 0.0 <= degrees <= 360.0 else degrees % 360.0
 
 
-def angle(degrees: float) -> str:
+def angle_text(degrees: float) -> str:
     """A crank angle, in degrees, within one turn: "91°"."""
     return f"{number(within_turn(degrees), 'g')}°"
 

@@ -18,7 +18,7 @@ from reports.tables.table import csv_text
 
 #: The script's parts, in their order; and those of chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js")
-OF_CHAPTERS: Final = ("tables.js", "chart.js", "plots.js", "choice.js")
+OF_CHAPTERS: Final = ("tables.js", "marks.js", "chart.js", "plots.js", "choice.js")
 #: What an engine is, in two words for a person.
 KINDS: Final = {
     "thesis": "one curve, 1999",

@@ -40,7 +40,7 @@ TEXTS = """() => {
 #: Opens everything that can be opened, and waits until it is drawn.
 OPEN = """async () => {
     for (const each of document.querySelectorAll("details")) each.open = true;
-    for (const each of document.querySelectorAll(".drawn[hidden]")) each.hidden = false;
+    for (const each of document.querySelectorAll(".choices > [hidden]")) each.hidden = false;
     await new Promise((done) => setTimeout(done, 50));
     dispatchEvent(new Event("resize"));
 }"""

@@ -321,3 +321,14 @@ def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switc
     assert tops[0] < tops[1]  # on a telephone the answer comes before the picture
     assert page.locator(".told .numbers dt").count() == 8
     assert opened().locator("#stress").count() == 0  # the thesis' page keeps its first screen
+
+
+def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
+    page = opened("#at=0&chapter=methods")
+    with page.expect_download() as waited:
+        page.locator("#methods .take").first.click()
+    picture = Path(waited.value.path()).read_text("utf-8")
+    assert waited.value.suggested_filename == "benchmark.svg"
+    assert picture.startswith("<svg xmlns=")
+    assert "solve time [s]" in picture
+    assert "var(" not in picture  # another program reads it

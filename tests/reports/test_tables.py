@@ -7,7 +7,7 @@ import math
 import pytest
 
 from reports.tables.table import Cell, Column, Table
-from reports.words import angle, cost, counted, listed, number, percent, settings_words, size
+from reports.words import angle_text, cost, counted, listed, number, percent, settings_words, size
 
 
 def made(**cells: object) -> Table:
@@ -80,7 +80,7 @@ def test_numbers_are_written_as_people_write_them() -> None:
 
 
 def test_crank_angles_are_shown_within_one_turn() -> None:
-    assert [angle(degrees) for degrees in (0.0, 91.5, 360.0, 451.0, 540.0, -90.0)] == ["0°", "91.5°", "360°", "91°", "180°", "270°"]
+    assert [angle_text(degrees) for degrees in (0.0, 91.5, 360.0, 451.0, 540.0, -90.0)] == ["0°", "91.5°", "360°", "91°", "180°", "270°"]
 
 
 def test_a_table_tells_what_its_headings_mean() -> None:

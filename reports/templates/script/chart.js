@@ -1,71 +1,5 @@
 // Charts of the chapters as SVG, from their description (reports/page/plot.py): points and lines over two axes, or rows of points.
 
-const SVG = Object.assign(document.createElement("div"), { innerHTML: "<svg></svg>" }).firstChild.namespaceURI;
-const FONT = "system-ui, \"DejaVu Sans\", sans-serif";
-const [TICK, NAME] = [12, 13];  // letters, px
-const pens = document.createElement("canvas").getContext("2d");
-
-/** How wide a text is, px. */
-function wide(text, size = TICK) {
-  pens.font = `${size}px ${FONT}`;
-  return pens.measureText(text).width;
-}
-
-function svg(tag, attributes = {}, ...children) {
-  const made = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  made.append(...children);
-  return made;
-}
-
-function words(x, y, text, { anchor = "middle", fill = colour("soft"), size = TICK, ...more } = {}) {
-  return svg("text", { x, y, "text-anchor": anchor, fill, "font-size": size, "font-family": FONT, ...more }, text);
-}
-
-/** Corners of marks on a circle of radius 1, by the look's name of them; none: the circle itself. */
-const corners = (count, phase, inner = 1) => Array.from({ length: count }, (_, k) => {
-  const angle = Math.PI * (2 * k / count + phase), radius = k % 2 ? inner : 1;
-  return [radius * Math.sin(angle), -radius * Math.cos(angle)];
-});
-const plus = [[-0.35, -1], [0.35, -1], [0.35, -0.35], [1, -0.35], [1, 0.35], [0.35, 0.35], [0.35, 1], [-0.35, 1], [-0.35, 0.35], [-1, 0.35], [-1, -0.35], [-0.35, -0.35]];
-const MARKS = {
-  circle: null, square: corners(4, 0.25), diamond: corners(4, 0), triangle: corners(3, 0), "triangle-down": corners(3, 1), "triangle-left": corners(3, 1.5),
-  "triangle-right": corners(3, 0.5), pentagon: corners(5, 0), hexagon: corners(6, 0), star: corners(10, 0, 0.45), plus, cross: plus.map(([x, y]) => [0.8 * (x - y), 0.8 * (x + y)]),
-};
-
-/** A mark of a look at a place; a hollow one is filled with the ground. */
-function mark(name, x, y, radius, hollow, more = {}) {
-  const stroke = lookOf(name).colour, fill = hollow ? colour("ground") : stroke, corners = MARKS[lookOf(name).marker];
-  const about = { fill, stroke, "stroke-width": 1.4, ...more };
-  if (!corners) return svg("circle", { cx: x, cy: y, r: 0.9 * radius, ...about });
-  return svg("polygon", { points: corners.map(([dx, dy]) => `${(x + radius * dx).toFixed(1)},${(y + radius * dy).toFixed(1)}`).join(" "), ...about });
-}
-
-function lookOf(name) {
-  return { marker: "circle", width: 2, dash: [], offset: 0, order: 0, ...looks[name], colour: engineColour(name) };
-}
-
-/** The attributes of a look's line, thinner than on the first screen where marks say the same. */
-function strokeOf(name) {
-  const look = lookOf(name);
-  return { fill: "none", stroke: look.colour, "stroke-width": Math.max(1.5, 0.7 * look.width), "stroke-dasharray": look.dash.join(" ") || "none", "stroke-dashoffset": look.offset };
-}
-
-/** A legend: every name with its line and mark. */
-function keyOf(entries) {
-  const list = textOf("ul", "", "key");
-  for (const { name, of, line, hollow = false, marked = true, broad = false } of entries) {
-    const item = textOf("li", ""), sample = svg("svg", { width: 40, height: 14, "aria-hidden": "true" });
-    if (broad) sample.append(svg("line", { x1: 4, x2: 36, y1: 7, y2: 7, stroke: colour("line"), "stroke-width": 12, "stroke-linecap": "round" }));
-    else if (line) sample.append(svg("line", { x1: 0, x2: 40, y1: 7, y2: 7, ...strokeOf(of) }));
-    if (marked && !broad) sample.append(mark(of, 20, 7, 5, hollow));
-    item.dataset.of = of;
-    item.append(sample, name);
-    list.append(item);
-  }
-  return list;
-}
-
 /** A number on an axis: powers of ten beyond 0.001 and a million. */
 function onAxis(value) {
   const power = Math.log10(Math.abs(value));
@@ -87,7 +21,8 @@ class Axis {
       [low, high] = [low - free, high + free];
     }
     Object.assign(this, { low, high, logarithmic, pixels });
-    this.ticks = logarithmic ? this.decades(most) : ticks(low, high, most).filter((value) => Number.isInteger(value) || !values.every(Number.isInteger));
+    const round = ticks(low, high, most), whole = values.every(Number.isInteger) ? round.filter(Number.isInteger) : round, powers = logarithmic ? this.decades(most) : [];
+    this.ticks = powers.length ? powers : whole;
   }
 
   place(value) {
