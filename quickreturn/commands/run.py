@@ -115,7 +115,8 @@ def _loads(result: "CaseResult", run: "Run") -> dict[str, Any]:
     from reports.tables.strength import numbers
 
     loads = loads_of_run(result.case.mechanism, run)
-    return {each.name: {key: value for key, value in vars(each).items() if key != "name"} for each in (numbers(loads) if loads else ())}
+    found = [vars(number) for number in numbers(loads)] if loads is not None else []
+    return {each["quantity"]: {key: value for key, value in each.items() if key != "quantity"} for each in found}
 
 
 def _resonance(mechanism: "Mechanism") -> dict[str, Any] | None:

@@ -32,7 +32,7 @@ class Number:
     """A number of `NAMES`, in SI units; what is not known is None.
 
     Attributes:
-        name: of the number.
+        quantity: its name.
         value: the number.
         unit: SI.
         error: how far off it may be.
@@ -40,7 +40,7 @@ class Number:
         crank_angle: rad, from 0 to a turn.
     """
 
-    name: str
+    quantity: str
     value: float
     unit: str
     error: float | None = None
@@ -83,9 +83,9 @@ def strength(cases: Sequence[CaseLoads]) -> Table:
     found = Table("strength", columns)
     for case in cases:
         for engine, number in of_case(case):
-            text = quantity(number.value, NAMES[number.name][1]).strip(TIED)
+            text = quantity(number.value, NAMES[number.quantity][1]).strip(TIED)
             off = Cell(None) if number.error is None else Cell(number.error, off_by(number.error, number.value))
-            found.add(number, case=case.case.name, engine=engine, quantity=number.name, value=Cell(number.value, text), error=off)
+            found.add(number, case=case.case.name, engine=engine, value=Cell(number.value, text), error=off)
     return found
 
 

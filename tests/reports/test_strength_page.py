@@ -108,7 +108,7 @@ def test_what_is_drawn_along_the_arm_is_what_the_cycle_reaches() -> None:
 
 
 def test_rows_have_units_and_names(example: CaseResult) -> None:
-    found = {number.name: number for engine, number in of_case(loads_of_case(example)) if engine in ("reference", "")}
+    found = {number.quantity: number for engine, number in of_case(loads_of_case(example)) if engine in ("reference", "")}
     assert found["stress"].unit == "Pa"
     assert found["frequency_ratio"].value == pytest.approx(found["mean_first_frequency"].value / 2.0)  # 120 rpm
     assert found["yield_factor"].value == pytest.approx(240e6 / found["stress"].value)
