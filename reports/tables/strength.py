@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from cases.loads import UNITS, Factor, Loads, Peak
 from reports.findings.loads import CaseLoads
@@ -59,6 +59,12 @@ def numbers(loads: Loads) -> Iterator[Number]:
     factors: dict[str, Factor | None] = {"yield_factor": loads.yield_factor, "fatigue_factor": loads.fatigue_factor}
     yield from (Number(name, factor.value, "1", factor.error) for name, factor in factors.items() if factor is not None)
     yield from (_peak(name, peak, UNITS[name]) for name in NAMES if (peak := loads.peaks.get(name)) is not None)
+
+
+def document(loads: Loads | None) -> dict[str, dict[str, Any]]:
+    """The same for a JSON document: by name, value in SI units, error, place and crank angle (rad); empty where nothing is known."""
+    found = [vars(number) for number in numbers(loads)] if loads is not None else []
+    return {each["quantity"]: {key: value for key, value in each.items() if key != "quantity"} for each in found}
 
 
 def of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
