@@ -260,30 +260,6 @@ def test_a_hostile_title_stays_text(opened: Open, tmp_path: Path) -> None:
     assert page.locator("main img").count() == 0
 
 
-def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switched_off(opened: Open, tmp_path: Path) -> None:
-    results = [made_up_result("example"), made_up_result("shaper-cutting")]
-    write(Content(results=results, facts=machine_facts()), tmp_path)
-    own = (tmp_path / "index.html").as_uri()
-    page = opened("#at=100", url=own)
-    assert page.is_checked("#stress")
-    with_band = drawn(page, "stage")
-    page.uncheck("#stress")
-    without = drawn(page, "stage")
-    assert without not in ("", with_band)
-    page.wait_for_function("location.hash.includes('stress=off')")
-    again = opened(page.evaluate("location.hash"), url=own, width=390)
-    assert not again.is_checked("#stress")
-    assert again.evaluate("document.documentElement.scrollWidth") <= 390
-    tops = again.evaluate("['.numbers', '#stage'].map(each => document.querySelector(each).getBoundingClientRect().top)")
-    assert tops[0] < tops[1]  # on a telephone the answer comes before the picture
-    for result in results:  # each case has its answer
-        page.select_option("#run", result.case.name)
-        page.wait_for_function("title => document.querySelector('.answer:not([hidden]) h1').innerText === title", arg=result.case.title)
-        assert page.locator(".answer:visible").count() == 1
-        assert page.locator(".answer:visible dt").count() == 8
-    assert opened().locator("#stress").count() == 0  # the thesis' page keeps its first screen
-
-
 @pytest.mark.parametrize(
     "kind",
     ["backwards", "all failed", *(pytest.param(kind, marks=pytest.mark.verify) for kind in ("rigid", "not settled", "without shape"))],
@@ -333,3 +309,27 @@ def test_on_paper_there_are_stills_and_no_buttons(opened: Open) -> None:
     assert page.locator("button:visible").count() == 0
     stills = page.locator("#stills canvas").evaluate_all("all => all.map(canvas => canvas.toDataURL())")
     assert len(set(stills)) == 4
+
+
+def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switched_off(opened: Open, tmp_path: Path) -> None:
+    results = [made_up_result("example"), made_up_result("shaper-cutting")]
+    write(Content(results=results, facts=machine_facts()), tmp_path)
+    own = (tmp_path / "index.html").as_uri()
+    page = opened("#at=100", url=own)
+    assert page.is_checked("#stress")
+    with_band = drawn(page, "stage")
+    page.uncheck("#stress")
+    without = drawn(page, "stage")
+    assert without not in ("", with_band)
+    page.wait_for_function("location.hash.includes('stress=off')")
+    again = opened(page.evaluate("location.hash"), url=own, width=390)
+    assert not again.is_checked("#stress")
+    assert again.evaluate("document.documentElement.scrollWidth") <= 390
+    tops = again.evaluate("['.numbers', '#stage'].map(each => document.querySelector(each).getBoundingClientRect().top)")
+    assert tops[0] < tops[1]  # on a telephone the answer comes before the picture
+    for result in results:  # each case has its answer
+        page.select_option("#run", result.case.name)
+        page.wait_for_function("title => document.querySelector('.answer:not([hidden]) h1').innerText === title", arg=result.case.title)
+        assert page.locator(".answer:visible").count() == 1
+        assert page.locator(".answer:visible dt").count() == 8
+    assert opened().locator("#stress").count() == 0  # the thesis' page keeps its first screen
