@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]
 
 TWELFTHS: Final = PLACES + 1
+#: Columns without which there is no moment along the arm.
+NEEDED: Final = frozenset((*MOMENTS, "time", "follower_angle", "tip_acceleration"))
 #: Places in each twelfth of the length at which the moment is looked at.
 IN_A_TWELFTH: Final = 10
 #: Of the moment at the tip, by how much it may be off because the curvature is summed up from twelfth to twelfth: the rule's error is a
@@ -99,10 +101,7 @@ def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
 
     Args:
         scene: gives the bodies.
-        columns: those of a trajectory or of a cycle, each of shape (rows,), the moments among them.
-
-    Raises:
-        KeyError: the engine does not give the moments.
+        columns: those of a trajectory or of a cycle, each of shape (rows,), all of `NEEDED` among them.
     """
     time, tip = columns["time"], scene.tip_body
     base, base_open = _at_base(scene, columns)
@@ -154,7 +153,7 @@ def _base_slope(scene: Scene, columns: Mapping[str, Array]) -> Array | None:
 def _damping(scene: Scene, columns: Mapping[str, Array], power: int) -> Array:
     """What the beam's damping pushes the base with across the arm, N, or N m with `power` 1; none where there are no shapes, (rows,)."""
     follower, time = scene.follower, columns["time"]
-    if follower.damping == 0.0 or not set(SHAPE) <= set(columns):
+    if follower.damping == 0.0 or not {*SHAPE, "tip_deflection"} <= set(columns):
         return np.zeros(time.size)
     deflections = np.array([np.zeros(time.size), *(columns[name] for name in SHAPE), columns["tip_deflection"]])
     x = np.linspace(0.0, follower.length, TWELFTHS + 1)

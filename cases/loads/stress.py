@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out
+from cases.loads.arm import NEEDED, KnownMoments, between, interpolated, known_moments, left_out
 from cases.loads.peak import Claim, Peak, peak_of
 from cases.measures.extremes import extremes
 from reference_model.columns import MOMENTS
@@ -70,7 +70,7 @@ def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: Claim) -> ArmS
         columns: of a cycle or a trajectory.
         claim: by how much a column may be off.
     """
-    if not set(MOMENTS) <= set(columns):
+    if not set(columns) >= NEEDED:
         return None
     known, unit = known_moments(scene, columns), 1.0 / section_modulus(scene.follower)
     field = _Field.of(known, max(1, columns["time"].size // SEARCHED))

@@ -102,19 +102,20 @@ class Cable:
         Returns:
             Shape (places, rows).
         """
-        smooth, found = q, np.empty_like(places)
+        smooth, h = q, self.element_length
         if kink is not None:
             lever = np.maximum(0.0, kink.place[:, None] - self.nodes)[:, :, None]
             smooth = q - np.concatenate([lever**3 / 6.0 * kink.jump[:, None], -(lever**2) / 2.0 * kink.jump[:, None]], axis=2)
-        known, rows, h = np.concatenate([smooth, self._second_derivatives(smooth)], axis=2), np.arange(len(q)), self.element_length
-        for place, x in enumerate(places):
-            left = np.clip((x / h * (1.0 + 1e-12)).astype(int), 0, self.elements - 1)
-            ends = np.concatenate([known[rows, left], known[rows, left + 1]], axis=1).reshape(len(q), 6, 2)
-            slope, bent = self.evaluate(q, x, 1), np.einsum("rs,rsc->rc", _quintic_second_derivative(x / h - left, h), ends)
-            if kink is not None:
-                bent += np.maximum(0.0, kink.place - x)[:, None] * kink.jump
-            found[place] = _cross(slope, bent) / np.sum(slope**2, axis=1)
-        return found
+        known = np.concatenate([q, smooth, self._second_derivatives(smooth)], axis=2)
+        left = np.clip((places / h * (1.0 + 1e-12)).astype(int), 0, self.elements - 1)
+        xi, rows = places / h - left, np.arange(len(q))
+        ends = np.stack([known[rows, left], known[rows, left + 1]], axis=2)  # places, rows, 2, 10
+        of_line, of_smooth = ends[..., :4].reshape(*xi.shape, 4, 2), ends[..., 4:].reshape(*xi.shape, 6, 2)
+        slope = np.einsum("prs,prsc->prc", _hermite(xi, h, 1), of_line)
+        bent = np.einsum("prs,prsc->prc", _quintic_second_derivative(xi, h), of_smooth)
+        if kink is not None:
+            bent += np.maximum(0.0, kink.place - places)[:, :, None] * kink.jump
+        return _cross(slope, bent) / np.sum(slope**2, axis=2)
 
     def _second_derivatives(self, q: Array) -> Array:
         """Second derivative r'' at all nodes, 1/m, shape (rows, nodes, 2)."""
@@ -173,7 +174,7 @@ class Cable:
 
 
 def _hermite(xi: Array, h: float, nu: int) -> Array:
-    """Cubic Hermite shapes (place, slope, place, slope) at xi = x/h in [0, 1] or their derivatives in x, shape (n, 4)."""
+    """Cubic Hermite shapes (place, slope, place, slope) at xi = x/h in [0, 1] or their derivatives in x, shape (*that of xi, 4)."""
     one = np.ones_like(xi)
     if nu == 0:
         columns = [1 - 3 * xi**2 + 2 * xi**3, h * (xi - 2 * xi**2 + xi**3), 3 * xi**2 - 2 * xi**3, h * (xi**3 - xi**2)]
@@ -185,7 +186,7 @@ def _hermite(xi: Array, h: float, nu: int) -> Array:
 
 
 def _quintic_second_derivative(xi: Array, h: float) -> Array:
-    """r''(xi h) from (r, r', r'') at both ends of an element, weights of shape (n, 6)."""
+    """r''(xi h) from (r, r', r'') at both ends of an element, weights of shape (*that of xi, 6)."""
     columns = [
         (-60 * xi + 180 * xi**2 - 120 * xi**3) / h**2,
         (-36 * xi + 96 * xi**2 - 60 * xi**3) / h,

@@ -83,6 +83,9 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
     """The JSON document of `run` and `compare`: recorded tables stand behind the engines."""
+    from cases.loads import loads_of_run
+    from reports.tables.strength import document
+
     results = [result.whole for result in results]
     return {
         "cases": [
@@ -93,7 +96,8 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
                 "reason": result.reason,
                 "notes": list(result.case.notes),
                 "engines": [
-                    _as_document(run) | {"accuracy_class": result.accuracy_class(name), "loads": _loads(result, run)}
+                    _as_document(run)
+                    | {"accuracy_class": result.accuracy_class(name), "loads": document(loads_of_run(result.case.mechanism, run))}
                     for name, run in result.runs.items()
                 ],
                 "resonance": _resonance(result.case.mechanism),
@@ -108,15 +112,6 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
         ],
         "notices": list(notices),
     }
-
-
-def _loads(result: "CaseResult", run: "Run") -> dict[str, Any]:
-    """What the parts bear, by name: value in SI units, its error, where and at which crank angle (rad); empty where not known."""
-    from cases.loads import loads_of_run
-    from reports.tables.strength import numbers
-
-    loads = loads_of_run(result.case.mechanism, run)
-    return {each.name: {key: value for key, value in vars(each).items() if key != "name"} for each in (numbers(loads) if loads else ())}
 
 
 def _resonance(mechanism: "Mechanism") -> dict[str, Any] | None:

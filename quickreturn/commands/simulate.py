@@ -32,6 +32,7 @@ _NOTHING: Final[dict[str, Any]] = {
     "estimate_of": None,
     "remark": "",
     "settings": None,
+    "loads": {},
     "setup_seconds": None,
     "compile_seconds": None,
     "solve_seconds": None,
@@ -220,8 +221,11 @@ def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str
     if isinstance(found, EngineFailure):
         failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
         return known | {"remark": str(found), "failure": failure}, found
+    from reports.tables.strength import document
+
     same = {name: getattr(found.result, name) for name in ("accuracy", *_NOTHING) if hasattr(found.result, name)}
-    return known | same | {"settings": found.settings, **vars(found.result.description)}, found
+    more = {"settings": found.settings, "loads": document(found.loads), **vars(found.result.description)}
+    return known | same | more, found
 
 
 def _print(document: Mapping[str, Any], found: "Found", notes: str) -> None:

@@ -70,7 +70,6 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     view = cycles(results, answer.engines, content.loads)
     view.drawn = [series.of for chapter in chapters for plot in chapter.plots for series in plot.series]
     shown = shown_first(results)
-    loads = next((each for each in content.loads if each.case is shown.case and each.lead), None)
     title_of_case = shown.case.title if len(results) == 1 else ""
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
     return rendered(
@@ -81,7 +80,8 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         answer=answer,
-        own=loads,
+        answers=content.loads if any(each.lead for each in content.loads) else [],
+        shown=shown.case.name,
         of_thesis=len(content.thesis_results) == len(results),
         title_of_case=title_of_case,
         first_mode=_first_mode(shown),

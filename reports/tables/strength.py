@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from cases.loads import UNITS, Factor, Loads, Peak
 from reports.findings.loads import CaseLoads
@@ -32,7 +32,7 @@ class Number:
     """A number of `NAMES`, in SI units; what is not known is None.
 
     Attributes:
-        name: of the number.
+        quantity: its name.
         value: the number.
         unit: SI.
         error: how far off it may be.
@@ -40,7 +40,7 @@ class Number:
         crank_angle: rad, from 0 to a turn.
     """
 
-    name: str
+    quantity: str
     value: float
     unit: str
     error: float | None = None
@@ -59,6 +59,12 @@ def numbers(loads: Loads) -> Iterator[Number]:
     factors: dict[str, Factor | None] = {"yield_factor": loads.yield_factor, "fatigue_factor": loads.fatigue_factor}
     yield from (Number(name, factor.value, "1", factor.error) for name, factor in factors.items() if factor is not None)
     yield from (_peak(name, peak, UNITS[name]) for name in NAMES if (peak := loads.peaks.get(name)) is not None)
+
+
+def document(loads: Loads | None) -> dict[str, dict[str, Any]]:
+    """The same for a JSON document: by name, value in SI units, error, place and crank angle (rad); empty where nothing is known."""
+    found = [vars(number) for number in numbers(loads)] if loads is not None else []
+    return {each["quantity"]: {key: value for key, value in each.items() if key != "quantity"} for each in found}
 
 
 def of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
@@ -83,9 +89,9 @@ def strength(cases: Sequence[CaseLoads]) -> Table:
     found = Table("strength", columns)
     for case in cases:
         for engine, number in of_case(case):
-            text = quantity(number.value, NAMES[number.name][1]).strip(TIED)
+            text = quantity(number.value, NAMES[number.quantity][1]).strip(TIED)
             off = Cell(None) if number.error is None else Cell(number.error, off_by(number.error, number.value))
-            found.add(number, case=case.case.name, engine=engine, quantity=number.name, value=Cell(number.value, text), error=off)
+            found.add(number, case=case.case.name, engine=engine, value=Cell(number.value, text), error=off)
     return found
 
 

@@ -38,3 +38,14 @@ def test_a_length_in_metres_in_place_of_millimetres_is_said(call: Call) -> None:
     answer = call("show", "hard-shaper-steel", "--set", "follower.length=602.7 m")
     assert answer.code == 0
     assert "follower.length is 602.7 m" in answer.output
+
+
+def test_how_far_the_speed_is_from_a_resonance(call: Call) -> None:
+    document = json.loads(call("show", "example", "--json").output)
+    derived = document["derived"]
+    # 120 rpm are two turns a second
+    assert derived["resonance"]["value"] == pytest.approx(derived["mean_bending_frequency"]["value"] / 2.0)
+    assert derived["first_bending_frequency"]["value"] < derived["mean_bending_frequency"]["value"]
+    assert "the 9th harmonic is nearest" in derived["resonance"]["meaning"]
+    assert document["scene"]["follower"]["yield_strength"] == 240e6
+    assert "resonance" not in json.loads(call("show", "rigid", "--json").output)["derived"]

@@ -107,6 +107,7 @@ function show() {
   }
   for (const button of document.querySelectorAll("#run-buttons button")) button.setAttribute("aria-pressed", String(button.value === state.run));
   if (element("run")) element("run").value = state.run;
+  for (const answer of document.querySelectorAll(".answer")) answer.hidden = answer.dataset.run !== state.run;
   const finding = any ? apart(names) : "";
   element("apart").textContent = finding;
   element("curve").setAttribute("aria-label", `${DATA.signals[state.signal].label} of ${run.title}. ${finding}`);

@@ -70,7 +70,7 @@ class Stage {
     stroke(pen, colours.soft, 1, () => { pen.moveTo(...P); pen.lineTo(...end); }, "butt", [5, 4]);
     this.trail(pen, at, place);
     const banded = this.stress ? this.engines.indexOf(this.stress.engine) : -1;
-    const edges = banded >= 0 ? this.band(pen, lines[banded], scale, compact) : [];
+    const edges = banded >= 0 ? this.band(pen, lines[banded], scale, height, compact) : [];
     this.engines.forEach((name, k) => {
       const { width: broad, dash, offset } = this.looks[name];
       stroke(pen, this.engineColour(name), broad, () => smooth(pen, lines[k]), "butt", dash, offset);
@@ -118,7 +118,7 @@ class Stage {
   }
 
   /** Least and greatest stress of the turn across the arm, as a light band along it, and how much its width means; gives its edges. */
-  band(pen, line, scale, compact) {
+  band(pen, line, scale, height, compact) {
     const { low, high, largest, at, engine } = this.stress, unit = BAND * scale * this.motion.scene.follower / largest;
     const places = alongLine(line, low.length), edge = (values) => places.map(([x, y, nx, ny], k) => [x + unit * values[k] * nx, y + unit * values[k] * ny]);
     const upper = edge(high), lower = edge(low), tone = this.colours.stress;
@@ -131,11 +131,10 @@ class Stage {
       const k = Math.round(at * (places.length - 1));
       stroke(pen, tone, 2, () => { pen.moveTo(...upper[k]); pen.lineTo(...lower[k]); }, "butt");
     }
-    const round = roundBelow(largest), length = unit * round, x = 18, y = 26;
-    stroke(pen, tone, 2, () => { pen.moveTo(x, y); pen.lineTo(x, y + length); pen.moveTo(x - 4, y); pen.lineTo(x + 4, y); pen.moveTo(x - 4, y + length); pen.lineTo(x + 4, y + length); }, "butt");
-    pen.font = SMALL; pen.textAlign = "left"; pen.textBaseline = "middle"; pen.fillStyle = this.colours.ink;
-    pen.fillText(`${written(round)} MPa`, x + 9, y + length / 2 - (compact ? 0 : 8));
-    if (!compact) pen.fillText(`bending stress over the turn, ${engine}`, x + 9, y + length / 2 + 8);
+    const round = roundBelow(largest), length = unit * round, x = 18, y = height - 16;
+    stroke(pen, tone, 2, () => { pen.moveTo(x, y); pen.lineTo(x + length, y); }, "butt");
+    pen.font = SMALL; pen.textAlign = "left"; pen.textBaseline = "bottom"; pen.fillStyle = this.colours.soft;
+    pen.fillText(`${written(round)} MPa${compact ? "" : `, stress over the turn by ${engine}`}`, x, y - 3);
     return [upper, lower];
   }
 
@@ -191,7 +190,7 @@ class Stage {
     const taken = [...lines, ...edges, [O, C], [P, [P[0] + 2 * (C[0] - P[0]), P[1] + 2 * (C[1] - P[1])]]].flatMap(sampled).map((point) => around(point, 3, 3));
     taken.push(...[O, P].map(([x, y]) => around([x, y + 5], 12, 12)), around(C, 15, 12), ...lines.map((line) => around(line[line.length - 1], 9, 14)));
     if (quick !== null) for (let k = -12; k <= 12; k++) taken.push(around([O[0] + radius * Math.cos(quick * k / 12), O[1] + radius * Math.sin(quick * k / 12)], 5, 5));
-    if (edges.length) taken.push([0, 0, compact ? 90 : 300, 70]);
+    if (edges.length) taken.push([0, height - 36, compact ? 90 : 260, height]);
     taken.push([width - 150, height - 36, width, height], around([O[0] + radius * Math.cos(ARROW), O[1] + radius * Math.sin(ARROW)], 7, 7));
     pen.textAlign = "center"; pen.textBaseline = "middle";
     for (const [text, font, places] of wanted) {

@@ -1,0 +1,58 @@
+"""What the machine bears, as `run`, `simulate` and their Python results say it."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import quickreturn as qr
+from cases.loads import loads_of_run
+from quickreturn.commands.run import as_document
+from quickreturn.cross_validation import CrossValidation
+from quickreturn.verdict_text import text_of
+from reports.output import plain
+from tests.reports.plotted_results import made_up_result
+
+
+def test_run_says_it_in_words_in_json_and_as_a_table() -> None:
+    result = made_up_result("example")
+    run = result.runs["mujoco"]
+    loads = loads_of_run(result.case.mechanism, run)
+    assert loads is not None
+    assert loads.stress is not None
+    (case,) = json.loads(json.dumps(plain(as_document([result], ()))))["cases"]
+    (document,) = (engine for engine in case["engines"] if engine["engine"] == "mujoco")
+    stress = document["loads"]["stress"]
+    assert (stress["value"], stress["unit"], stress["place"]) == (loads.stress.largest.value, "Pa", loads.stress.largest.place)
+    assert document["loads"]["slider_force"]["value"] == pytest.approx(run.peak("slider_force"), rel=1e-3)
+    assert case["resonance"]["harmonic"] == round(case["resonance"]["ratio"]) == 9
+    frame = CrossValidation([result]).loads.set_index(["engine", "quantity"])
+    assert frame.loc[("mujoco", "stress"), "value"] == loads.stress.largest.value
+    words = text_of(result)
+    assert f"largest stress {loads_of_reference(result):.2f} MPa" in words
+    assert "the 9th harmonic is nearest" in words
+
+
+def loads_of_reference(result: object) -> float:
+    """Its largest stress, MPa."""
+    found = loads_of_run(result.case.mechanism, result.runs["reference"])  # type: ignore[attr-defined]
+    assert found is not None
+    assert found.stress is not None
+    return 1e-6 * found.stress.largest.value
+
+
+def test_a_simulation_says_its_largest_stress() -> None:
+    solution = qr.simulate(qr.case("example", duration=0.1), "reference", settings={"modes": 2})
+    stress = solution.loads.stress
+    assert stress is not None
+    follower = solution.case.scene.follower
+    gauges = max(float(np.max(np.abs(solution[f"strain_{k}"]))) for k in (1, 2, 3))
+    assert stress.largest.value >= follower.elastic_modulus * gauges
+    assert stress.largest.error is not None
+    assert f"largest stress {1e-6 * stress.largest.value:.3f} MPa" in repr(solution)
+    crank = stress.largest.crank_angle
+    assert crank is not None
+    # from 180 deg on for 0.1 s at some 120 rpm
+    assert 180.0 <= math.degrees(crank) <= 260.0
+    assert f"crank at {round(math.degrees(crank))}°" in repr(solution)
