@@ -229,6 +229,9 @@ TYPED = [
     ("animate small.toml --engine fake --magnify 5 --output x.html", ("--magnify", ".html")),
     ("animate small.toml --engine fake --output x.webp", ("shape_01", "the shape of the follower")),
     ("report small.toml --output page.html", ("--output", "page.html", "give a folder")),
+    ("report small.toml --accuracy 0.5", ("--accuracy", "0.5", "0.05")),
+    ("report small.toml --engine fake --set engine.strap=1", ("engine.strap", "engine.step")),
+    ("report small.toml --set crank.mass='1 kg'", ("--set", "crank.mass", "case file")),
 ]
 
 
