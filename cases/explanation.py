@@ -17,10 +17,12 @@ EXPLAINED: Final = 0.15
 _CLEARLY: Final = 2.0
 #: Part of a difference, and part of the noise, below which what is left says nothing about which mistake is the right one. The noise is a
 #: bound that errors reach a third of.
-_UNTOLD: Final = 0.01
+_UNTOLD: Final = 1e-3
 _OF_NOISE: Final = 1.0 / 3.0
-#: Predictions that differ by less than this part of the difference are one and the same.
+#: Predictions that differ by less than this part of the difference are one and the same: the first is named.
 _SAME: Final = 1e-6
+#: Predictions that differ by less than this part of it are alike: all are named.
+_ALIKE: Final = 0.05
 
 
 @dataclass(frozen=True)
@@ -54,12 +56,12 @@ class Explanation:
 def explain(
     found: Array, expected: Array, hypotheses: Iterable[Hypothesis], noise: float = 0.0, most: float = EXPLAINED
 ) -> Explanation | None:
-    """The one mistake that explains a difference; None where there is none, or where several explain it about as well.
+    """The mistake that explains a difference, or several that are alike; None where there is none, or where others explain it as well.
 
     Args:
         found: what is there, shape (n,).
         expected: what should be there.
-        hypotheses: mistakes that could have been made; the first of those that predict the same is named.
+        hypotheses: mistakes that could have been made; of those that predict the same the first is named.
         noise: by how much `found` may be off (RMS) without any mistake.
         most: the largest part of the difference that a mistake may leave.
     """
@@ -76,7 +78,10 @@ def explain(
         if least > allowed:
             continue
         clear = _CLEARLY * max(least, _UNTOLD * off, _OF_NOISE * min(noise, off))
-        rivals = [each for rest, each in tried if rest < clear and rms(each.values - best.values) > _SAME * off]
-        first = next(each for _, each in tried if rms(each.values - best.values) <= _SAME * off)
-        return None if rivals else Explanation(first.words, first.advice, least)
+        rivals = [each for rest, each in tried if rest < clear or each is best]
+        alike = [each for each in rivals if rms(each.values - best.values) <= _ALIKE * off]
+        if len(alike) < len(rivals):
+            return None
+        told = [each for n, each in enumerate(alike) if all(rms(each.values - other.values) > _SAME * off for other in alike[:n])]
+        return Explanation(", or ".join(each.words for each in told), told[0].advice, least)
     return None

@@ -23,7 +23,7 @@ _STEPS: Final = (4.0, 2.5, 0.5, 1.3)
 _ROWS: Final = 120
 #: Part of a column's swing that may change with the output step where the engine says nothing of its error.
 _SAME: Final = 0.02
-#: Part of a column's swing that it may depart from its own interpolation, times what this costs the converged solution.
+#: By how many times what interpolation costs a column may depart from its own interpolation.
 _INTERPOLATED: Final = 2.0
 #: The largest part of a difference that lateness may leave where the rows of both runs are late.
 _LATE: Final = 0.3
@@ -55,12 +55,12 @@ def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
             if column in late or column in depending:
                 continue
             fine, at = run[column], times * np.arange(len(there), dtype=np.float64)
-            off = rms(there[column] - CubicSpline(np.arange(len(fine)), fine)(at))
-            blurred = rms(known[column] - CubicSpline(np.arange(len(fine)), right[column])(at))
+            expected = CubicSpline(np.arange(len(fine)), fine)(at)
+            off = rms(there[column] - expected)
+            blurred = max(rms(known[column] - CubicSpline(np.arange(len(fine)), right[column])(at)), _roughness(fine) if times % 1 else 0.0)
             if off <= allowed(column, fine, tolerances, 1e-4) + _INTERPOLATED * blurred:
                 continue
             mistakes = lateness(there[column], there[column], np.array([at, np.full(len(at), times - 1.0)]), fine)
-            expected = CubicSpline(np.arange(len(fine)), fine)(at)
             if explained := explain(there[column], expected, mistakes, most=_LATE):
                 late[column] = Check(f"{name}: {column}", "failed", f"{column} {explained.words}", IN_TIME)
             else:
@@ -85,6 +85,12 @@ def _changed(name: str, told: str, shares: Mapping[str, float]) -> dict[str, Che
 def allowed(column: str, values: Array, tolerances: Mapping[str, float] | None, part: float, times: float = 1.0) -> float:
     """By how much a column may differ from another run's: as the engine says, and by a part of its swing."""
     return _SAME * _swing(values) if tolerances is None else max(times * tolerances.get(column, 0.0), part * _swing(values))
+
+
+def _roughness(values: Array) -> float:
+    """By how much every second row departs from a spline through the others: what jumps cannot be interpolated."""
+    rows = np.arange(len(values))
+    return rms(values[1:-1:2] - CubicSpline(rows[::2], values[::2])(rows[1:-1:2]))
 
 
 def _swing(values: Array) -> float:

@@ -244,6 +244,9 @@ TYPED = [
     ("new mine.toml --from unclosed.toml", ("unclosed.toml", "line 2")),
     ("new mine.toml --from small.toml --set crank.lenght='4 in'", ("crank.lenght", "crank.length")),
     ("new mine.toml --set engine.step=0.1", ("engine.step", "no meaning here")),
+    ("report small.toml --accuracy 0.5", ("--accuracy", "0.5", "0.05")),
+    ("report small.toml --engine fake --set engine.strap=1", ("engine.strap", "engine.step")),
+    ("report small.toml --set crank.mass='1 kg'", ("--set", "crank.mass", "case file")),
 ]
 
 

@@ -50,6 +50,15 @@ def test_an_engine_whose_motion_is_made_up_does_not_conform(call: Call) -> None:
     assert {"column tip_deflection", "column slider_force", "frequencies: values"} <= failed
 
 
+def test_a_quick_trial_is_judged_and_not_kept(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    install(tmp_path / "more", "breaks", {"broken_engine": BROKEN}, {"broken": "broken_engine:BrokenEngine"})
+    monkeypatch.syspath_prepend(tmp_path / "more")
+    answer = call("conform", "broken", "--quick")
+    assert answer.code == 1
+    assert "the licence server does not answer" in answer.output
+    assert Workshop(Store()).stored(job("broken")) is None
+
+
 def test_an_engine_that_is_not_there_is_bad_input(call: Call) -> None:
     answer = call("conform", "refrence")
     assert answer.code == 2

@@ -164,6 +164,19 @@ def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.Mo
     assert "no_such_library" in page
 
 
+def test_a_report_asks_engines_as_run_does(place: Path, call: Call) -> None:
+    """A run with the same settings and accuracy finds the report's result in the store."""
+    asked = ("small.toml", "--engine", "sound", "--set", "sound.step=0.2", "--accuracy", "0.05")
+    assert call("report", *asked)[0] == 0
+    done = simulations(place)
+    code, output, _ = call("run", *asked, "--json")
+    assert code == 0
+    assert simulations(place) == done != []
+    (case,) = json.loads(output)["cases"]
+    (engine,) = case["engines"]
+    assert engine["settings"]["step"] == 0.2
+
+
 def test_an_engine_that_is_not_installed_is_refused_by_name_and_passed_over_as_one_of_the_main_ones(
     place: Path, call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
