@@ -247,13 +247,6 @@ def test_speeds_are_those_of_the_recorded_benchmark(document: str, rounding: flo
                     assert float(shown[0]) == pytest.approx(fastest[name].solve_seconds, rel=rounding), (name, level)
 
 
-def test_an_engine_in_sixty_lines_has_no_more() -> None:
-    """Blank lines, comments and docstrings do not count."""
-    (block,) = [block for block in BLOCKS if "(qr.SimpleEngine)" in block.text]
-    code = re.sub(r'""".*?"""', "", block.text, flags=re.DOTALL)
-    assert len([line for line in code.splitlines() if line.strip() and not line.strip().startswith("#")]) <= 60
-
-
 def test_the_version_is_told_everywhere_alike() -> None:
     version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
     assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
