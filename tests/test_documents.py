@@ -248,7 +248,7 @@ def test_speeds_are_those_of_the_recorded_benchmark(document: str, rounding: flo
                     assert float(shown[0]) == pytest.approx(fastest[name].solve_seconds, rel=rounding), (name, level)
 
 
-@pytest.mark.parametrize("document", sorted(DOCUMENTS.keys() - {"docs/engine.md"}))
+@pytest.mark.parametrize("document", sorted(DOCUMENTS))
 def test_examples_have_short_lines(document: str) -> None:
     """They are read, in a narrow column and beside other text."""
     code = [block for block in blocks_of(document) if block.kind in ("python", "toml")]
@@ -258,13 +258,6 @@ def test_examples_have_short_lines(document: str) -> None:
 @pytest.mark.parametrize("file", sorted((ROOT / "examples").rglob("*.py")), ids=lambda file: file.name)
 def test_examples_that_are_packages_have_short_lines(file: Path) -> None:
     assert [line for line in file.read_text("utf-8").splitlines() if len(line) > LONGEST_LINE_OF_CODE] == []
-
-
-def test_an_engine_in_sixty_lines_has_no_more() -> None:
-    """Blank lines, comments and docstrings do not count."""
-    (block,) = [block for block in BLOCKS if "(qr.SimpleEngine)" in block.text]
-    code = re.sub(r'""".*?"""', "", block.text, flags=re.DOTALL)
-    assert len([line for line in code.splitlines() if line.strip() and not line.strip().startswith("#")]) <= 60
 
 
 def test_the_version_is_told_everywhere_alike() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import quickreturn as qr
 from quickreturn.command_line import main
 from tests.engines.fake_package import install
 from tests.quickreturn.conftest import Call
@@ -109,3 +110,41 @@ def test_report_and_run_take_third_party_engines_and_tables(call: Call, tmp_path
         if check["engine"] == "<script>alert(1).csv" and check["other"] == "reference" and not check["passed"]
     ]
     assert call("report", "thesis-24", "thesis-23", "--engine", "long.csv").code == 2  # of which of the two cases it is, it does not say
+
+
+@pytest.fixture(scope="module")
+def other(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    file = tmp_path_factory.mktemp("other") / "out.csv"
+    assert main(["simulate", "thesis-17", "--engine", "reference", "--output", str(file)]) == 0
+    return pd.read_csv(file)
+
+
+def test_a_table_of_another_case_is_told_as_that(call: Call, other: pd.DataFrame) -> None:
+    other.to_csv("tool.csv", index=False)
+    answer = call("compare", "thesis-24", "tool.csv", "--engine", "reference", "--json")
+    assert answer.code == 1
+    (case,) = json.loads(answer.output)["cases"]
+    assert list(case["slips"]["tool.csv"]) == ["case"]
+    for words in ("looks like a table of thesis-17:", "a turn takes 0.4516 s in it, 0.378"):
+        assert words in case["slips"]["tool.csv"]["case"]
+
+
+def test_in_python_a_table_is_told_the_same(call: Call, trajectory: pd.DataFrame) -> None:
+    found = qr.compare("thesis-24", trajectory.assign(strain_2=-trajectory["strain_2"]), "reference", quiet=True)
+    assert found.passed is False
+    assert {check.channel for check in found.missed} == {"strain_2"}
+    assert set(found.explanations) == {"strain_2"}
+    assert "table departs from reference" in found.verdict
+    assert found.differences["reference"]["strain_2"] == pytest.approx(2.0, rel=1e-2)
+    assert found.differences["reference"]["tip_x"] < 1e-4
+    assert len(found.frame) == len(found.rows) > len(found.missed)
+    assert "table: strain_2 has the wrong sign" in repr(found)
+    as_it_is = qr.compare("thesis-24", trajectory, "reference", quiet=True)
+    assert (as_it_is.passed, as_it_is.explanations, as_it_is.missed) == (True, {}, ())
+    assert "in all 74 comparisons" in as_it_is.verdict
+
+
+def test_a_table_that_knows_its_case_is_refused_on_another(trajectory: pd.DataFrame) -> None:
+    trajectory.attrs["case"] = "thesis-24"
+    with pytest.raises(qr.CaseError, match='"thesis-24" is not "thesis-23"'):
+        qr.compare("thesis-23", trajectory, "reference")

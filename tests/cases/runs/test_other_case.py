@@ -1,0 +1,127 @@
+"""A table of another case is told as that one's, and honest tables of the case itself never are: tables of known descent."""
+
+import dataclasses
+import functools
+
+import numpy as np
+import pytest
+
+from cases.case import Case
+from cases.case_file import load_case
+from cases.errors import CaseError
+from cases.recorded import table_of
+from cases.runs.differences import WHOLE, explanations
+from cases.runs.other_case import TRAITS, other_cases
+from cases.runs.recorded import recorded_run
+from cases.runs.request import Run
+from engines.registry import engine
+from engines.scene import simulate_scene
+
+ALL = ("thesis-15", "thesis-17", "thesis-22", "thesis-24", "hard-ei-x10", "hard-no-tip")
+
+
+@functools.cache
+def columns_of(name: str, by: str = "reference") -> dict[str, np.ndarray]:
+    case = load_case(name)
+    return simulate_scene(engine(by), case.scene, 2.2, 1e-3, {}, None).trajectory.columns
+
+
+@functools.cache
+def right(case: Case) -> Run:
+    """What stands for an engine on a case."""
+    return recorded(case.name, case)
+
+
+def recorded(name: str, case: Case, by: str = "reference", **changes: float) -> Run:
+    """What a table of one case is, measured on another; `changes`: factors of columns."""
+    columns = {column: changes.get(column, 1.0) * values for column, values in columns_of(name, by).items()}
+    return recorded_run(table_of(columns), case)
+
+
+@pytest.mark.parametrize(
+    ("given", "name"),
+    [
+        *(("thesis-24", name) for name in ALL),
+        *(pytest.param(given, name, marks=pytest.mark.verify) for given in ALL if given != "thesis-24" for name in ALL),
+    ],
+)
+def test_the_case_is_found(given: str, name: str) -> None:
+    case = load_case(given)
+    found = other_cases(recorded(name, case), right(case), case)
+    if name == given:
+        assert (found.names, found.told) == ((), "")
+    else:
+        assert found.names[0] == name
+        assert given in found.told
+
+
+def test_cases_whose_crank_turns_at_another_pace_are_refused_with_the_case() -> None:
+    with pytest.raises(CaseError, match=r"takes 0\.8.* s in it.*this looks like a table of thesis-07"):
+        recorded("thesis-07", load_case("thesis-24"))
+
+
+def test_a_coarse_model_is_no_other_case() -> None:
+    """One cubic has a first frequency that is 13 % too high: that of run 22, whose crank turns within 0.4 % as fast."""
+    case = load_case("thesis-24")
+    run, other = recorded("thesis-24", case, "thesis"), right(case)
+    assert other_cases(run, other, case).names == ()
+    told = explanations(run, other, case)
+    assert list(told) == [WHOLE]
+    assert "fits thesis-24" in told[WHOLE]
+    assert "model coarse" in told[WHOLE]
+
+
+@pytest.mark.parametrize(
+    ("column", "factor"),
+    [
+        ("tip_deflection", 0.0254),
+        ("tip_deflection", 1e3),
+        ("slider_force", -1.0),
+        ("slider_force", 1.7),
+        ("slider_position", 1e3),
+        ("tip_x", -1.0),
+    ],
+)
+def test_one_wrong_column_makes_no_other_case(column: str, factor: float) -> None:
+    """Least of all 0.0254 of the deflection: about what ten times the stiffness makes of it."""
+    case = load_case("thesis-24")
+    told = explanations(recorded("thesis-24", case, **{column: factor}), right(case), case)
+    assert set(told) == {column}
+
+
+def test_a_scene_with_another_value_is_told_as_that_and_no_column_is_explained() -> None:
+    case = load_case("thesis-24")
+    crank = dataclasses.replace(case.mechanism.crank, length=1.15 * case.mechanism.crank.length)
+    mine = simulate_scene(engine("reference"), dataclasses.replace(case.mechanism, crank=crank), 2.2, 1e-3, {}, None)
+    told = explanations(recorded_run(table_of(mine.trajectory.columns), case), right(case), case)
+    assert list(told) == [WHOLE]
+    assert "the slider comes as near as 0.3404 m to P in it, 0.3556 m in thesis-24" in told[WHOLE]
+    assert "is a quantity of the scene another one" in told[WHOLE]
+
+
+def test_every_trait_is_told_with_both_values_and_the_case() -> None:
+    for trait in TRAITS.values():
+        assert trait.words.format(1.25, 2.5, "mine").count("mine") == 1
+        assert trait.factor > 1.0
+
+
+@pytest.mark.parametrize("size", [0.03, 0.1, 0.4])
+def test_noise_is_told_by_its_size(size: float) -> None:
+    case, random = load_case("thesis-24"), np.random.default_rng(3)
+    columns = dict(columns_of("thesis-24"))
+    rms = float(np.sqrt(np.mean(columns["strain_2"][1500:] ** 2)))
+    columns["strain_2"] = columns["strain_2"] + size * rms * random.standard_normal(len(columns["time"]))
+    told = explanations(recorded_run(table_of(columns), case), right(case), case)
+    assert set(told) == {"strain_2"}
+    assert "look like noise of" in told["strain_2"]
+    assert float(told["strain_2"].split("noise of ")[1].split(" %")[0]) == pytest.approx(100.0 * size, rel=0.25)
+
+
+def test_a_sign_is_named_through_noise() -> None:
+    case, random = load_case("thesis-24"), np.random.default_rng(4)
+    columns = dict(columns_of("thesis-24"))
+    rms = float(np.sqrt(np.mean(columns["strain_2"] ** 2)))
+    columns["strain_2"] = -columns["strain_2"] + 0.05 * rms * random.standard_normal(len(columns["time"]))
+    told = explanations(recorded_run(table_of(columns), case), right(case), case)
+    assert set(told) == {"strain_2"}
+    assert "sign" in told["strain_2"]
