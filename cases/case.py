@@ -1,7 +1,7 @@
 """A case: one scene, and what to simulate of it; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -66,6 +66,17 @@ class Case(Shown):
     def values(self) -> dict[str, dict[str, Any]]:
         """Values in SI by section and key of the case file; sections and keys that the scene lacks are left out."""
         return {**values_of(self.scene), "simulation": {"duration": self.duration, "output_step": self.output_step}}
+
+    def to_toml(self) -> str:
+        """The text of a case file for the same case: values as they were written, else in SI, each key with its meaning.
+
+        Raises:
+            CaseError: a value that no file can hold, such as NaN.
+        """
+        from cases.copies import as_written
+        from cases.written import as_toml
+
+        return as_toml(replace(as_written(self), header={"name": self.name, "title": self.title, "tags": list(self.tags)}))
 
     @property
     def mechanism(self) -> Mechanism:

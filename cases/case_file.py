@@ -7,11 +7,13 @@ from dataclasses import replace
 from numbers import Real
 
 from cases.case import Case
+from cases.document import Document, read_document
+from cases.doubts import doubts
 from cases.errors import CaseError, as_written, nearest, path_shown
 from cases.library import case_names, library_case, library_document
 from cases.library.hard import IMPOSSIBLE
-from cases.reading import case_of, misfit, parse_case
-from cases.text_file import read_text
+from cases.reading import case_of, misfit
+from cases.text_file import file_alike, read_text
 
 
 def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Case:
@@ -26,18 +28,41 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
     Raises:
         CaseError: no such case, an unreadable file, or a mistake in the file or the overrides.
     """
-    if name_or_path in case_names() or name_or_path in IMPOSSIBLE:
-        case = library_case(name_or_path)
-        if not overrides:
-            return case
-        changed = case_of(library_document(name_or_path).overridden_by(overrides))
-        return replace(changed, notes=tuple(dict.fromkeys((*case.notes, *changed.notes))), source=case.source)
-    if not (os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path)):
-        shown = as_written(name_or_path)
-        near = nearest(name_or_path, case_names())
-        accepted = f"the nearest one is {near} (`quickreturn cases` lists all); or give a path"
-        raise CaseError(shown, None, None, "no case of the library has this name", accepted)
-    return parse_case(read_text(name_or_path), path_shown(name_or_path), overrides)
+    if not in_library(name_or_path):
+        return case_of(_document(name_or_path, overrides))
+    original = library_case(name_or_path)
+    if not overrides:
+        return original
+    changed, meant = case_of(_document(name_or_path, overrides)), tuple(doubts(original.scene))
+    return replace(changed, notes=(*original.notes, *(note for note in changed.notes if note not in meant)), source=original.source)
+
+
+def _document(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Document:
+    """The values of a case as they are written, with overrides; raises like `load_case`, but for values that cannot be."""
+    if in_library(name_or_path):
+        document = library_document(name_or_path)
+    elif os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path):
+        shown = path_shown(name_or_path)
+        if name_or_path.lower().endswith(".csv") and os.path.isfile(name_or_path):
+            raise CaseError(shown, None, None, "is a table and no case file", "give its case; `plot` and `compare` take tables as well")
+        document = read_document(read_text(name_or_path, library=case_names()), shown)
+    else:
+        raise _unknown(name_or_path)
+    return document.overridden_by(overrides or {})
+
+
+def in_library(name: str) -> bool:
+    """Whether a name is taken by the library, be it by a scene that cannot be."""
+    return name in case_names() or name in IMPOSSIBLE
+
+
+def _unknown(name: str) -> CaseError:
+    """The message for a name that the library does not have: there may be a file that is meant."""
+    near = nearest(name, case_names())
+    accepted = f"the nearest one is {near} (`quickreturn cases` lists all); or give a path"
+    if file := file_alike(f"{name}.toml"):
+        accepted = f"did you mean the file {file}?"
+    return CaseError(as_written(name), None, None, "no case of the library has this name", accepted)
 
 
 def with_times(case: Case, duration: float | None = None, output_step: float | None = None) -> Case:

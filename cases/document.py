@@ -14,7 +14,8 @@ from reference_model.scene_values import ALTERNATIVES
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000
 
-_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
+#: Names of cases and tags.
+NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _LONGEST_TITLE: Final = 200
 
 #: Named as the source of a value that came from the command line.
@@ -151,14 +152,14 @@ def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
     name = document.header.get("name")
     if name is None:
         raise CaseError(document.source, "name", None, "this key is missing", 'write a name, such as name = "stiffer-follower"')
-    if not isinstance(name, str) or not _NAME.fullmatch(name):
+    if not isinstance(name, str) or not NAME.fullmatch(name):
         accepted = "up to 64 letters, digits, points, hyphens and underscores in quotes, beginning with a letter or digit, are accepted"
         raise document.error("name", "is no name", accepted)
     title = document.header.get("title", name)
     if not isinstance(title, str) or not title.isprintable() or len(title) > _LONGEST_TITLE:
         raise document.error("title", "is no title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted")
     tags = document.header.get("tags", [])
-    if not isinstance(tags, list) or not all(isinstance(tag, str) and _NAME.fullmatch(tag) for tag in tags):
+    if not isinstance(tags, list) or not all(isinstance(tag, str) and NAME.fullmatch(tag) for tag in tags):
         raise document.error("tags", "is no list of tags", 'write one such as ["thesis", "fast"], each tag like a name')
     return name, title, tuple(tags)
 

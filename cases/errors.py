@@ -69,13 +69,19 @@ def nearest(given: str, known: Iterable[str]) -> str:
     return max(known, key=lambda name: _resemblance(given, name))
 
 
+def as_alike(given: str, known: Sequence[str]) -> str:
+    """The nearest name in `known` if it is near enough for a slip of the hand, else ""."""
+    near = nearest(given, known) if known else ""
+    return near if _resemblance(given, near) >= _NEAR else ""
+
+
 def nearest_or_all(given: str, known: Sequence[str], within: str = "") -> str:
     """What to write instead of a name that is unknown: the nearest one where one is near, else all of `known` (not empty).
 
     `within`: what stands before all of them.
     """
-    near = nearest(given, known)
-    return f"the nearest known one is {within}{near}" if _resemblance(given, near) >= _NEAR else f"known are {', '.join(known)}"
+    near = as_alike(given, known)
+    return f"the nearest known one is {within}{near}" if near else f"known are {', '.join(known)}"
 
 
 def _resemblance(given: str, name: str) -> float:

@@ -1,21 +1,30 @@
 """What a column looks like after the usual mistakes, and which of them a given column shows."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
 
+from cases.explanation import Hypothesis, explain
 from engines.relative import rms
 from reference_model.columns import COLUMNS
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, Scene
 
 Array = NDArray[np.float64]
 
 _POUND: Final = 4.4482216152605  # N
 _INCH: Final = 0.0254  # m
+#: What numbers a column of several of its kind.
+_DIGITS: Final = "0123456789"
+#: Whole rows by which a column may come late or early; the part of a row below which it is in time.
+_LAGS: Final = (1, -1, 2, -2, 3)
+_NOT_LATE: Final = 0.05
+IN_TIME: Final = "take it at the instant of the row, after the last step, with everything derived brought up to date"
 #: SI unit -> other unit -> its number for one SI unit.
 UNITS: Final[dict[str, dict[str, float]]] = {
     "s": {"milliseconds": 1e3, "minutes": 1.0 / 60.0},
@@ -29,22 +38,12 @@ UNITS: Final[dict[str, dict[str, float]]] = {
     "J": {"millijoules": 1e3, "inch pounds": 1.0 / (_POUND * _INCH)},
     "Hz": {"rad/s": 2.0 * math.pi, "rpm": 60.0, "kHz": 1e-3},
 }
-#: A mistake explains a column if it leaves no more than this part of the difference.
-EXPLAINED: Final = 0.15
-#: Of a coarse engine, whose own error is in the way, it must leave less than this part, and no more than that of the column.
+#: Of a coarse engine, whose own error is in the way, a mistake must leave less than this part of the difference, and no more than that of
+#: the column.
 _EXPLAINED_COARSELY: Final = (0.4, 0.6)
 #: How far a model that says nothing of its own error may be off in the mild scene, relative to the column: one cubic is 43 % off in a
 #: strain there.
 HOPELESS: Final = 1.2
-
-
-class Mistake(NamedTuple):
-    """What it is, what to do, what the column would be with it, and whether a coarse engine cannot come out like that."""
-
-    words: str
-    advice: str
-    values: Array
-    gross: bool = True
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,13 @@ class Finding:
 
 
 def diagnose(
-    name: str, found: Array, expected: Array, tolerance: float | None, beside: Mapping[str, Array], mechanism: Mechanism
+    name: str,
+    found: Array,
+    expected: Array,
+    tolerance: float | None,
+    beside: Mapping[str, Array],
+    mechanism: Scene,
+    more: Iterable[Hypothesis] = (),
 ) -> Finding | None:
     """What is wrong with a column, or None.
 
@@ -73,107 +78,147 @@ def diagnose(
         tolerance: by how much it may be off, in its unit; None: the engine does not say.
         beside: the right columns, among which it may have been exchanged; "time" and all that every engine delivers.
         mechanism: the scene.
+        more: mistakes that depend on how the rows were made.
     """
     off, size = rms(found - expected), rms(expected)
     if size == 0.0:
         return None
     within = tolerance is not None and off <= tolerance
     claims = tolerance is not None and not within
-    candidates = [mistake for mistake in _mistakes(name, expected, beside, mechanism) if mistake.gross or claims]
-    best = min(candidates, key=lambda mistake: _left(found, mistake.values))
-    left = rms(found - best.values)
-    finding = Finding(f"{name} {best.words}", best.advice, left)
+    tried = [mistake for mistake in (*_mistakes(name, expected, beside, mechanism), *more) if mistake.gross or claims]
     if not claims:
         share, most = _EXPLAINED_COARSELY
-        if left <= share * off and _left(found, best.values) <= most and off > 0.2 * size:
-            return finding
-        if within or off < HOPELESS * size:
+        seen = [each for each in tried if rms(found - each.values) <= most * rms(each.values)]
+        coarsely = explain(found, expected, seen, most=share) if off > 0.2 * size else None
+        if coarsely is not None:
+            return Finding(f"{name} {coarsely.words}", coarsely.advice, coarsely.left)
+        if within or off < HOPELESS * size or not (COLUMNS[name].required or name == name.rstrip(_DIGITS)):
             return None
-    allowed = 0.0 if tolerance is None else tolerance * rms(best.values) / size
-    if left <= max(EXPLAINED * off, min(allowed, 0.5 * off)):
-        return finding
-    claimed = "" if tolerance is None else f", by its own estimate it may be {100.0 * tolerance / size:.2g} % off"
-    whole = f"{name} is {100.0 * off / size:.2g} % off{claimed}"
-    return _fitted(name, found, expected, off) or Finding(whole, "compare it with reference where it departs first")
+    explained = explain(found, expected, [*tried, *_fitted(name, found, expected)], tolerance or 0.0)
+    if explained is not None:
+        return Finding(f"{name} {explained.words}", explained.advice, explained.left)
+    claimed = "" if tolerance is None else f", by its own estimate it may be off by {share_of(tolerance / size)}"
+    return Finding(f"{name} is off by {share_of(off / size)}{claimed}", "compare it with reference where it departs first")
 
 
-def _left(found: Array, values: Array) -> float:
-    size = rms(values)
-    return rms(found - values) / size if size > 0.0 else math.inf
+def share_of(share: float, of: str = "its size") -> str:
+    """A share with two digits: in per cent, or as a multiple of `of` from twice as much on."""
+    if share >= 2.0:
+        return f"{_two_digits(share)} times {of}"
+    return f"{_two_digits(100.0 * share)} %"
 
 
-def _fitted(name: str, found: Array, expected: Array, off: float) -> Finding | None:
-    """A constant, or a factor that is no unit's, if it explains the column."""
+def _two_digits(number: float) -> str:
+    """Without an exponent where the number is not tiny."""
+    text = f"{number:.2g}"
+    return f"{float(text):.0f}" if "e+" in text else text
+
+
+def _fitted(name: str, found: Array, expected: Array) -> Iterator[Hypothesis]:
+    """A constant, and a factor that is no unit's."""
     unit, constant = COLUMNS[name].unit, float(np.mean(found - expected))
     size = f"{abs(constant):.4g}{'' if unit == '1' else f' {unit}'} too {'large' if constant > 0.0 else 'small'}"
+    yield Hypothesis(f"is {size} throughout", "look from where it is counted", expected + constant, fitted=True)
     factor = float(found @ expected / (expected @ expected))
-    for words, advice, values in (
-        (f"is {size} throughout", "look from where it is counted", expected + constant),
-        (f"is {factor:.4g} times what it should be", "look for a factor or a quantity that is off by as much", factor * expected),
-    ):
-        if (left := rms(found - values)) <= EXPLAINED * off:
-            return Finding(f"{name} {words}", advice, left)
-    return None
+    words, advice = f"is {factor:.4g} times what it should be", "look for a factor or a quantity that is off by as much"
+    yield Hypothesis(words, advice, factor * expected, fitted=True)
 
 
-def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism: Mechanism) -> Iterator[Mistake]:
+def lateness(found: Array, expected: Array, at: Array | None = None, fine: Array | None = None) -> Iterator[Hypothesis]:
+    """What a column would be that comes whole rows late or early, or by a part of a row.
+
+    Args:
+        found: what is there, shape (n,).
+        expected: what should be there, in rows at even distances.
+        at: place of each row found among the rows of `fine`, and how far lateness by one row moves it, shapes (2, n); None: row for row.
+        fine: rows from which late ones are made; None: those expected.
+    """
+    source = expected if fine is None else fine
+    spline, last = CubicSpline(np.arange(len(source)), source), len(source) - 1
+    place, moved = np.array([np.arange(len(found)), np.ones(len(found))]) if at is None else at
+
+    def by(lag: float) -> Array:
+        return np.asarray(spline(np.clip(place - lag * moved, 0, last)))
+
+    def left(lag: float) -> float:
+        return rms((found - by(lag))[_LAGS[-1] : -_LAGS[-1]])
+
+    for lag in _LAGS:
+        yield Hypothesis(_comes(lag), IN_TIME, by(lag))
+    lags = np.linspace(-_LAGS[-1], _LAGS[-1], 8 * _LAGS[-1] + 1)
+    nearest = float(min(lags, key=left))
+    part = float(minimize_scalar(left, bounds=(nearest - 0.25, nearest + 0.25), method="bounded").x)
+    if abs(part) > _NOT_LATE:
+        yield Hypothesis(_comes(part), IN_TIME, by(part), fitted=True)
+
+
+def _comes(lag: float) -> str:
+    """Lateness in words, rows; "early" where it is negative."""
+    return f"comes {abs(lag):.2g} row{'' if abs(lag) == 1 else 's'} {'late' if lag > 0 else 'early'}"
+
+
+def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism: Scene) -> Iterator[Hypothesis]:
     unit, meaning = COLUMNS[name].unit, COLUMNS[name].meaning
-    yield Mistake("has the wrong sign", f"turn it round: {meaning}", -expected)
-    yield Mistake("is a size without sign", f"give it its sign: {meaning}", np.abs(expected))
+    yield Hypothesis("has the wrong sign", f"turn it round: {meaning}", -expected)
+    yield Hypothesis("is a size without sign", f"give it its sign: {meaning}", np.abs(expected))
     for other, factor in UNITS.get(unit, {}).items():
         words, divide = f"is in {other}, not in {unit if unit != '1' else 'parts of one'}", f"divide it by {factor:.6g}"
-        yield Mistake(words, divide, factor * expected)
-        yield Mistake(f"{words}, and has the wrong sign", f"{divide} and turn it round", -factor * expected)
-        yield Mistake(f"is converted from {other} though it comes in {unit}", f"multiply it by {factor:.6g}", expected / factor)
+        yield Hypothesis(words, divide, factor * expected)
+        yield Hypothesis(f"{words}, and has the wrong sign", f"{divide} and turn it round", -factor * expected)
+        yield Hypothesis(f"is converted from {other} though it comes in {unit}", f"multiply it by {factor:.6g}", expected / factor)
     for factor, word in ((2.0, "twice"), (0.5, "half")):
-        yield Mistake(f"is {word} what it should be", f"look for a factor of 2: {meaning}", factor * expected, False)
+        yield Hypothesis(f"is {word} what it should be", f"look for a factor of 2: {meaning}", factor * expected, gross=False)
     for other, column in COLUMNS.items():
-        if other != name and other in beside and column.unit == unit and column.required:
-            for sign, minus in ((1.0, ""), (-1.0, "minus ")):
-                yield Mistake(f"holds {minus}{other}", f"exchange them: {name} is {meaning}", sign * beside[other])
+        alike = column.required or other.rstrip(_DIGITS) == name.rstrip(_DIGITS)
+        if other != name and other in beside and column.unit == unit and alike:
+            for sign, minus in ((1.0, ""), (-1.0, "minus ")):  # places side by side are alike in a coarse engine
+                words, exchange = f"holds {minus}{other}", f"exchange them: {name} is {meaning}"
+                yield Hypothesis(words, exchange, sign * beside[other], gross=column.required)
     if name in ("crank_angle", "follower_angle"):
         yield from _of_angles(expected)
-    crank, d, thickness = mechanism.crank.length, mechanism.pivot_distance, mechanism.follower.thickness
+    if unit == "1":
+        for sign, minus in ((2.0, ""), (-2.0, "minus ")):
+            words = f"is {minus}the curvature, not the surface strain"
+            yield Hypothesis(words, "multiply the curvature by half the thickness", sign * expected / mechanism.follower.thickness)
+    if not isinstance(mechanism, Mechanism):
+        return
+    crank, d = mechanism.crank.length, mechanism.pivot_distance
     across = np.array([crank * np.cos(beside["crank_angle"]) - d, crank * np.sin(beside["crank_angle"])])
     tip, q2 = np.array([beside["tip_x"] - d, beside["tip_y"]]), np.unwrap(beside["follower_angle"])
     if name == "follower_angle":
         base = "take the angle of the base body"
-        yield Mistake("is the direction from the pivot to the slider, not of the tangent at the base", base, _direction(across))
-        yield Mistake("is the direction from the pivot to the tip", base, _direction(tip))
+        yield Hypothesis("is the direction from the pivot to the slider, not of the tangent at the base", base, _direction(across))
+        yield Hypothesis("is the direction from the pivot to the tip", base, _direction(tip))
     if name == "slider_position":
         chord = "is the straight distance from the pivot, not the arc length"
-        yield Mistake(chord, "integrate along the bent centre line", np.hypot(*across))
-        yield Mistake("is counted from the tip", "subtract it from the length", mechanism.follower.length - expected)
-        yield Mistake("is counted from its place at the start", "add that", expected - expected[0])
+        yield Hypothesis(chord, "integrate along the bent centre line", np.hypot(*across))
+        yield Hypothesis("is counted from the tip", "subtract it from the length", mechanism.follower.length - expected)
+        yield Hypothesis("is counted from its place at the start", "add that", expected - expected[0])
     if name == "tip_x":
-        yield Mistake("is counted from P, not from O", "add the pivot distance", expected - d)
+        yield Hypothesis("is counted from P, not from O", "add the pivot distance", expected - d)
     if name == "tip_deflection":
         along, aside = across / np.hypot(*across)
         chord = "is measured from the line through pivot and slider, not from the tangent at the base"
-        yield Mistake(chord, "measure along b2, the normal of the base tangent", along * tip[1] - aside * tip[0])
+        yield Hypothesis(chord, "measure along b2, the normal of the base tangent", along * tip[1] - aside * tip[0])
         rigid = np.sin(q2) * mechanism.follower.length
-        yield Mistake("is measured along n2, not along b2", "turn it into the base frame", tip[1] - rigid)
-    if name.startswith("strain"):
-        for sign, minus in ((2.0, ""), (-2.0, "minus ")):
-            words = f"is {minus}the curvature, not the surface strain"
-            yield Mistake(words, "multiply the curvature by half the thickness", sign * expected / thickness)
+        yield Hypothesis("is measured along n2, not along b2", "turn it into the base frame", tip[1] - rigid)
     if name == "tip_acceleration":
         yield from _accelerations(beside["time"], tip, q2, beside["tip_deflection"])
 
 
-def _of_angles(y: Array) -> Iterator[Mistake]:
+def _of_angles(y: Array) -> Iterator[Hypothesis]:
     runs_on, start = "let it run on from row to row: numpy.unwrap", "it lies within 90 deg of 180 deg at the start"
     for interval, values in (("-180 to 180", (y + np.pi) % (2.0 * np.pi) - np.pi), ("0 to 360", y % (2.0 * np.pi))):
         if not np.allclose(values, y):
-            yield Mistake(f"is wrapped to {interval} degrees", runs_on, values)
-            yield Mistake(f"is in degrees and wrapped to {interval}", f"convert it and {runs_on}", np.degrees(values))
-    yield Mistake("is counted from the start", f"add its value at the start, {y[0]:.4g} rad", y - y[0])
-    yield Mistake("is counted from -n1, half a turn off", "add pi", y - np.pi)
-    yield Mistake("is a turn too small", start, y - 2.0 * np.pi)
-    yield Mistake("is a turn too large", start, y + 2.0 * np.pi)
+            yield Hypothesis(f"is wrapped to {interval} degrees", runs_on, values)
+            yield Hypothesis(f"is in degrees and wrapped to {interval}", f"convert it and {runs_on}", np.degrees(values))
+    yield Hypothesis("is counted from the start", f"add its value at the start, {y[0]:.4g} rad", y - y[0])
+    yield Hypothesis("is counted from -n1, half a turn off", "add pi", y - np.pi)
+    yield Hypothesis("is a turn too small", start, y - 2.0 * np.pi)
+    yield Hypothesis("is a turn too large", start, y + 2.0 * np.pi)
 
 
-def _accelerations(time: Array, tip: Array, q2: Array, deflection: Array) -> Iterator[Mistake]:
+def _accelerations(time: Array, tip: Array, q2: Array, deflection: Array) -> Iterator[Hypothesis]:
     """Other accelerations of the tip that an engine may have at hand; from second differences of its place."""
 
     def twice(values: Array) -> Array:
@@ -191,7 +236,7 @@ def _accelerations(time: Array, tip: Array, q2: Array, deflection: Array) -> Ite
         ("the size of the vector, without sign", np.hypot(*a)),
         ("without the centripetal part of a turning frame: twice differentiated in polar coordinates", polar),
     ):
-        yield Mistake(f"is {words}", "take the absolute acceleration along the beam's normal at the tip", values)
+        yield Hypothesis(f"is {words}", "take the absolute acceleration along the beam's normal at the tip", values)
 
 
 def _direction(place: Array) -> Array:

@@ -6,9 +6,10 @@ from typing import Any, Final
 
 from cases.case import PATHS, SECTIONS, Case, dimension_of
 from cases.document import Document, header_of, read_document, with_changes
+from cases.doubts import doubts
 from cases.errors import CaseError
 from cases.units import QuantityError, parse_quantity
-from reference_model.mechanism import ImpossibleMechanism, doubts
+from reference_model.mechanism import ImpossibleMechanism
 from reference_model.scene_values import MissingQuantity, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # a table of a gigabyte

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, shortened
 from cases.text_file import read_text
@@ -95,17 +95,65 @@ def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
     if at == len(lines):
         what = "has no heading" if text.strip() else "is empty"
         raise CaseError(shown, None, None, what, 'write one such as "time [s],crank_angle [deg]"')
-    sizes = _heading(shown, f"line {at + 1}", lines[at])
+    headings = _headings(shown, f"line {at + 1}", lines[at])
+    sizes = _sizes(shown, f"line {at + 1}", headings)
     values = dict(zip(sizes, _values(shown, list(sizes), lines, at + 1).T, strict=True))
-    late = np.flatnonzero(np.diff(values["time"]) <= 0.0)
-    if late.size:
-        row = int(late[0]) + 1
-        number = [number for number, line in enumerate(lines[at + 1 :], at + 2) if line.strip()][row]
-        written = f"{values['time'][row]:.12g}"
-        raise CaseError(shown, f"line {number}, time", written, "does not rise", "sort the rows and drop doubles")
+    if (late := _late_row(values["time"])) is not None:
+        number = [number for number, line in enumerate(lines[at + 1 :], at + 2) if line.strip()][late]
+        raise _does_not_rise(shown, f"line {number}, time", values["time"][late])
+    return _table(printable(os.path.basename(path)), path, sizes, values, declared, of_experiment)
+
+
+def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | None = None) -> RecordedTable:
+    """A table of columns that are in memory, headed as in a file: `"tip_deflection [mm]"`, or without a unit for SI.
+
+    Args:
+        columns: heading -> numbers, shape (n,); a pandas DataFrame, or a dictionary of arrays.
+        name: what the table is called among engines.
+        case: which it is of; None: it does not say.
+
+    Raises:
+        CaseError: a heading or a column that a file may not have either.
+    """
+    sizes = _sizes(name, "heading", [str(heading) for heading in columns])
+    values = {}
+    for column, heading in zip(sizes, columns, strict=True):
+        try:
+            values[column] = np.asarray(columns[heading], dtype=np.float64)
+        except (TypeError, ValueError):
+            raise CaseError(name, column, None, "holds what is no number", "give one plain number for each row") from None
+        rows = values[column].shape
+        if len(rows) != 1 or rows != np.shape(columns[next(iter(columns))]):
+            raise CaseError(name, column, None, f"has the shape {rows}", "give one number for each row, as in the other columns")
+        if not np.all(np.isfinite(values[column])):
+            row = int(np.argmin(np.isfinite(values[column])))
+            raise CaseError(name, f"row {row}, {column}", str(values[column][row]), "is not finite", "leave out rows that lack a number")
+    if (late := _late_row(values["time"])) is not None:
+        raise _does_not_rise(name, f"row {late}, time", values["time"][late])
+    return _table(name, name, sizes, values, {} if case is None else {"case": case})
+
+
+def _table(
+    name: str,
+    path: str,
+    sizes: Mapping[str, float | None],
+    values: Mapping[str, Array],
+    declared: Mapping[str, str],
+    of_experiment: bool = False,
+) -> RecordedTable:
     columns = {name: values[name] if size is None else size * values[name] for name, size in sizes.items()}
     bare = frozenset(name for name, size in sizes.items() if size is None)
-    return RecordedTable(printable(os.path.basename(path)), path, columns, bare, declared, of_experiment)
+    return RecordedTable(name, path, columns, bare, declared, of_experiment)
+
+
+def _late_row(time: Array) -> int | None:
+    """The first row whose time is not later than that of the row before."""
+    late = np.flatnonzero(np.diff(time) <= 0.0)
+    return int(late[0]) + 1 if late.size else None
+
+
+def _does_not_rise(source: str, place: str, value: float) -> CaseError:
+    return CaseError(source, place, f"{value:.12g}", "does not rise", "sort the rows and drop doubles")
 
 
 def experiment_tables() -> list[RecordedTable]:
@@ -174,14 +222,19 @@ def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], in
     return declared, len(lines)
 
 
-def _heading(source: str, place: str, line: str) -> dict[str, float | None]:
-    """The names of the columns with the SI values of their units, None where a heading has none."""
+def _headings(source: str, place: str, line: str) -> list[str]:
+    """The headings that a line holds."""
     for sign, word in ((";", "semicolons"), ("\t", "tabulators")):
         if sign in line:
             accepted = "separate columns by commas, decimals by points"
             raise CaseError(source, place, as_written(line), f"has {word} between its columns", accepted)
+    return next(csv.reader([line], skipinitialspace=True))
+
+
+def _sizes(source: str, place: str, headings: Sequence[str]) -> dict[str, float | None]:
+    """The names of the columns with the SI values of their units, None where a heading has none."""
     sizes: dict[str, float | None] = {}
-    for heading in next(csv.reader([line], skipinitialspace=True)):
+    for heading in headings:
         match = _HEADING.fullmatch(heading)
         name, unit = (match[1], match[2]) if match else (heading, None)
         if plain_number(name.strip()) is not None:

@@ -1,5 +1,6 @@
 """Things that show themselves in several rows: as text in a terminal and as HTML in a notebook, made from the same rows."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -37,11 +38,12 @@ class Rows:
         return f"<table>{f'<thead><tr>{heads}</tr></thead>' if heads else ''}<tbody>{rows}</tbody></table>"
 
 
-class Shown:
+class Shown(ABC):
     """Shows itself by its parts: lines of text, and rows."""
 
+    @abstractmethod
     def _parts(self) -> Iterable[Cell]:
-        raise NotImplementedError
+        """From above to below."""
 
     def __repr__(self) -> str:
         return in_lines(self._parts())

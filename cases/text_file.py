@@ -2,17 +2,27 @@
 
 import os
 import stat
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Final
 
-from cases.errors import CaseError, path_shown
+from cases.errors import CaseError, as_alike, path_shown
+
+#: Entries of a folder that are looked at; more are no folder of a person's own files.
+_MOST_ENTRIES: Final = 10_000
 
 
-def read_text(path: str, what: str = "a case file or the name of a library case", largest: int = 64_000) -> str:
+def read_text(
+    path: str, what: str = "a case file or the name of a library case", largest: int = 64_000, library: Sequence[str] = ()
+) -> str:
     """The text of a file, without byte order mark and with plain line ends.
 
     Args:
         path: of the file.
         what: may be given, for messages.
         largest: size in bytes.
+        library: names of the library, of which one may be meant.
 
     Raises:
         CaseError: missing, no regular file, unreadable, too large or not in UTF-8.
@@ -24,7 +34,9 @@ def read_text(path: str, what: str = "a case file or the name of a library case"
         with open(path, "rb") as file:
             content = file.read(largest + 1)
     except FileNotFoundError:
-        raise CaseError(shown, None, None, "there is no such file", instead) from None
+        known = as_alike(Path(path).stem, library)
+        near = file_alike(path) or (known and f"the library case {known}")
+        raise CaseError(shown, None, None, "there is no such file", f"did you mean {near}?" if near else instead) from None
     except (OSError, ValueError) as trouble:  # ValueError: a null character in the path
         reason = trouble.strerror if isinstance(trouble, OSError) else trouble
         raise CaseError(shown, None, None, f"cannot be read ({reason})", instead) from None
@@ -35,3 +47,15 @@ def read_text(path: str, what: str = "a case file or the name of a library case"
     except UnicodeDecodeError as wrong:
         line = content.count(b"\n", 0, wrong.start) + 1
         raise CaseError(shown, None, None, f"is not in UTF-8 (line {line})", "save it as plain text in UTF-8") from None
+
+
+def file_alike(path: str) -> str:
+    """The file in the same folder, with the same ending, whose name resembles that of a path most; "" if there is none."""
+    folder, (stem, ending) = os.path.dirname(path), os.path.splitext(os.path.basename(path))
+    try:
+        with os.scandir(folder or ".") as entries:
+            names = [entry.name for entry in islice(entries, _MOST_ENTRIES) if os.path.isfile(entry)]
+    except (OSError, ValueError):  # no such folder
+        return ""
+    near = as_alike(stem, sorted(name.removesuffix(ending) for name in names if ending and name.endswith(ending)))
+    return near and path_shown(os.path.join(folder, near + ending))

@@ -26,12 +26,15 @@ from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription
 from engines.relative import rms
 from engines.settings import SettingError, Settings
 from engines.trajectory import Trajectory
+from reference_model.columns import BEARINGS, BENDING
 
 R = TypeVar("R")
 Q = TypeVar("Q")
 
 #: Columns with an error estimate of their own.
 ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
+#: Columns that have one, too, where the engine gives them: what a part must bear or a drive must give.
+LOADS: Final = (*BENDING, *BEARINGS, "crank_torque", "base_torque")
 
 #: The least factor that differences in a row are credited with: the error is at most 1.4 times the difference from the coarser run.
 #: Two runs that err by as much in unrelated ways differ by more than either errs; in 17 scenes the errors of unresolved motions were at
@@ -69,7 +72,8 @@ class Result:
         accuracy: error of the tip deflection that the run aimed at, None where settings were given and no accuracy was asked.
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
-        error_estimates: the same for each of `ESTIMATED`; None where unknown or where the column is zero throughout.
+        error_estimates: the same for each of `ESTIMATED` and those of `LOADS` that there are; None where unknown or where the column is
+            zero throughout.
         estimate_of: what the two are estimates of.
         reached: False if the estimate misses the accuracy, or if it is unknown or not verified although an accuracy was asked explicitly.
         remark: why not reached or not estimated (a sentence), "" if all is well.
@@ -270,13 +274,13 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
         length: follower length, m.
 
     Returns:
-        The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED`.
+        The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED` and `LOADS` that there is.
     """
 
     def part(name: str) -> float:
         return runs.part(lambda a, b: rms(a[name] - b[name]))
 
-    known: list[str] = [name for name in ESTIMATED if name in delivered.columns]
+    known: list[str] = [name for name in (*ESTIMATED, *LOADS) if name in delivered.columns]
     each = {name: _relative(part(name), rms(delivered[name])) for name in known}
     deflection = each["tip_deflection"]
     if deflection is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
@@ -366,7 +370,8 @@ class _Runs(Generic[SceneT, StartT]):
         except (_NoEstimate, EngineFailure) as reason:
             told = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
             return _Judged(settings, made, remark=f"the error is unknown: {told}")
-        columns = {name: _sum([each.get(name) for _, each in parts]) for name in ESTIMATED}
+        names = (*ESTIMATED, *(name for name in LOADS if name in made.trajectory.columns))
+        columns = {name: _sum([each.get(name) for _, each in parts]) for name in names}
         return _Judged(settings, made, tuple(tip for tip, _ in parts), columns)
 
     def _parts(self, settings: Settings, trajectory: Trajectory) -> list[tuple[float, dict[str, float | None]]]:

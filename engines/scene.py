@@ -25,7 +25,7 @@ def simulate_scene(
         ValueError, Refusal, SettingError, EngineFailure: as `accurate.simulate`; Refusal also where the engine has no model of a follower
             alone.
     """
-    solver, start = _solver(engine, scene)
+    solver, start = solver_of(engine, scene)
     return accurate.simulate(solver, scene, start, duration, output_step, settings, accuracy, estimate)
 
 
@@ -35,11 +35,11 @@ def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:
     Raises:
         Refusal: it cannot.
     """
-    solver, _ = _solver(engine, scene)
+    solver, _ = solver_of(engine, scene)
     solver.check(scene)
     return solver.describe(scene, solver.settings_for(solver.default_accuracy, scene))
 
 
-def _solver(engine: AnyEngine, scene: Scene) -> tuple[Solver[Any, Any, Any], Start | None]:
-    """The engine's model for the scene's kind, and the standard start."""
+def solver_of(engine: AnyEngine, scene: Scene) -> tuple[Solver[Any, Any, Any], Start | None]:
+    """The engine's model for the scene's kind, and the standard start. Raises Refusal where it has none of a follower alone."""
     return (engine.follower_alone(), None) if isinstance(scene, FollowerAlone) else (engine, standard_start(scene))

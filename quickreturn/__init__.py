@@ -24,14 +24,17 @@ if TYPE_CHECKING:
     from engines.trajectory import Trajectory
     from quickreturn.catalogue import case, cases, engines
     from quickreturn.cross_validation import CrossValidation, report, run
+    from quickreturn.difference import Differences, difference
     from quickreturn.frequencies import modes
     from quickreturn.solution import Solution, UnknownColumn, simulate
+    from quickreturn.table_comparison import TableComparison, compare
 
 __all__ = [
     "Case",
     "CaseError",
     "Comparison",
     "CrossValidation",
+    "Differences",
     "Engine",
     "EngineFailure",
     "Model",
@@ -43,12 +46,15 @@ __all__ = [
     "Simulation",
     "Solution",
     "Start",
+    "TableComparison",
     "Trajectory",
     "UnknownColumn",
     "UnknownEngine",
     "case",
     "cases",
+    "compare",
     "conform",
+    "difference",
     "engine",
     "engines",
     "modes",
@@ -73,8 +79,10 @@ _HOMES: Final = {
     "engines.trajectory": ("Trajectory",),
     "quickreturn.catalogue": ("case", "cases", "engines"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
+    "quickreturn.difference": ("Differences", "difference"),
     "quickreturn.frequencies": ("modes",),
     "quickreturn.solution": ("Solution", "UnknownColumn", "simulate"),
+    "quickreturn.table_comparison": ("TableComparison", "compare"),
 }
 _HOME_OF: Final = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -14,7 +14,7 @@ from cases.case import Case
 from engines.trajectory import Trajectory
 from quickreturn.curves import drawing
 from quickreturn.drawing import Motion, Scenery, factor_for, legend, motion_of
-from reports.plots.style import FONT_SIZE
+from reports.plots.style import FONT_SIZE, SAMPLE
 
 FRAMES: Final = 72
 WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
@@ -68,7 +68,8 @@ def _frames(case: Case, motions: Mapping[str, Motion], factor: float, slowed: in
     scenery = Scenery(axes, case, motions, factor)
     speed = "" if slowed == 1 else f"; shown {slowed} times slower"
     figure.suptitle(f"{case.name}: {case.title}{speed}", fontsize=FONT_SIZE)
-    figure.legend(handles=legend(motions, factor), loc="outside lower center", ncols=5, fontsize=FONT_SIZE - 1.0, frameon=False)
+    samples = {"handlelength": SAMPLE, "ncols": 4, "fontsize": FONT_SIZE - 1.0, "frameon": False}
+    figure.legend(handles=legend(motions, factor), loc="outside lower center", **samples)
     figure.set_dpi(DENSITY)
     canvas, found = FigureCanvasAgg(figure), []
     first = next(iter(motions.values()))

@@ -160,13 +160,14 @@ def prepared(
 
     Raises:
         UnknownEngine: there is none of this name; also of an engine that no other process could find.
-        SettingError, CaseError: a setting or a table that cannot be.
+        SettingError, CaseError: a setting or a table that cannot be, or a case without a cycle, such as a follower alone.
     """
     from cases.recorded import is_table, tables_of
     from engines.base import Engine
     from engines.registry import MAIN, engine
     from quickreturn.questions import check_settings, settings_of
 
+    _ = [case.mechanism for case in cases]
     each = [os.fspath(one) if isinstance(one, os.PathLike) else engine_given(one) for one in _several(engines)]
     paths = list(dict.fromkeys(one for one in each if isinstance(one, str) and is_table(one)))
     names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in each if one not in paths) or MAIN)

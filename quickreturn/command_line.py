@@ -9,6 +9,7 @@ import difflib
 import errno
 import math
 import os
+import re
 import signal
 import sys
 import time
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
     from cases.jobs.workshop import Workshop
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
-COMMANDS: Final = ("engines", "cases", "show", "simulate", "modes", "run", "compare", "report", "benchmark", "conform", "plot", "animate")
+COMMANDS: Final = (
+    "engines", "cases", "new", "show", "simulate", "modes", "run", "compare", "report", "benchmark", "conform", "plot", "animate",
+)  # fmt: skip
 
 GOOD: Final = 0
 CLAIMS_BROKEN: Final = 1
@@ -60,6 +63,12 @@ class CommandGroup(click.Group):
             command.params.append(_quiet_option())
         return command
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The subcommands, each with the first sentence of its help in full: click would cut it to one line."""
+        commands = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, first_sentence(command.help or "")) for name, command in commands if command])
+
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
         """The subcommand that the arguments begin with; UsageError with the nearest name if there is none."""
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
@@ -69,13 +78,18 @@ class CommandGroup(click.Group):
         return super().resolve_command(ctx, args)
 
 
+def first_sentence(text: str) -> str:
+    """The first sentence of a text, on one line."""
+    return re.split(r"(?<=\.)\s", " ".join(text.split()), maxsplit=1)[0]
+
+
 def _quiet_option() -> click.Option:
-    """Of every command: what is on its way is not told."""
+    """The option of every command that silences reports of progress."""
 
     def keep(context: click.Context, option: click.Parameter, given: bool) -> None:
         context.meta[QUIET] = given or context.meta.get(QUIET)
 
-    told = "Do not tell how far things are; what is wrong is told all the same."
+    told = "Do not report progress; what is wrong or doubtful is reported all the same."
     return click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
 
 

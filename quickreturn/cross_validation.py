@@ -9,7 +9,7 @@ from cases.errors import as_written, nearest_or_all
 from cases.jobs.processes import LocalProcesses
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
-from cases.runs.comparison import CaseResult, cross_validate
+from cases.runs.comparison import CaseResult, Check, cross_validate
 from cases.runs.request import Run
 from cases.shown import Cell, Shown
 from engines.registry import MAIN
@@ -33,8 +33,12 @@ _NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum"
 class CrossValidation(Shown):
     """What came of some engines on some cases.
 
+    `passed` says whether all is well, `departures` where it is not:
+
+        assert found.passed, found.departures
+
     Attributes:
-        results: of each case: its runs by engine, the comparisons, and what became of the claims.
+        results: of each case: its runs by engine, the comparisons (`checks`), and what became of the claims.
         notices: sentences on stored results that were damaged or could not be written.
     """
 
@@ -46,6 +50,16 @@ class CrossValidation(Shown):
         """Whether no engine departs from another by more than both claim, and all delivered; None if nothing could be judged."""
         judged = [passed for result in self.results if (passed := result.whole.passed) is not None]
         return all(judged) if judged else None
+
+    @property
+    def departures(self) -> dict[tuple[str, str, str], list[Check]]:
+        """Case, engine and the engine or table that it departs from -> the numbers in which they differ by more than both claim.
+
+        Each says what was measured (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and
+        `its`, with `value`, `estimate` and `uncertainty`. Empty where no engine departs; `passed` is None where none could be judged.
+        """
+        found = {result.case.name: result.whole.departures for result in self.results}
+        return {(case, *pair): checks for case, pairs in found.items() for pair, checks in pairs.items()}
 
     def __getitem__(self, place: tuple[str, str]) -> Run:
         """All that is known of an engine on a case: `runs["thesis-24", "mujoco"]`. LookupError: there is none."""
@@ -78,6 +92,19 @@ class CrossValidation(Shown):
         table = pd.DataFrame(rows)
         table.attrs["units"] = {name: "Hz" if "frequency" in name else "see unit" for name in table.columns if name.startswith(_NUMBERS)}
         return table
+
+    @property
+    def loads(self) -> "pd.DataFrame":
+        """What the parts bear: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
+        import pandas as pd
+
+        from reports.findings.loads import loads_of_cases
+        from reports.tables.strength import of_case
+
+        cases = loads_of_cases(self.results)
+        return pd.DataFrame(
+            [{"case": each.case.name, "engine": engine} | vars(number) for each in cases for engine, number in of_case(each)]
+        )
 
     def cycle(self, case: str, engine: str) -> "pd.DataFrame":
         """The last cycle of an engine on a case, from the slider's farthest place to the next. LookupError: there is none."""
@@ -130,11 +157,8 @@ def run(
         StoreError: the folder of results cannot be used.
         KeyboardInterrupt: Ctrl-C; what was computed is kept.
     """
-    if not isinstance(settings or {}, Mapping):
-        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
-    given = {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
     chosen = loaded(cases)
-    names, texts, tables = prepared(chosen, engines, given)
+    names, texts, tables = prepared(chosen, engines, given_settings(settings))
     workshop = opened(jobs, quiet)
     results = cross_validate(chosen, workshop, names, checked(accuracy), texts, tables)
     return CrossValidation(results, workshop.store.notices)
@@ -145,6 +169,8 @@ def report(
     folder: "str | os.PathLike[str]" = "reports/output",
     engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]" = MAIN,
     *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
     jobs: int | None = None,
     quiet: bool = False,
 ) -> Path:
@@ -154,6 +180,8 @@ def report(
         cases: as of `run`.
         folder: is created where it is missing.
         engines: as of `run`.
+        accuracy: likewise.
+        settings: likewise.
         jobs: likewise.
         quiet: likewise.
 
@@ -161,14 +189,21 @@ def report(
         The page.
 
     Raises:
-        CaseError, StoreError, KeyboardInterrupt: as `run`.
+        CaseError, SettingError, StoreError, KeyboardInterrupt: as `run`.
         OutputError: the folder cannot be written to.
     """
     from reports.report import write_report
 
     chosen = loaded(cases)
-    names, _, tables = prepared(chosen, engines, {})
-    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables).page
+    names, texts, tables = prepared(chosen, engines, given_settings(settings))
+    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables, checked(accuracy), texts).page
+
+
+def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:
+    """Settings by engine, as texts. SettingError: they are no such dictionary."""
+    if not isinstance(settings or {}, Mapping):
+        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
+    return {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
 
 
 def opened(jobs: int | None, quiet: bool) -> Workshop:

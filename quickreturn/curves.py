@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from quickreturn.solution import UnknownColumn, known_column
 from reference_model.columns import COLUMNS
-from reports.plots.style import FONT_SIZE, look, tidy
+from reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
 
 #: Shown where no columns are asked for.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
@@ -21,7 +21,7 @@ PANEL: Final = 1.9  # in, height
 NOTEBOOK: Final = 110  # dots per inch
 
 #: Unit -> what is shown in its place, and by how much a value is divided for that.
-_SHOWN: Final = {"m": ("mm", 1e-3), "1": ("1e-6", 1e-6)}
+_SHOWN: Final = {"m": ("mm", 1e-3), "1": ("10⁻⁶", 1e-6)}
 
 
 Columns = Mapping[str, NDArray[np.float64]]
@@ -85,7 +85,7 @@ def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: s
     if over == "crank_angle":
         axes.set_xticks(range(0, 361, 90))
         axes.axvline(180.0, color="#444444", linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
-    tidy(axes, f"{column.replace('_', ' ')} [{unit}]")
+    tidy(axes, f"{column.replace('_', ' ')} [{unit.replace('^2', '²')}]")
 
 
 def _finish(figure: Figure, first: Axes, title: str) -> None:
@@ -93,4 +93,4 @@ def _finish(figure: Figure, first: Axes, title: str) -> None:
         figure.suptitle(title, fontsize=FONT_SIZE + 1.0)
     handles, labels = first.get_legend_handles_labels()
     if len(handles) > 1:
-        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=FONT_SIZE, frameon=False)
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=FONT_SIZE, frameon=False, handlelength=SAMPLE)

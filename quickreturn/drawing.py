@@ -18,7 +18,8 @@ from quickreturn.solution import UnknownColumn
 from reference_model.columns import PLACES, SHAPE
 from reference_model.mechanism import Mechanism, Scene
 from reference_model.rigid import rigid_motion
-from reports.plots.style import FONT_SIZE, GREY, SMALL, VERMILION, look
+from reports.plots.style import FONT_SIZE, GREY, QUICK, SMALL, look
+from reports.words import angle
 
 Array = NDArray[np.float64]
 
@@ -108,7 +109,7 @@ class Scenery:
         self._tips = {label: axes.plot([], [], "o", color=one["color"], zorder=3.5, **marker)[0] for label, one in looks.items()}
         self._straight = axes.plot([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.6)[0]
         self._crank = axes.plot([], [], color="black", linewidth=3.0, solid_capstyle="round", zorder=4.0)[0]
-        self._slider = axes.plot([], [], "s", color=VERMILION, zorder=6.0, **marker)[0]
+        self._slider = axes.plot([], [], "s", color=QUICK, zorder=6.0, **marker)[0]
         self._said = axes.text(0.012, 0.02, "", transform=axes.transAxes, fontsize=FONT_SIZE, family="monospace", va="bottom")
         named = [*(("crank", "slider") if self._crank_length else ()), "follower", *(("tip",) if self._has_tip else ())]
         self._names = {name: _beside(axes, name, 10.0, fontsize=SMALL, color="#333333", zorder=7.0, va="center") for name in named}
@@ -133,7 +134,7 @@ class Scenery:
             # the follower swings back while the crank passes between the places where it stands across the follower
             limit = math.acos(min(LA / d, 1.0))
             back = np.linspace(-limit, limit, 61)
-            axes.plot(LA * np.cos(back), LA * np.sin(back), color=VERMILION, linewidth=2.0, alpha=0.6, zorder=1.1)
+            axes.plot(LA * np.cos(back), LA * np.sin(back), color=QUICK, linewidth=2.0, alpha=0.6, zorder=1.1)
             axes.plot(0.0, 0.0, "o", color="black", markersize=5.0, zorder=5.0)
             _beside(axes, "O", -14.0, fontsize=FONT_SIZE)
         axes.plot(*self._pivot, "^", color="black", markersize=8.0, zorder=5.0)
@@ -179,7 +180,7 @@ def legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
     samples = [Line2D([], [], label=label, **look(label)) for label in motions]
     samples.append(Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {said}"))
     if any(motion.crank_angle is not None for motion in motions.values()):
-        samples.append(Line2D([], [], color=VERMILION, linewidth=2.0, alpha=0.6, label="quick return"))
+        samples.append(Line2D([], [], color=QUICK, linewidth=2.0, alpha=0.6, label="quick return"))
     return samples
 
 
@@ -188,8 +189,8 @@ def mechanisms(cases: Sequence[Case]) -> Drawing:
     motions = [unbent(case) for case in cases]
     figure = drawing(0.3 + 3.2 * len(cases), WIDTH)
     for axes, case, motion in zip(figure.subplots(len(cases), 1, squeeze=False)[:, 0], cases, motions, strict=True):
-        angle = "" if motion.crank_angle is None else f"crank at {math.degrees(float(motion.crank_angle[0])):g}°"
-        Scenery(axes, case, {"reference": motion}, 1.0).show(0, angle)
+        said = "" if motion.crank_angle is None else f"crank at {angle(math.degrees(float(motion.crank_angle[0])))}"
+        Scenery(axes, case, {"reference": motion}, 1.0).show(0, said)
         axes.set_title(f"{case.name}: {case.title}", fontsize=FONT_SIZE, loc="left")
     figure.legend(handles=legend({"follower": motions[0]}, 1.0)[2:], loc="outside lower center", fontsize=SMALL, frameon=False)
     return figure

@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cases.case import Case
 from cases.errors import as_written, nearest_or_all
 from cases.jobs.display import compilation_told
@@ -22,12 +24,13 @@ from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, engine_given, one_case
 from reference_model import machine_code
-from reference_model.columns import COLUMNS
+from reference_model.columns import BEARINGS, BENDING, COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from cases.loads import Loads
     from quickreturn.curves import Drawing
 
 
@@ -68,6 +71,23 @@ class Solution(Shown):
 
         of = {"total": "error", "integration": "integration error", "unverified": "error, not verified"}[self.result.estimate_of]
         return pd.Series(self.result.error_estimates, dtype=float, name=of)
+
+    @cached_property
+    def loads(self) -> "Loads":
+        """What the parts bear: stress along the arm, forces in joints and bearings; estimates are those of the columns, at their peaks."""
+        from cases.loads import loads_of
+
+        columns = self.trajectory.columns
+
+        def claim(name: str, _: float) -> float | None:
+            strains = [
+                error for gauge in ("strain_1", "strain_2", "strain_3") if (error := self.result.error_estimates.get(gauge)) is not None
+            ]
+            bends = max(strains, default=None) if name.startswith("moment_") else None
+            share = self.result.error_estimates.get(name, bends)
+            return None if share is None else share * float(np.max(np.abs(columns[name])))
+
+        return loads_of(self.case.scene, columns, claim)
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -130,26 +150,37 @@ class Solution(Shown):
         check_writable(place, "", ".webp", ".html")
         write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
 
-    def rows(self, kept: str = "") -> Iterator[tuple[str, Cell]]:
-        """What there is to say, a name and a text or rows each; `kept`: where the table's rows are."""
-        from reports.words import settings_words
+    def rows(self, kept: str = "", notes: str = "its `notes`") -> Iterator[tuple[str, Cell]]:
+        """What there is to say, a name and a text or rows each.
+
+        Args:
+            kept: where the table's rows are.
+            notes: where the notes on the case are.
+        """
+        from reports.findings.loads import stress_text
+        from reports.words import TIED, settings_words
 
         result = self.result
         times = {part: getattr(result, f"{part}_seconds") for part in ("compile", "setup", "solve", "estimate")}
         yield "case", self.case.name
         yield "engine", f"{self.engine} ({self.version})"
         if self.case.notes:
-            yield "notes", f"{len(self.case.notes)} on this case, in `quickreturn show {self.case.name}` and its `notes`"
+            yield "notes", f"{len(self.case.notes)} on this case: see {notes}"
         yield "rows", f"{len(self.trajectory)}{kept and ' in '}{kept}"
         if self.remark != NOT_ESTIMATED:
             yield self._estimates()
+        if (loads := self.loads).stress is not None:
+            yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())
         yield "settings", settings_words(self.settings)
         if self.remark:
             yield "remark", self.remark
 
     def _estimates(self) -> tuple[str, Rows]:
-        """The error estimate of every column, relative and in its unit; of a follower that does not bend, that of the tip's place."""
+        """Error estimates, relative and in their units: of `ESTIMATED`, and the largest of the moments and of the bearing forces.
+
+        Of a follower that does not bend, the first is that of the tip's place.
+        """
         from reports.words import ESTIMATE
 
         found = self.result
@@ -163,6 +194,9 @@ class Solution(Shown):
                 relative, size, words = found.error_estimate, self.case.scene.follower.length, "tip's place"
             about = "; ".join(filter(None, (asked, beside))) if column == "tip_deflection" else ""
             rows.append((words, _digits(relative), "" if relative is None else _digits(relative * size, unit), about))
+        for words, columns in (("moments", BENDING), ("bearings", BEARINGS)):
+            if known := [estimate for column in columns if (estimate := found.error_estimates.get(column)) is not None]:
+                rows.append((words, _digits(max(known)), "", "at most"))
         return name, Rows(rows, ("of", "relative", "RMS", ""))
 
     def _parts(self) -> Iterator[Cell]:

@@ -3,15 +3,20 @@
 import math
 from typing import Final
 
+from cases.loads import UNITS
 from cases.runs.comparison import REFERENCE, CaseResult, Check, Kind, not_judged
 from cases.runs.request import Run
 from cases.shown import Cell, Rows
-from reports.words import cost
+from reports.findings.loads import CaseLoads, leading_loads, stress_text
+from reports.words import TIED, cost, quantity
 
 #: Departures shown of a pair of engines.
 SHOWN: Final = 5
 #: Differences of an engine that is not judged: word and kind.
 _OF_KIND: Final[dict[str, Kind]] = {"frequency": "channel frequency", "amplitude": "amplitude", "extremes": "extreme"}
+
+#: What bears a force, or a torque, in words.
+FORCES: Final = {"pivot_force": "force at P", "crank_force": "at O", "slider_force": "at the slider", "crank_torque": "torque of the drive"}
 
 _HEADS: Final = (
     "engine", "status", "start", "cycles", "solve s", "estimate", "class", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2",
@@ -19,13 +24,14 @@ _HEADS: Final = (
 
 
 def parts_of(result: CaseResult) -> list[Cell]:
-    """Rows of the engines and recorded tables, their remarks, and what was judged."""
+    """Rows of the engines and recorded tables, their remarks, what the parts bear, and what was judged."""
     whole = result.whole
     rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
     remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
     judged = [f"  {line}" for line in _verdict(whole)]
+    borne = [f"  {line}" for line in _borne(leading_loads(result))]
     state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
-    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _HEADS), *remarks, *judged]
+    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _HEADS), *remarks, *borne, *judged]
 
 
 def _verdict(result: CaseResult) -> list[str]:
@@ -52,6 +58,20 @@ def _verdict(result: CaseResult) -> list[str]:
             found = [f"{word} {100.0 * max(of_kind):.2g} %" for word, of_kind in sizes.items() if of_kind]
             lines.append(f"{name}, not judged ({why}): largest differences from {REFERENCE}: {', '.join(found) or 'none'}")
     return lines
+
+
+def _borne(case: CaseLoads) -> list[str]:
+    """What the parts bear by the engine that leads, and the nearest resonance."""
+    if not case.lead:
+        return []
+    loads = case.loads[case.lead]
+    lines = [f"{case.lead}: {stress_text(loads, case.case.mechanism.follower.length)}"]
+    forces = [f"{FORCES[name]} {quantity(peak.value, UNITS[name])}" for name, peak in loads.peaks.items() if name in FORCES and peak]
+    if forces:
+        lines.append(f"{case.lead}: largest {', '.join(forces)}")
+    if case.resonance is not None:
+        lines.append(f"first mode over the crank's frequency {case.resonance.ratio:.2f}: {case.resonance.sentence}")
+    return [line.replace(TIED, " ") for line in lines]
 
 
 def _departure(check: Check) -> str:

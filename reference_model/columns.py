@@ -2,6 +2,14 @@
 
 Meanings and signs are the same in every model and engine. The deflections `shape_01` to `shape_11` at the interior twelfths of the length
 are for drawing: with the base and the tip they are thirteen places of the centre line.
+
+Bending moments have the sign of the strains. Where a slider with rotary inertia makes the moment jump, the moment at the slider is the one
+on its outboard side. A rigid follower has moments too, those that Newton and Euler require of it, but an engine that knows moments by
+curvature alone leaves the columns out there.
+
+Bearing forces are those that the ground exerts on the body. The torque of the drive, the bearings' friction and the damping of the beam
+against its base are couples or internal forces: no bearing force contains them, except by the motion that they cause. The base block has
+no mass here, only an inertia, so that its own weight is not in the force at P.
 """
 
 from collections.abc import Mapping
@@ -63,21 +71,37 @@ COLUMNS: Final = MappingProxyType(
             f"shape_{k:02d}": Observable("m", f"distance of x = {k}/{PLACES + 1} L from the base tangent, along b2")
             for k in range(1, PLACES + 1)
         },
+        **{
+            f"moment_{k:02d}": Observable("N m", f"bending moment at x = {k}/{PLACES + 1} L, positive where W'' > 0")
+            for k in range(1, PLACES + 1)
+        },
+        "moment_slider": Observable("N m", "bending moment at the slider, on its outboard side", of_slider=True),
+        "pivot_force_x": Observable("N", "force of the bearing P on the follower's base, along n1"),
+        "pivot_force_y": Observable("N", "the same along n2"),
+        "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", of_slider=True),
+        "crank_force_y": Observable("N", "the same along n2", of_slider=True),
     }
 )
 SHAPE: Final = tuple(name for name in COLUMNS if name.startswith("shape_"))
+#: Bending moments at the places of `SHAPE`.
+MOMENTS: Final = tuple(name for name in COLUMNS if name.startswith("moment_") and name != "moment_slider")
+#: All bending moments: what an engine leaves out for a rigid follower if it knows moments by curvature alone.
+BENDING: Final = (*MOMENTS, "moment_slider")
+BEARINGS: Final = ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y")
 
-#: Places in a row of what the compiled models tell of an instant; the caller adds the time. The shape comes last.
+#: Places in a row of what the compiled models tell of an instant; the caller adds the time. Shape and moments along the follower come last.
 (
     CRANK_ANGLE, CRANK_SPEED, FOLLOWER_ANGLE, SLIDER_POSITION, TIP_X, TIP_Y, TIP_DEFLECTION, TIP_ACCELERATION,
     STRAIN_1, STRAIN_2, STRAIN_3, SLIDER_FORCE, CRANK_TORQUE, KINETIC_ENERGY, STRAIN_ENERGY, DISSIPATED_ENERGY,
-    CONSTRAINT_GAP, GRAVITY_ENERGY, DRIVE_WORK, FIRST_OF_SHAPE,
-) = range(20)  # fmt: skip
+    CONSTRAINT_GAP, GRAVITY_ENERGY, DRIVE_WORK, MOMENT_SLIDER, PIVOT_FORCE_X, PIVOT_FORCE_Y, CRANK_FORCE_X, CRANK_FORCE_Y, FIRST_OF_SHAPE,
+) = range(25)  # fmt: skip
+FIRST_OF_MOMENTS: Final = FIRST_OF_SHAPE + PLACES
 #: Their names in that order.
 OBSERVED: Final = (
     "crank_angle", "crank_speed", "follower_angle", "slider_position", "tip_x", "tip_y", "tip_deflection", "tip_acceleration",
     "strain_1", "strain_2", "strain_3", "slider_force", "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy",
-    "constraint_gap", "gravity_energy", "drive_work", *SHAPE,
+    "constraint_gap", "gravity_energy", "drive_work", "moment_slider", "pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y",
+    *SHAPE, *MOMENTS,
 )  # fmt: skip
 #: What an open loop's joint does, behind those: rate of the gap (m/s), power of the slider's force on crank and follower together (W).
 JOINT_COLUMNS: Final = ("gap_rate", "joint_power")

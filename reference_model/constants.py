@@ -8,7 +8,7 @@ import numpy as np
 from reference_model import tip_force
 from reference_model.mechanism import FollowerAlone, Scene, TorqueDrive
 
-_OF_CRANK = ("d", "LA", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia")
+_OF_CRANK = ("d", "LA", "crank_mass", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia")
 
 
 def constants(scene: Scene) -> dict[str, Any]:
@@ -37,7 +37,8 @@ def _of_drive(scene: Scene) -> dict[str, float]:
         return {**dict.fromkeys(_OF_CRANK, 0.0), "base_speed": scene.spin_up.speed, "base_time": scene.spin_up.time}
     drive = scene.crank.drive
     torque, damping = (drive.torque, drive.damping) if isinstance(drive, TorqueDrive) else (0.0, 0.0)
-    values = (scene.pivot_distance, scene.crank.length, scene.crank_inertia, scene.crank_moment, torque, damping, scene.slider.inertia)
+    turning = (scene.crank_mass, scene.crank_inertia, scene.crank_moment)
+    values = (scene.pivot_distance, scene.crank.length, *turning, torque, damping, scene.slider.inertia)
     return {**dict(zip(_OF_CRANK, values, strict=True)), "base_speed": 0.0, "base_time": 0.0}
 
 

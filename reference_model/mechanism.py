@@ -10,9 +10,9 @@ Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from reference_model.quantities import quantity
 
@@ -63,10 +63,10 @@ class PrescribedSpeed:
 class Crank:
     """Rigid arm OC, turning about O; its centre of mass lies on the line from O to the slider."""
 
-    length: float = quantity("m", "from O to the slider", sign="positive")
+    length: float = quantity("m", "from O to the slider; with pivot_distance at most the follower's length", sign="positive")
     drive: TorqueDrive | PrescribedSpeed
     mass: float = quantity("kg", "mass", sign="not negative", default=0.0, optional=False)
-    center_of_mass: float = quantity("m", "centre of mass, from O", default=0.0, optional=False)
+    center_of_mass: float = quantity("m", "centre of mass, from O towards the slider", default=0.0, optional=False)
     inertia: float = quantity("kg*m^2", "about the centre of mass", sign="not negative", default=0.0, optional=False)
     initial_angle: float = quantity("rad", "at the start, counter-clockwise from n1", default=math.pi, optional=False)
 
@@ -96,8 +96,8 @@ class SpinUp:
 class Material:
     """What a follower of rectangular section is made of; with the section it gives stiffness and mass per length."""
 
-    elastic_modulus: float = quantity("Pa", "Young's modulus, in place of bending_stiffness", sign="positive")
-    density: float = quantity("kg/m^3", "in place of mass_per_length", sign="positive")
+    elastic_modulus: float = quantity("Pa", "Young's modulus", sign="positive")
+    density: float = quantity("kg/m^3", "density of the material", sign="positive")
 
     @staticmethod
     def bending_stiffness(elastic_modulus: float, thickness: float, width: float) -> float:
@@ -112,11 +112,11 @@ class Material:
 
 @dataclass(frozen=True, kw_only=True)
 class Follower:
-    """Uniform, inextensible, unshearable beam from P to the tip; bends about the thin side of its section."""
+    """Uniform, inextensible, unshearable beam from P to the tip; bends across its thickness."""
 
     length: float = quantity("m", "from P to the tip", sign="positive")
     mass_per_length: float = quantity("kg/m", "mass per length", sign="positive")
-    bending_stiffness: float = quantity("N*m^2", "EI; infinite for a rigid follower", sign="positive", infinity=True)
+    bending_stiffness: float = quantity("N*m^2", "EI of the section", sign="positive", infinity=True)
     thickness: float = quantity("m", "of the section, in the plane of bending", sign="positive")
     width: float = quantity("m", "of the section, out of the plane", sign="positive")
     damping: float = quantity(
@@ -124,6 +124,12 @@ class Follower:
     )
     strain_gauges: tuple[float, float, float] = quantity(
         "m", "arc lengths from P", sign="not negative", count=3, default=(math.nan, math.nan, math.nan), optional=False
+    )
+    yield_strength: float | None = quantity(
+        "Pa", "stress at which the material yields, for the safety factor", sign="positive", default=None, moves=False
+    )
+    fatigue_strength: float | None = quantity(
+        "Pa", "stress amplitude, fully reversed, that the material bears for ever", sign="positive", default=None, moves=False
     )
 
     def __post_init__(self) -> None:
@@ -206,7 +212,7 @@ class Tip:
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
-    """What the coupler is besides a frictionless point contact. The default is exactly that: massless, rigid."""
+    """The coupler on the crank's end: a frictionless point contact, massless and rigid unless told otherwise."""
 
     mass: float = quantity("kg", "mass", sign="not negative", default=0.0)
     inertia: float = quantity("kg*m^2", "turns with the follower's tangent at the slider", sign="not negative", default=0.0)
@@ -266,6 +272,11 @@ class Mechanism(_Bodies):
         return isinstance(self.crank.drive, TorqueDrive)
 
     @property
+    def crank_mass(self) -> float:
+        """Mass of all that turns with the crank, kg: the crank and the slider."""
+        return self.crank.mass + self.slider.mass
+
+    @property
     def crank_inertia(self) -> float:
         """Moment of inertia about O of all that turns with the crank, kg m^2: the crank and the slider's mass."""
         return self.crank.inertia_about_pivot + self.slider.mass * self.crank.length**2
@@ -304,7 +315,10 @@ class FollowerAlone(_Bodies):
 Scene = Mechanism | FollowerAlone
 
 
-def changed(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
+_Scene = TypeVar("_Scene", bound=Scene)
+
+
+def changed(mechanism: _Scene, values: Mapping[str, Any]) -> _Scene:
     """The scene with other values, each named by its place in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
 
     Raises:
@@ -320,29 +334,3 @@ def changed(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
             new = replace(parts.pop(), **{name: new})
         mechanism = new
     return mechanism
-
-
-def doubts(scene: Scene) -> Iterator[str]:
-    """Sentences on values that can be, but are hardly meant."""
-    follower = scene.follower
-    if not 1e-3 <= follower.length <= 20.0:
-        yield f"follower.length is {follower.length:.6g} m: is that meant?"
-    if follower.thickness > 0.25 * follower.length:
-        yield (
-            f"follower.thickness is {follower.thickness:.6g} m, more than a quarter of the length ({follower.length:.6g} m): that is no"
-            " slender beam, and shear is not modelled"
-        )
-    if not 20.0 <= follower.density <= 25e3:
-        yield f"follower.mass_per_length (or density) and the section make a density of {follower.density:.3g} kg/m^3: is that meant?"
-    modulus = follower.elastic_modulus
-    if not follower.is_rigid and not 5e8 <= modulus <= 1.5e12:  # polyethylene's to diamond's; below lie metals' with MPa for GPa
-        yield f"follower.bending_stiffness (or elastic_modulus) and the section make a modulus of {modulus:.3g} Pa: is that meant?"
-    tip = scene.tip
-    if tip is not None and abs(tip.center_of_mass) > follower.length:
-        yield f"tip.center_of_mass is {tip.center_of_mass:.6g} m, more than the follower's length ({follower.length:.6g} m): is that meant?"
-    if not isinstance(scene, Mechanism):
-        return
-    if abs(centre := scene.crank.center_of_mass) > scene.pivot_distance:
-        yield f"crank.center_of_mass is {centre:.6g} m, more than the pivot distance ({scene.pivot_distance:.6g} m): is that meant?"
-    if abs(speed := scene.crank.drive.initial_speed) > 2e3:
-        yield f"the crank turns at {speed * 30.0 / math.pi:.6g} rpm: is that meant?"

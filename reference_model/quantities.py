@@ -20,6 +20,8 @@ class Quantity:
     optional: bool  # whether a case file may leave it out
     count: int | None  # length of the list; None for a single number
     infinity: bool  # whether it may be infinite, for a rigid part
+    moves: bool  # whether the motion depends on it
+    default: Any  # SI value where a case file leaves it out; None: no fixed one
 
 
 def quantity(
@@ -32,13 +34,16 @@ def quantity(
     optional: bool | None = None,
     count: int | None = None,
     infinity: bool = False,
+    moves: bool = True,
 ) -> Any:
     """A field of a scene's dataclass; see `Quantity`.
 
-    Unless given, `key` is the field's own name, and what has a default is optional.
+    Unless given, `key` is the field's own name, and what has a default is optional. A quantity that does not change how the scene
+    `moves` is left out where two scenes are compared and where a result's key is made.
     """
-    known = Quantity(unit, meaning, sign, key, default is not MISSING if optional is None else optional, count, infinity)
-    return field(default=default, metadata={_KEY: known})
+    optional = default is not MISSING if optional is None else optional
+    known = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, None if default is MISSING else default)
+    return field(default=default, compare=moves, metadata={_KEY: known})
 
 
 def quantities_of(part: Any) -> Iterator[tuple[str, str, Quantity]]:

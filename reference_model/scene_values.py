@@ -39,10 +39,16 @@ _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
 )
 
 
+#: Section -> what it describes, where it is a part of the machine.
+DESCRIPTIONS: Final[Mapping[str, str]] = MappingProxyType(
+    {name: (parts[0].__doc__ or "").partition("\n")[0] for name, parts in _PARTS.items() if name != "mechanism"}
+)
 #: Section -> key -> what it measures.
 SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
     {name: MappingProxyType({key: found for part in parts for _, key, found in quantities_of(part)}) for name, parts in _PARTS.items()}
 )
+#: Sections that a scene with a crank may lack.
+OPTIONAL_SECTIONS: Final = ("tip", "slider")
 #: Keys that replace each other: the first of a pair excludes the others, and one of them must be there.
 ALTERNATIVES: Final = (
     ("crank.prescribed_speed", ("crank.torque", "crank.damping", "crank.initial_speed")),
@@ -106,7 +112,7 @@ def scene_of(values: Values) -> Scene:
 
 
 def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
-    """The numbers of a scene by section and key; sections that it lacks are left out."""
+    """The numbers of a scene by section and key; sections and keys that it lacks are left out."""
     parts: dict[str, list[Any]] = {
         "mechanism": [scene],
         **{name: [part] for name in ("crank", "base", "follower", "tip", "slider") if (part := getattr(scene, name, None)) is not None},
@@ -116,7 +122,8 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
     else:
         parts["base"].append(scene.spin_up)
     return {
-        name: {key: getattr(part, field) for part in members for field, key, _ in quantities_of(part)} for name, members in parts.items()
+        name: {key: value for part in members for field, key, _ in quantities_of(part) if (value := getattr(part, field)) is not None}
+        for name, members in parts.items()
     }
 
 
@@ -150,7 +157,7 @@ def _missing(values: Values, alone: bool) -> Iterator[str]:
         if section in values:
             paths = {f"{section}.{name}": found for name, found in keys.items() if name not in values[section]}
             yield from (path for path, found in paths.items() if not found.optional and path not in needless)
-        elif section not in ("tip", "slider") and not (alone and section in ("mechanism", "crank")):
+        elif section not in OPTIONAL_SECTIONS and not (alone and section in ("mechanism", "crank")):
             yield f"[{section}]"
 
 

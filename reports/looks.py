@@ -1,44 +1,100 @@
-"""How each engine is drawn, in the page and in pictures: nested stripes, so that one sees where curves lie on each other.
+"""How each engine and each signal is drawn, everywhere: in the page's plots, curves and mechanism, and in pictures.
 
-Width and dashes say what colour-blind eyes cannot tell. Against the page's ground every colour has a contrast of 4.5 and more, on light
-and on dark.
+A look belongs to a name, so a method keeps its colour, dashes and mark from chart to chart. Where curves lie on each other the dashes of
+one let the others show: the reference is a broad solid line, and upon it the dashes of thesis, mujoco and exudyn have one period and end
+one behind the other, so that each shows in its own colour. Colours keep a distance from each other for colour-blind eyes, too
+(`tests/reports/test_looks.py`), and a contrast of at least 3 against the ground, on light and on dark; names are written in the colour of
+text.
 """
 
-from collections.abc import Sequence
+import zlib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
 
 @dataclass(frozen=True)
 class Look:
-    """Colour on light and on dark, width (CSS pixels), dashes (pixels drawn and left out, none: solid); a higher `order` lies on top."""
+    """The look of a line and of its marks.
+
+    Attributes:
+        light: colour on a light ground.
+        dark: colour on a dark ground.
+        width: of the line, CSS pixels.
+        dash: pixels drawn and left out; empty for a solid line.
+        offset: where in the dashes a line begins, pixels.
+        order: of two looks the higher one lies on top.
+        marker: shape of marks: "circle", "square", "diamond", "triangle", "triangle-down", "triangle-left", "triangle-right", "pentagon",
+            "hexagon", "star", "plus" or "cross".
+    """
 
     light: str
     dark: str
     width: float
     dash: tuple[float, ...] = ()
+    offset: float = 0.0
     order: int = 0
+    marker: str = "circle"
 
 
-_LOOKS: Final = {
-    "reference": Look("#0072b2", "#4aa8e0", 6.0, order=1),
-    "mujoco": Look("#007f59", "#2fc596", 3.4, order=2),
-    "exudyn": Look("#141414", "#f4f4f4", 1.5, (7.0, 6.0), order=3),
-    "thesis": Look("#c24400", "#ff8a4c", 2.0, order=4),
-    "fixed-shapes": Look("#8a4fbe", "#c294f0", 2.0, (11.0, 3.0), order=5),
-    "multiplier": Look("#b0457f", "#ee8cc0", 2.0, (3.0, 3.0), order=6),
-    "stiff-spring": Look("#8a6500", "#e0b13a", 2.0, (8.0, 3.0, 2.0, 3.0), order=7),
-    "nodal-load": Look("#5c6670", "#aab4be", 2.0, (2.0, 4.0), order=8),
+_BLUE: Final = ("#1062c8", "#38b0ff")
+_VERMILION: Final = ("#d95f02", "#f08a30")
+_TEAL: Final = ("#00937f", "#00937c")
+_INK: Final = ("#111111", "#fcfcf4")
+_PURPLE: Final = ("#45167a", "#b653ba")
+_WINE: Final = ("#7d2b49", "#fb7aa9")
+_BROWN: Final = ("#754202", "#e8ec3a")
+_OLIVE: Final = ("#7e8c5a", "#9c8f54")
+_SKY: Final = ("#2c8dcd", "#6078ff")
+_NAVY: Final = ("#00009b", "#ded0ff")
+_FOREST: Final = ("#00330a", "#c8f38d")
+
+#: Looks of the project's engines.
+ENGINES: Final = {
+    "reference": Look(*_BLUE, 5.5, order=1, marker="circle"),
+    # of every 26 pixels the first 20; the last 14 of these; and 9 that begin on the last 5 of these
+    "thesis": Look(*_VERMILION, 2.6, (20.0, 6.0), order=2, marker="diamond"),
+    "mujoco": Look(*_TEAL, 3.4, (14.0, 12.0), 20.0, order=3, marker="triangle-down"),
+    "exudyn": Look(*_INK, 2.4, (9.0, 17.0), 11.0, order=4, marker="triangle"),
+    "fixed-shapes": Look(*_PURPLE, 2.4, (11.0, 3.0), order=5, marker="square"),
+    "multiplier": Look(*_WINE, 2.4, (3.0, 3.0), order=6, marker="cross"),
+    "stiff-spring": Look(*_BROWN, 2.4, (8.0, 3.0, 2.0, 3.0), order=7, marker="plus"),
+    "nodal-load": Look(*_OLIVE, 2.4, (2.0, 4.0), order=8, marker="pentagon"),
 }
-#: For engines that the project does not know, in the order in which they come.
+#: Looks of quantities, in charts of one engine.
+SIGNALS: Final = {
+    "tip_deflection": Look(*_SKY, 5.0, order=1, marker="circle"),
+    "tip_acceleration": Look(*_NAVY, 2.6, order=6, marker="square"),
+    "strain_1": Look(*_WINE, 2.6, (15.0, 5.0), order=2, marker="triangle"),
+    "strain_2": Look(*_BROWN, 2.6, (10.0, 10.0), order=3, marker="diamond"),
+    "strain_3": Look(*_OLIVE, 2.6, (5.0, 5.0), order=4, marker="triangle-down"),
+    "slider_force": Look(*_PURPLE, 2.6, (2.0, 4.0), order=5, marker="star"),
+}
+#: Looks of all other names.
 _OTHERS: Final = (
-    Look("#b0457f", "#ee8cc0", 2.0, (9.0, 3.0), order=9),
-    Look("#8a6500", "#e0b13a", 2.0, (5.0, 5.0), order=10),
-    Look("#8a4fbe", "#c294f0", 2.0, (2.0, 2.0), order=11),
+    Look(*_SKY, 2.4, (9.0, 3.0), order=9, marker="hexagon"),
+    Look(*_NAVY, 2.4, (5.0, 5.0), order=10, marker="star"),
+    Look(*_FOREST, 2.4, (12.0, 3.0, 3.0, 3.0), order=11, marker="triangle-left"),
+    Look(*_WINE, 2.4, (6.0, 2.0), order=12, marker="triangle-right"),
+    Look(*_BROWN, 2.4, (2.0, 2.0), order=13, marker="square"),
 )
 
 
-def looks(engines: Sequence[str]) -> dict[str, Look]:
-    """The look of each of some engines; those that are not the project's share three, in their order."""
-    others = iter(range(len(engines)))
-    return {name: _LOOKS.get(name) or _OTHERS[next(others) % len(_OTHERS)] for name in engines}
+def looks(names: Iterable[str]) -> dict[str, Look]:
+    """The look of each of some engines, signals or other names.
+
+    A name that the project does not know takes one of five looks, chosen by the name's checksum (CRC-32), or the next one that no other
+    of these names has. With more than five unknown names looks are given again.
+    """
+    asked = list(dict.fromkeys(names))
+    found = {name: known for name in asked if (known := ENGINES.get(name) or SIGNALS.get(name))}
+    for name in sorted(set(asked) - set(found)):
+        taken = list(found.values())
+        found[name] = min(_in_turn(name), key=taken.count)
+    return {name: found[name] for name in asked}
+
+
+def _in_turn(name: str) -> Iterator[Look]:
+    """The looks for unknown names, beginning with the one that the name's checksum chooses."""
+    first = zlib.crc32(name.encode())
+    return (_OTHERS[(first + k) % len(_OTHERS)] for k in range(len(_OTHERS)))

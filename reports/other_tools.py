@@ -11,7 +11,7 @@ from cases.case import SECTIONS, Case
 from cases.measures import time_scale
 from cases.measures.time_scale import TURN
 from cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
-from reference_model.columns import COLUMNS
+from reference_model.columns import BENDING, COLUMNS
 from reference_model.mechanism import Mechanism, TorqueDrive
 from reference_model.rigid import crank_pace, rigid_motion
 from reference_model.tip_force import WHOLE
@@ -21,7 +21,7 @@ WIDTH: Final = 110
 #: Size, in SI units, below which a number of the start is zero but for rounding.
 ROUNDING: Final = 1e-12
 #: Columns that engines give of something else than a closed mechanism, or by conventions of their own.
-_NOT_ASKED: Final = (*LEFT_OUT, "base_torque", "axial_stretch", "gravity_energy", "dissipated_energy", "drive_work")
+_NOT_ASKED: Final = (*LEFT_OUT, *BENDING, "base_torque", "axial_stretch", "gravity_energy", "dissipated_energy", "drive_work")
 
 
 def for_other_tools(case: Case, given: str) -> str:
@@ -84,7 +84,7 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
         found[section] = [
             (name, _value(value), known[name].unit, known[name].meaning)
             for name, value in values.items()
-            if not (without_force and name.startswith("force"))
+            if known[name].moves and not (without_force and name.startswith("force"))
         ]
     return found
 

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from cases import conformance
-from cases.benchmark import SCENES, stored
+from cases.benchmark import SCENES, compiling, stored
+from cases.benchmark.scenes import ENGINES
 from cases.case import Case
 from cases.case_file import load_case
 from cases.frozen_crank import FrozenCrank, frozen_crank
@@ -22,7 +23,7 @@ from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import REFERENCE, CaseResult, cross_validate
 from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
-from engines.registry import MAIN
+from engines.registry import MAIN, engine
 from reports import long_studies
 from reports.findings.failures import INCOMPLETE
 from reports.findings.runs import of_library
@@ -69,6 +70,8 @@ def write_report(
     workshop: Workshop,
     engines: Sequence[str] = MAIN,
     tables: Mapping[str, Sequence[RecordedTable]] | None = None,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
 ) -> Written:
     """Compute what is missing, and write the page and its tables.
 
@@ -78,6 +81,8 @@ def write_report(
         workshop: where results are computed and kept.
         engines: names.
         tables: case -> what was recorded of it, beside the recordings of the experiment.
+        accuracy: error of the tip deflection asked of every engine; None: each engine's default.
+        settings: of an engine, by its name: setting -> value as text.
 
     Raises:
         CaseError: a recorded table that cannot be read or is not of its case; nothing has been computed then.
@@ -88,7 +93,7 @@ def write_report(
     recorded = {case: [*found] for case, found in (tables or {}).items()}
     for table in experiment_tables():
         recorded.setdefault(table.declared["case"], []).append(table)
-    results = cross_validate(cases, workshop, engines, tables=recorded, beside=work() if _studied(cases) else None)
+    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, work() if _studied(cases) else None)
     frozen, missing = _frozen_crank(of_library(results, ACCURACY_CASE), workshop)
     content = Content(
         results=results,
@@ -122,9 +127,11 @@ def write(content: Content, folder: Path) -> Written:
 
 
 def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
-    """The verdicts that are stored."""
+    """The verdicts that are stored, and those of record for other engines."""
     found = {name: workshop.stored(conformance.job(name)) for name in engines}
-    return {name: outcome.value.verdict for name, outcome in found.items() if outcome is not None and outcome.value is not None}
+    values = {name: outcome.value for name, outcome in found.items() if outcome is not None and outcome.value is not None}
+    own = {name: long_studies.RecordedConformance.of(value, engine(name).version()).words for name, value in values.items()}
+    return long_studies.conformance() | own
 
 
 def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[FrozenCrank | None, list[str]]:
@@ -163,6 +170,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
     return {
         "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
         "benchmarks": [table for name in SCENES if (table := own[name] or known.get(name))],
+        "compiling": compiling(workshop, ENGINES, compute=False) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
         "of_record": {study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
     }

@@ -9,6 +9,9 @@ from reports.findings.runs import run_number
 MINUS: Final = "−"
 #: A blank at which no line breaks.
 TIED: Final = "\N{NO-BREAK SPACE}"
+#: Powers of ten within which numbers are written without one.
+LEAST, GREATEST = -3, 6
+RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 HALF: Final = {"pre": "pre-return", "post": "post-return"}
 QUANTITY: Final = {
     "consensus_frequency": "first-mode frequency, consensus",
@@ -28,20 +31,42 @@ ESTIMATE: Final = {
 
 
 def number(value: float, form: str) -> str:
-    """A number in the page: a true minus sign, no negative zero, words for what is no number."""
+    """A number in the page: a true minus sign, no negative zero, words for what is no number, powers of ten as people write them."""
     if math.isnan(value):
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else f"{MINUS}∞"
-    text = format(value, form)
+    text = _without_exponent(format(value, form))
     if text[0] in "+-" and not any(digit in text for digit in "123456789"):
         text = text[1:]  # -0.00 is no less and +0.00 no more than 0.00
     return text.replace("-", MINUS)
 
 
+def _without_exponent(text: str) -> str:
+    """1.2e+02 as 120, 1e-07 as 10⁻⁷, 1.4e-05 as 1.4·10⁻⁵; other texts as they are."""
+    digits, mark, power = text.partition("e")
+    if not mark:
+        return text
+    if LEAST <= int(power) <= GREATEST:
+        return f"{float(text):{'+' if text.startswith('+') else ''}.{max(0, len(digits.partition('.')[2]) - int(power))}f}"
+    of_ten = f"10{str(int(power)).translate(RAISED)}"
+    return f"{digits.removesuffix('1')}{of_ten}" if digits in ("1", "+1", "-1") else f"{digits}·{of_ten}"
+
+
+def within_turn(degrees: float) -> float:
+    """A crank angle as people are shown it, from 0 to 360 degrees: 451 is 91."""
+    return degrees if 0.0 <= degrees <= 360.0 else degrees % 360.0
+
+
+def angle(degrees: float) -> str:
+    """A crank angle, in degrees, within one turn: "91°"."""
+    return f"{number(within_turn(degrees), 'g')}°"
+
+
 def settings_words(settings: Mapping[str, Any]) -> str:
-    """Settings as "modes 5, tolerance 1e-07"."""
-    return ", ".join(f"{name.replace('_', ' ')} {f'{value:g}' if isinstance(value, float) else value}" for name, value in settings.items())
+    """Settings as "modes 5, tolerance 1e-7": numbers as one would type them."""
+    texts = {name: f"{value:g}".replace("e-0", "e-") if isinstance(value, float) else str(value) for name, value in settings.items()}
+    return ", ".join(f"{name.replace('_', ' ')} {text}" for name, text in texts.items())
 
 
 def duration(seconds: float) -> str:
@@ -74,6 +99,28 @@ def size(share: float) -> str:
     """A relative difference in percent, without its sign, to two figures."""
     value = abs(100.0 * share)
     return f"{number(value, '.0f' if value >= 10.0 else '.1f' if value >= 1.0 else '.2g')}{TIED}%"
+
+
+#: Factors by which a number in SI units is written, by the unit that it is written in.
+_WRITTEN: Final = {"MPa": 1e-6, "µε": 1e6, "mm": 1e3, "kN": 1e-3}
+
+
+def quantity(value: float, unit: str) -> str:
+    """A number in SI units as it is written in a unit, to four figures: "35.70 MPa"."""
+    scaled = value * _WRITTEN.get(unit, 1.0)
+    places = min(6, max(0, 3 - math.floor(math.log10(abs(scaled))))) if scaled else 0
+    return f"{number(scaled, f'.{places}f')}{TIED}{unit}"
+
+
+def off_by(error: float, value: float) -> str:
+    """By how much of itself a number may be off: "± 0.2 %"; what is less than 0.01 % is told as that."""
+    share = abs(error / value) if value else 0.0
+    return f"±{TIED}{size(share)}" if share >= 1e-4 else f"off by less than 0.01{TIED}%"
+
+
+def degrees(angle: float) -> str:
+    """An angle in whole degrees from 0 to 359."""
+    return f"{round(math.degrees(angle)) % 360}°"
 
 
 def span(low: float, high: float, form: str) -> str:

@@ -1,7 +1,19 @@
 """Speed against error: every method over its ladder of settings, on a few scenes, against a confirmed solution."""
 
+from cases.benchmark.compiling import Compiling, compiling
 from cases.benchmark.findings import fastest_at, observed_order, pareto_front
 from cases.benchmark.measurement import Benchmark, benchmark
 from cases.benchmark.scenes import SCENES, measure, stored
 
-__all__ = ["SCENES", "Benchmark", "benchmark", "fastest_at", "measure", "observed_order", "pareto_front", "stored"]
+__all__ = [
+    "SCENES",
+    "Benchmark",
+    "Compiling",
+    "benchmark",
+    "compiling",
+    "fastest_at",
+    "measure",
+    "observed_order",
+    "pareto_front",
+    "stored",
+]

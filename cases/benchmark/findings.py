@@ -23,6 +23,13 @@ class Measured:
     setup_seconds: float  # the least
     statistics: dict[str, float]  # of the engine, and what the joint lets through
     calls_per_period: float | None  # right-hand sides in a period of the highest mode kept; None of other methods than the reference
+    # setting up and solving the other runs that the engine's error estimate needs; None where not measured, or where there is no estimate
+    estimate_seconds: float | None = None
+
+    @property
+    def waited_seconds(self) -> float | None:
+        """What one waits for, once the code is compiled: setting up, solving and estimating the error; None without the last."""
+        return None if self.estimate_seconds is None else self.setup_seconds + self.solve_seconds + self.estimate_seconds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +99,12 @@ def fastest_at(points: Sequence[Point], level: float) -> dict[str, tuple[Point, 
         if error is not None and error <= level:
             best.setdefault(point.method, (point, measured))
     return best
+
+
+def soonest_at(points: Sequence[Point], level: float) -> list[tuple[str, float]]:
+    """The methods of `fastest_at` whose error estimate was timed, with what one waits for (s); soonest first."""
+    waited = [(name, measured.waited_seconds) for name, (_, measured) in fastest_at(points, level).items()]
+    return sorted(((name, seconds) for name, seconds in waited if seconds is not None), key=lambda found: found[1])
 
 
 def observed_order(points: Sequence[Point], method: str) -> float | None:

@@ -11,19 +11,19 @@ import os
 import platform
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
-from cases.benchmark.findings import Confirmation, Converged, Measured, Point
+from cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, fastest_at
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
-from engines.accurate import ESTIMATED, Made, run_once
+from engines.accurate import ESTIMATED, Made, run_once, simulate
 from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.registry import engine
 from engines.relative import relative_error, rms
-from engines.settings import SettingError, Settings
+from engines.settings import SettingError, Settings, as_texts
 from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reference_model.natural_modes import frozen_crank_modes
@@ -109,11 +109,25 @@ def benchmark(
         case.duration,
         Converged(TRUTH[0], _settings(TRUTH, case).as_dict(), {column: rms(truth[column]) for column in ESTIMATED}),
         confirmation,
-        tuple(point.told(case, truth) for point in points),
+        _with_estimates(case, points, [point.told(case, truth) for point in points], announce),
         repetitions,
         longest,
         _machine(names),
     )
+
+
+def _with_estimates(
+    case: Case, attempts: Sequence["_Attempt"], points: Sequence[Point], announce: Callable[[str], None]
+) -> tuple[Point, ...]:
+    """The points; those that are a method's fastest to an error at which methods are compared with the time that their estimate takes."""
+    chosen = {id(point) for level in LEVELS for point, _ in fastest_at(points, level).values()}
+    found = []
+    for attempt, point in zip(attempts, points, strict=True):
+        if id(point) in chosen and point.measured is not None:
+            announce(point.engine)
+            point = replace(point, measured=replace(point.measured, estimate_seconds=attempt.estimate_seconds(case)))
+        found.append(point)
+    return tuple(found)
 
 
 def pinned(case: Case, names: Sequence[str], repetitions: int) -> Benchmark:
@@ -201,6 +215,21 @@ class _Attempt:
         self.status, self.trajectory = COMPLETED, made.trajectory
         self.times.append(made.trajectory.solve_seconds)
         self.setup.append(made.simulation.setup_seconds)
+
+    def estimate_seconds(self, case: Case) -> float | None:
+        """What setting up and solving the other runs takes that the error estimate of a run with these settings needs, s.
+
+        None where there is no estimate.
+        """
+        start, texts = standard_start(case.mechanism), as_texts(self.settings.as_dict())
+        try:
+            found = simulate(self.method.engine, case.mechanism, start, case.duration, case.output_step, texts)
+        except (EngineFailure, Refusal, SettingError):
+            return None
+        if found.error_estimate is None:
+            return None
+        others = [made for settings, made in found.runs.items() if settings != found.settings]
+        return sum(made.simulation.setup_seconds + made.trajectory.solve_seconds for made in others)
 
     def told(self, case: Case, truth: Trajectory) -> Point:
         return Point(

@@ -5,85 +5,152 @@ none, it must show a mistake to be found wrong: a sign, a unit, a column exchang
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Final
 
+from cases.conformance.alone import alone
 from cases.conformance.bench import Bench, found_engine
-from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Conformance
+from cases.conformance.checks import TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
 from cases.conformance.failures import failures
 from cases.conformance.frequencies import frequencies
 from cases.conformance.motion import motion
 from cases.conformance.quantities import quantities
-from cases.conformance.repetition import elsewhere, repetition
+from cases.conformance.repetition import NOT_TRIED, Elsewhere, elsewhere, repetition
 from cases.conformance.resolution import resolution
 from cases.jobs.display import watched
-from cases.jobs.job import Executor, Job
-from engines.accurate import raised_at
-from engines.base import AnyEngine, Refusal
+from cases.jobs.here import ThisProcess
+from cases.jobs.job import Executor, Job, Limits, Outcome
+from cases.jobs.processes import STOPPED
+from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.registry import UnknownEngine
 
-__all__ = ["GROUPS", "Check", "Conformance", "conform", "job"]
+__all__ = ["GROUPS", "QUICK", "Check", "Conformance", "conform", "job"]
 
-#: Groups of checks by name, in the order in which they are told.
-GROUPS: Final[Mapping[str, Callable[[Bench], Iterator[Check]]]] = {
-    "motion": motion,
-    "quantities": quantities,
-    "resolution": resolution,
-    "frequencies": frequencies,
-    "failures": failures,
-    "repetition": repetition,
+
+@dataclass(frozen=True)
+class Group:
+    """A group of checks.
+
+    Attributes:
+        checks: makes them.
+        runs: about how many runs of the engine it takes, and how many of them an estimate is made of.
+        share: of the time, where that is limited.
+    """
+
+    checks: Callable[[Bench, Elsewhere], Iterator[Check]]
+    runs: tuple[int, int]
+    share: float
+
+
+#: Groups of checks by name, in the order in which they are told. Runs are those that `reference` takes.
+GROUPS: Final[Mapping[str, Group]] = {
+    "motion": Group(lambda bench, _: motion(bench), (6, 2), 0.3),
+    "quantities": Group(lambda bench, _: quantities(bench), (45, 40), 0.3),
+    "resolution": Group(lambda bench, _: resolution(bench), (12, 2), 0.1),
+    "frequencies": Group(lambda bench, _: frequencies(bench), (0, 0), 0.05),
+    "failures": Group(lambda bench, _: failures(bench), (3, 0), 0.05),
+    "follower alone": Group(lambda bench, _: alone(bench), (14, 13), 0.1),
+    "repetition": Group(repetition, (0, 0), 0.1),
 }
+#: Wall time of a quick trial, s; and what a process may take besides until it begins, s.
+QUICK: Final = 60.0
+_TO_BEGIN: Final = 5.0
 
 
-def conform(engine: AnyEngine | str, executor: Executor | None = None, groups: tuple[str, ...] = tuple(GROUPS)) -> Conformance:
+def conform(
+    engine: AnyEngine | str,
+    executor: Executor | None = None,
+    groups: tuple[str, ...] = tuple(GROUPS),
+    *,
+    seconds: float | None = None,
+    quiet: bool = False,
+) -> Conformance:
     """Try an engine.
 
     Args:
         engine: an instance, or the name of one that is installed.
         executor: computes the groups, each apart from the others, so that one that crashes costs its own answer; None: this process.
         groups: of checks, names of `GROUPS`.
+        seconds: wall time that it may take; checks for which it does not suffice are left out. None: as long as it takes.
+        quiet: in this process, whether nothing is shown on standard error meanwhile.
 
     Raises:
         UnknownEngine: there is no engine of this name.
         Refusal: it cannot be used here.
     """
-    name = engine if isinstance(engine, str) else engine.name
+    name = found_engine(engine).name
+    executor = executor or ThisProcess(quiet)
+    every = sum(GROUPS[group].share for group in groups)
+    shares = {group: None if seconds is None else GROUPS[group].share / every * seconds for group in groups}
     # a job's process may have no process of its own
-    other = elsewhere(engine) if "repetition" in groups else "not tried"
-    if executor is None:
-        return _told(name, [check for group in groups for check in checks_of(group, engine, other)])
-    jobs: list[Job[Any]] = [Job(group, checks_of, (group, engine, other)) for group in groups]
+    other = elsewhere(engine, shares["repetition"]) if "repetition" in groups else NOT_TRIED
+    jobs: list[Job[list[Check]]] = []
+    for group, share in shares.items():
+        allotted = None if share is None else share * executor.at_once
+        limits = None if allotted is None else Limits(2.0 * allotted + _TO_BEGIN, executor.limits.memory)
+        jobs.append(Job(group, checks_of, (group, engine, other, allotted), limits=limits))
     outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
-    checks: list[Check] = []
-    for group in groups:
-        outcome = outcomes[group]
-        if isinstance(outcome.error, (Refusal, UnknownEngine)):
-            raise outcome.error
-        checks += outcome.value or [Check(group, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]
-    return _told(name, checks)
+    told = {group: _told(group, outcomes[group]) for group in groups}
+    return Conformance(name, _verdict(told), tuple(check for checks in told.values() for check in checks))
+
+
+def _verdict(told: Mapping[str, list[Check]]) -> bool | None:
+    """Whether an engine conforms: no check fails, and one passes; where checks were left out, one of its motion."""
+    judged = {check.status for checks in told.values() for check in checks}
+    if "failed" in judged:
+        return False
+    left_out = any(check.left_out for checks in told.values() for check in checks)
+    counted = {check.status for check in told.get("motion", [])} if left_out else judged
+    return True if "passed" in counted else None
 
 
 def job(engine: str) -> Job[Conformance]:
     """`conform` of an installed engine, as its outcome is kept: for this version and code of the engine."""
-    return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,), (__name__,))
+    return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,), (__name__, "cases.explanation", "cases.mistakes"))
 
 
-def checks_of(group: str, engine: AnyEngine | str, other: dict[str, Array] | str = "not tried") -> list[Check]:
-    """The checks of one group; `other`: what came of it in another process. What an engine raises that no engine may ends them."""
+def checks_of(group: str, engine: AnyEngine | str, other: Elsewhere = NOT_TRIED, seconds: float | None = None) -> list[Check]:
+    """The checks of one group. What an engine raises that no engine may ends them.
+
+    Args:
+        group: name.
+        engine: as of `conform`.
+        other: what came of it in other processes.
+        seconds: wall time that the engine's runs may take; None: as long as they take.
+    """
     found = found_engine(engine)
-    try:
-        bench = Bench(found, other)
-    except Refusal as refusal:
-        return [Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]
     checks: list[Check] = []
     try:
-        checks.extend(GROUPS[group](bench))
+        bench = Bench(found, seconds)
+        bench.expected = _expected(bench, GROUPS[group])
+    except Refusal as refusal:
+        return [Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]
     except Exception as error:  # an author's engine may raise anything
-        cause = f"the engine raises {type(error).__name__}{raised_at(error)}: {error}"
-        checks.append(Check(group, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user"))
+        return [raising(group, error)]
+    try:
+        checks.extend(GROUPS[group].checks(bench, other))
+    except LeftOut as left_out:
+        checks.append(Check(f"{group}: the rest", left_out.status, left_out.cause, left_out.advice))
+    except EngineFailure as failure:
+        checks.append(Check(group, "failed", f"a run breaks down: {failure.cause}", failure.advice))
+    except Exception as error:  # likewise
+        checks.append(raising(group, error))
     return checks
 
 
-def _told(name: str, checks: list[Check]) -> Conformance:
-    judged = {check.status for check in checks}
-    conforms = False if "failed" in judged else (True if "passed" in judged else None)
-    return Conformance(name, conforms, tuple(checks))
+def _expected(bench: Bench, group: Group) -> int:
+    """About how many runs of the engine a group takes."""
+    plain, estimated = group.runs
+    settings = bench.settings(bench.scene)
+    pairs = bench.engine.comparisons(settings, bench.scene, bench.mild.output_step) if bench.claims else ()
+    others = {run for pair in pairs for run in (pair.run, pair.other, pair.before and pair.before.other)} - {None, settings}
+    return plain + estimated * len(others)
+
+
+def _told(group: str, outcome: Outcome[list[Check]]) -> list[Check]:
+    """The checks that a process made, or how it ended. Raises UnknownEngine, Refusal where the engine cannot be had."""
+    if isinstance(outcome.error, (Refusal, UnknownEngine)):
+        raise outcome.error
+    if outcome.failure.startswith(STOPPED):
+        return [Check(group, "not judged", f"left out: it was {outcome.failure}", "try it without --quick")]
+    return outcome.value or [Check(group, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]

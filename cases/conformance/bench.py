@@ -1,25 +1,35 @@
 """Runs of the engine in question and of `reference`, and by how much they may differ."""
 
+import contextlib
 import functools
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Final
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
-from cases.conformance.checks import Array
+from cases.conformance.checks import Array, LeftOut
 from cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
+from cases.jobs.display import span
+from engines import progress
 from engines.accurate import compared, run_once
-from engines.base import AnyEngine, Engine, EngineFailure, Refusal
+from engines.base import AnyEngine, Engine, EngineFailure, Refusal, Solver
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.own.simulation import OwnSimulation
 from engines.registry import usable_engine
 from engines.relative import rms
+from engines.scene import solver_of
 from engines.settings import Settings
 from engines.start import Start, standard_start
 from engines.trajectory import REQUIRED, Trajectory
-from reference_model.mechanism import Mechanism
+from reference_model.columns import COLUMNS
+from reference_model.mechanism import Mechanism, Scene
 
-#: Columns that are held against `reference`; those that are not required, where the engine has them.
-COMPARED: Final = (*(name for name in REQUIRED if name != "time"), "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy")
+#: Columns that are not held against `reference`: the grid, and what a model's own numerics leave.
+_OWN: Final = ("time", "constraint_gap", "axial_stretch")
+#: Columns that are held against `reference`, as far as the engine delivers them.
+COMPARED: Final = tuple(name for name in COLUMNS if name not in _OWN)
+#: Those by whose differences a mistake of the model is named: the others follow from them.
+TELLING: Final = (*(name for name in REQUIRED if name != "time"), "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy")
 
 #: Tables of more than five modes take seconds to build, and five leave 1e-5 of the tip deflection in the mild scene.
 _FINEST: Final = ReferenceSettings(modes=5, tolerance=1e-8)
@@ -27,6 +37,8 @@ _FINE: Final = ReferenceSettings(modes=4, tolerance=1e-8)
 #: By how many times its own estimate a column may be off: of the claims measured in 59 scenes the worst was missed 2.5-fold, and in a
 #: column that no claim is made for the estimate is this module's.
 BENEFIT: Final = 3.0
+#: Rungs above the default that are tried until an error falls: on a ladder of small steps one changes little.
+_SHARPENED: Final = 3
 #: Part of a column's size that nobody notices: sums of many numbers are rounded.
 ROUNDING: Final = 1e-6
 
@@ -40,15 +52,15 @@ def found_engine(engine: AnyEngine | str) -> AnyEngine:
 class Motion:
     """What is simulated: a scene from a start, the standard one by default; duration and output step in s."""
 
-    scene: Mechanism
+    scene: Scene
     duration: float = DURATION
     output_step: float = OUTPUT_STEP
     start: Start | None = None
 
     def by(self, engine: AnyEngine, settings: Settings) -> Trajectory:
-        """A complete and finite run of an engine. Raises as `run_once`."""
-        start = self.start or standard_start(self.scene)
-        return run_once(engine, self.scene, start, self.duration, self.output_step, settings).trajectory
+        """A complete and finite run of an engine. Raises as `run_once`; Refusal where it has no model of a follower alone."""
+        solver, start = solver_of(engine, self.scene)
+        return run_once(solver, self.scene, self.start or start, self.duration, self.output_step, settings).trajectory
 
 
 @dataclass(frozen=True)
@@ -59,11 +71,17 @@ class Truth:
     uncertainty: Mapping[str, float]
 
 
+@functools.lru_cache(maxsize=512)
+def solution(motion: Motion) -> Mapping[str, Array]:
+    """Columns of the motion by `reference` with five modes."""
+    return motion.by(ReferenceEngine(), _FINEST).columns
+
+
 @functools.lru_cache(maxsize=128)
 def truth(motion: Motion) -> Truth:
-    """The motion by `reference` with five modes; four show its uncertainty."""
-    finest, fine = (motion.by(ReferenceEngine(), settings).columns for settings in (_FINEST, _FINE))
-    return Truth(finest, {name: rms(finest[name] - fine[name]) for name in COMPARED})
+    """`solution`; four modes show its uncertainty."""
+    finest, fine = solution(motion), motion.by(ReferenceEngine(), _FINE).columns
+    return Truth(finest, {name: rms(finest[name] - fine[name]) for name in COMPARED if name in finest})
 
 
 @functools.lru_cache(maxsize=4)
@@ -80,14 +98,15 @@ class Bench:
 
     Attributes:
         engine: the engine.
-        elsewhere: what came of it in another process (`cases.conformance.repetition`), where that was tried.
         scene: the mild scene, with the drive that the engine can model.
         mild: the motion in it.
+        seconds: wall time that the engine's runs may take; None: as long as they take.
+        expected: about how many runs of the engine there will be; 0: unknown.
     """
 
-    def __init__(self, engine: AnyEngine, elsewhere: dict[str, Array] | str = "not tried") -> None:
+    def __init__(self, engine: AnyEngine, seconds: float | None = None) -> None:
         """Raises Refusal if the engine can model the scene with neither drive."""
-        self.engine, self.elsewhere = engine, elsewhere
+        self.engine, self.seconds, self.expected = engine, seconds, 0
         try:
             engine.check(BASE)
             self.scene = BASE
@@ -96,29 +115,77 @@ class Bench:
             self.scene = PRESCRIBED
         self.mild = Motion(self.scene)
         self._runs: dict[tuple[Motion, Settings], Trajectory] = {}
+        self._began, self._spent, self._simulated = time.monotonic(), 0.0, 0.0
 
-    def settings(self, mechanism: Mechanism) -> Settings:
+    def solver(self, scene: Scene) -> Solver[Any, Any, Any]:
+        """The engine's model for the scene's kind. Raises Refusal where it has none."""
+        return solver_of(self.engine, scene)[0]
+
+    def settings(self, scene: Scene) -> Settings:
         """Those that the engine picks unless asked otherwise."""
-        found: Settings = self.engine.settings_for(self.engine.default_accuracy, mechanism)
+        found: Settings = self.solver(scene).settings_for(self.engine.default_accuracy, scene)
         return found
 
     def run(self, motion: Motion, settings: Settings | None = None) -> Trajectory:
-        """A complete and finite run. Raises as `run_once`."""
+        """A complete and finite run. Raises as `run_once`, and LeftOut."""
         key = motion, settings or self.settings(motion.scene)
         if key not in self._runs:
-            self._runs[key] = motion.by(self.engine, key[1])
+            self._compile(motion, key[1])
+            self._tell(motion)
+            began = time.monotonic()
+            try:
+                self._runs[key] = motion.by(self.engine, key[1])
+            finally:
+                self._spent += time.monotonic() - began
+                self._simulated += motion.duration
         return self._runs[key]
 
-    def finer(self, mechanism: Mechanism, settings: Settings) -> Settings | None:
+    def _compile(self, motion: Motion, settings: Settings) -> None:
+        """Before the first run one of a single row, so that no time counts what is compiled or loaded for it."""
+        if self._runs or not self.engine.compiles:
+            return
+        progress.tell(engine=self.engine.name, phase="compiling")
+        with contextlib.suppress(EngineFailure):
+            replace(motion, duration=motion.output_step).by(self.engine, settings)
+
+    def _tell(self, motion: Motion) -> None:
+        """Say how far the trial is. Raises LeftOut where the next run does not fit into the time that is left."""
+        done = len(self._runs)
+        ahead = self._spent / self._simulated * motion.duration if self._simulated else 0.0
+        if self.seconds is not None and done and time.monotonic() - self._began + ahead > self.seconds:
+            raise LeftOut(f"left out: there was no time for it, a run takes about {span(ahead)}", "try it without --quick")
+        rest = self._spent / done * (self.expected - done) if done else 0.0
+        if self.seconds is not None:
+            rest = min(rest, self.seconds - (time.monotonic() - self._began))
+        left = f", about {span(rest)} left" if rest > 0.0 else ""
+        of = f" of about {max(self.expected, done + 1)}" if self.expected else ""
+        progress.tell(engine=self.engine.name, phase=f"run {done + 1}{of}{left}")
+
+    def finer(self, scene: Scene, settings: Settings) -> Settings | None:
         """The next rung of an engine that is found to be twice as far off as it may be."""
-        found: Settings | None = self.engine.finer(settings, (2.0,) * max(1, len(self.engine.comparisons(settings, mechanism, 1e-3))), 1e-3)
+        solver = self.solver(scene)
+        found: Settings | None = solver.finer(settings, (2.0,) * max(1, len(solver.comparisons(settings, scene, 1e-3))), 1e-3)
         return found
 
-    def sharpened(self, motion: Motion) -> Trajectory | None:
-        """The run one rung above the default; None where there is none. What falls with it is an error of the resolution."""
-        finer = self.finer(motion.scene, self.settings(motion.scene))
+    def sharpened(self, motion: Motion) -> Iterator[Trajectory]:
+        """Runs of the rungs above the default, from the next one on, a few at most: what falls with them is an error of the resolution."""
+        settings: Settings | None = self.settings(motion.scene)
+        for _ in range(_SHARPENED):
+            settings = self.finer(motion.scene, settings) if settings is not None else None
+            if settings is None:
+                return
+            try:
+                yield self.run(motion, settings)
+            except EngineFailure:
+                return
+
+    def coarsened(self, motion: Motion) -> Trajectory | None:
+        """A run that is coarser than the default by what `comparisons` say; None where they name none."""
+        settings = self.settings(motion.scene)
+        pairs = self.solver(motion.scene).comparisons(settings, motion.scene, motion.output_step)
+        coarser = [pair for pair in pairs if pair.factor > 1.0 and pair.run == settings]
         try:
-            return None if finer is None else self.run(motion, finer)
+            return self.run(motion, coarser[0].other) if coarser else None
         except EngineFailure:
             return None
 
@@ -130,8 +197,9 @@ class Bench:
     def estimates(self, motion: Motion, settings: Settings | None = None) -> dict[str, float] | None:
         """The engine's error by its own comparisons, in the unit of each column; None where they show none."""
         parts: dict[str, float] = {}
+        solver = self.solver(motion.scene)
         try:
-            for pair in self.engine.comparisons(settings or self.settings(motion.scene), motion.scene, OUTPUT_STEP):
+            for pair in solver.comparisons(settings or self.settings(motion.scene), motion.scene, motion.output_step):
                 if pair.run == pair.other:
                     return None
                 runs = compared(pair, functools.partial(self.run, motion))
@@ -150,9 +218,11 @@ class Bench:
         return {
             name: BENEFIT * (estimate + known.uncertainty[name]) + ROUNDING * rms(known.columns[name])
             for name, estimate in estimates.items()
+            if name in known.columns
         }
 
 
-def columns_of(run: Trajectory) -> tuple[str, ...]:
-    """Its columns that are held against `reference`."""
-    return tuple(name for name in COMPARED if name in run.columns)
+def columns_of(run: Trajectory, among: Iterable[str] = COMPARED, known: Mapping[str, Array] | None = None) -> tuple[str, ...]:
+    """Its columns that are held against `reference`: of those in `among`, where `reference` has them (`known`) and they are not zero."""
+    names = [name for name in among if name in run.columns]
+    return tuple(name for name in names if known is None or (name in known and rms(known[name]) > 0.0))

@@ -1,6 +1,6 @@
 """What a check of an adapter says."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
@@ -8,11 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.shown import Cell, Rows, Shown
-from engines.base import Refusal
+from engines.accurate import raised_at
+from engines.base import EngineFailure, Refusal, first_line
 
 Array = NDArray[np.float64]
 Status = Literal["passed", "failed", "not judged"]
 
+#: How the cause of a check begins that was not begun for lack of time.
+LEFT_OUT: Final = "left out"
+#: Names that a sentence lists.
+_NAMED: Final = 4
 #: Advice where nothing better is known.
 TELL_THE_AUTHOR: Final = "debug it with the scene of this check: cases.conformance.scenes"
 
@@ -32,6 +37,11 @@ class Check:
     status: Status
     cause: str = ""
     advice: str = ""
+
+    @property
+    def left_out(self) -> bool:
+        """Whether there was no time for it."""
+        return self.status == "not judged" and self.cause.startswith(LEFT_OUT)
 
 
 @dataclass(frozen=True, repr=False)
@@ -58,10 +68,16 @@ class Conformance(Shown):
         return tuple(check for check in self.checks if check.status == "failed")
 
     @property
+    def left_out(self) -> tuple[str, ...]:
+        """Names of the checks that were not begun for lack of time."""
+        return tuple(check.check for check in self.checks if check.left_out)
+
+    @property
     def verdict(self) -> str:
         """In words."""
         failed = f"does not conform: {len(self.failed)} check{'s' * (len(self.failed) > 1)} failed"
-        return {True: "conforms", False: failed, None: "not judged"}[self.conforms]
+        verdict = {True: "conforms", False: failed, None: "not judged"}[self.conforms]
+        return f"{verdict}, as far as there was time: {len(self.left_out)} checks are left out" if self.left_out else verdict
 
 
 class Fault(Exception):
@@ -80,16 +96,31 @@ class Unjudged(Fault):
     status: Status = "not judged"
 
 
+class LeftOut(Unjudged):
+    """A check that was not begun: it would have taken longer than there is time."""
+
+
 def looked_at(name: str, look: Callable[..., str | None], *arguments: Any) -> Check:
-    """The check that `look` makes: it raises `Fault`, or gives back a remark, if there is one. An engine may refuse."""
+    """The check that `look` makes: it raises `Fault`, or gives back a remark, if there is one. An engine may refuse, or raise anything."""
     try:
         return Check(name, "passed", look(*arguments) or "")
     except Refusal as refusal:
         return Check(name, "passed", f"refused: {refusal}")
     except Fault as fault:
         return Check(name, fault.status, fault.cause, fault.advice)
+    except EngineFailure as failure:
+        return Check(name, "failed", f"a run breaks down: {failure.cause}", failure.advice)
+    except Exception as error:  # an author's engine may raise anything
+        return raising(name, error)
 
 
-def percent(share: float) -> str:
-    """A share in per cent with two digits."""
-    return f"{100.0 * share:.2g} %"
+def raising(name: str, error: Exception) -> Check:
+    """A check that ends with an exception which no engine may raise."""
+    cause = f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}"
+    return Check(name, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user")
+
+
+def some(names: Sequence[str]) -> str:
+    """Names for a sentence: the first ones, and how many more there are."""
+    more = len(names) - _NAMED
+    return ", ".join(names) if more <= 1 else f"{', '.join(names[:_NAMED])} and {more} more"

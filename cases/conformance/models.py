@@ -8,12 +8,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.conformance.bench import Motion, truth
+from cases.conformance.bench import Motion, solution
 from cases.conformance.checks import Array
+from cases.explanation import Hypothesis, explain
 from cases.mistakes import Finding
 from engines.base import EngineFailure
 from engines.relative import rms
-from reference_model.mechanism import ImpossibleMechanism, Mechanism, PrescribedSpeed, TorqueDrive, changed
+from reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive, changed
 
 #: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
 #: are small beside the follower's.
@@ -30,13 +31,15 @@ _PROMISING: Final = 0.9
 _FOUND: Final = 0.02
 #: A quantity explains a difference if it leaves no more than this part of it.
 _EXPLAINED: Final = 0.25
+#: Mistakes by a factor that are made more often than others.
+_SIMPLE: Final = {0.5: "half", 2.0: "twice"}
 _SCALED: Final = (
     "follower.bending_stiffness", "follower.mass_per_length", "follower.length", "pivot_distance", "crank.length", "crank.mass",
     "crank.inertia", "crank.center_of_mass", "crank.drive.torque", "crank.drive.damping", "crank.drive.initial_speed", "tip.mass",
-    "tip.inertia", "base.inertia",
+    "tip.inertia", "base.inertia", "spin_up.speed", "spin_up.time",
 )  # fmt: skip
 #: The weighted difference that a scene makes.
-Effect = Callable[[Mechanism], Array]
+Effect = Callable[[Scene], Array]
 
 
 def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[str, float] | None) -> Finding | None:
@@ -47,7 +50,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
         moves: columns of the engine.
         tolerances: by how much columns may be off; None: the engine does not say.
     """
-    known, scene = truth(motion).columns, motion.scene
+    known, scene = solution(motion), motion.scene
     part, allowed = (0.01, dict[str, float]()) if tolerances is None else (1e-4, tolerances)
     sizes = {name: rms(known[name]) for name in moves if rms(known[name]) > 0.0}
 
@@ -55,33 +58,43 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
         weighted = [(columns[name] - known[name]) / (part * size + allowed.get(name, 0.0)) for name, size in sizes.items()]
         return np.concatenate(weighted)
 
-    def effect(other: Mechanism) -> Array:
-        return stacked(truth(replace(motion, scene=other)).columns)
+    def effect(other: Scene) -> Array:
+        return stacked(solution(replace(motion, scene=other)))
 
     shown = stacked(moves)
     if rms(shown) <= 1.0:  # these columns are as good as they may be
         return None
     small = all(rms(moves[name] - known[name]) <= _SMALL * size for name, size in sizes.items())
-    least, best = _EXPLAINED, None
-    for begin in (None, *(_BEGIN[:1] if small else _BEGIN)):
-        if best is not None and begin in _BEGIN[1:]:
-            break
-        for words, left in _factors(scene, shown, effect, begin) if begin else _others(scene, shown, effect):
-            if left < least:
-                least = 0.7 * left  # another must explain clearly more
-                best = Finding(f"the motion is that with {words}", f"look where {words.split()[0]} enters", left)
-    return best
+    tried = list(_others(scene, effect))
+    for begin in _BEGIN[:1] if small else _BEGIN:
+        tried += _factors(scene, shown, effect, begin)
+        if found := explain(shown, 0.0 * shown, tried, noise=1.0, most=_EXPLAINED):
+            return Finding(f"the motion is that with {found.words}", found.advice, found.left)
+    return None
 
 
-def _others(scene: Mechanism, shown: Array, effect: Effect) -> Iterator[tuple[str, float]]:
-    """Other scenes in words, and what part of the difference each leaves."""
-    crank, drive = scene.crank, scene.crank.drive
+def _others(scene: Scene, effect: Effect) -> Iterator[Hypothesis]:
+    """Scenes that differ by a mistake which no number has to be found for."""
     others: dict[str, dict[str, Any]] = {
         "no tip body": {"tip": None},
         "tip.mass ignored": {"tip.mass": 0.0},
         "tip.inertia ignored": {"tip.inertia": 0.0},
         "base.inertia ignored": {"base.inertia": 0.0},
+        **(_of_crank(scene.crank) if isinstance(scene, Mechanism) else {}),
+    }
+    for path, value in _values(scene):
+        others |= {f"{path.replace('drive.', '')} {words} as large": {path: factor * value} for factor, words in _SIMPLE.items()}
+    for words, values in others.items():
+        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
+            yield Hypothesis(words, f"look where {words.split()[0]} enters", effect(changed(scene, values)))
+
+
+def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
+    """Mistakes of the crank and its drive: what they are -> what they make of a scene."""
+    drive = crank.drive
+    others: dict[str, dict[str, Any]] = {
         "crank.inertia taken about O: the crank's mass is not counted": {"crank.center_of_mass": 0.0},
+        "crank.inertia shifted to O twice": {"crank.inertia": crank.inertia + crank.mass * crank.center_of_mass**2},
         "crank.inertia ignored": {"crank.inertia": 0.0},
         "the crank's centre of mass at the slider": {"crank.center_of_mass": crank.length},
         "the crank's centre of mass in the middle": {"crank.center_of_mass": 0.5 * crank.length},
@@ -95,19 +108,22 @@ def _others(scene: Mechanism, shown: Array, effect: Effect) -> Iterator[tuple[st
             "crank.damping of the wrong sign, as a drive": {"crank.drive.torque": turned},
             "the crank's speed prescribed": {"crank.drive": PrescribedSpeed(speed=drive.initial_speed)},
         }
-    for words, values in others.items():
-        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
-            yield words, rms(shown - effect(changed(scene, values))) / rms(shown)
+    return others
 
 
-def _factors(scene: Mechanism, shown: Array, effect: Effect, begin: float) -> Iterator[tuple[str, float]]:
-    """Each quantity as many times as large as explains most, from `begin` on by secants, and what part of the difference that leaves."""
+def _values(scene: Scene) -> Iterator[tuple[str, float]]:
+    """Quantities that may be off by a factor, and their values."""
     for path in _SCALED:
         value: Any = scene
         for part in path.split("."):
             value = getattr(value, part, None)
-        if not isinstance(value, float) or not math.isfinite(value) or value == 0.0:
-            continue
+        if isinstance(value, float) and math.isfinite(value) and value != 0.0:
+            yield path, value
+
+
+def _factors(scene: Scene, shown: Array, effect: Effect, begin: float) -> Iterator[Hypothesis]:
+    """Each quantity as many times as large as explains most, from `begin` on by secants."""
+    for path, value in _values(scene):
 
         def times(factor: float, path: str = path, value: float = value) -> Array:
             return effect(changed(scene, {path: factor * value}))
@@ -126,4 +142,5 @@ def _factors(scene: Mechanism, shown: Array, effect: Effect, begin: float) -> It
                 if rms(left) <= _FOUND * rms(shown):
                     break
                 slope = (there - before) / step
-            yield f"{path.replace('drive.', '')} {factor:.4g} times as large", rms(left) / rms(shown)
+            words = f"{path.replace('drive.', '')} {factor:.4g} times as large"
+            yield Hypothesis(words, f"look where {words.split()[0]} enters", there, fitted=True)

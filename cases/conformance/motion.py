@@ -4,30 +4,27 @@ A column that is found wrong is left out of the checks that follow: one mistake 
 """
 
 import functools
+import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from cases.conformance.bench import Bench, Motion, bent_start, columns_of, truth
-from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, percent
+from cases.conformance.bench import ROUNDING, TELLING, Bench, Motion, bent_start, columns_of, solution, truth
+from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, some
 from cases.conformance.models import acts_as_if
+from cases.conformance.rows import output_steps, pieces
 from cases.conformance.scenes import OUTPUT_STEP, SOFT
-from cases.mistakes import EXPLAINED, Finding, diagnose
+from cases.explanation import Hypothesis, explain
+from cases.mistakes import Finding, diagnose, lateness, share_of
 from engines.base import EngineFailure, Refusal
 from engines.relative import rms
-from engines.start import standard_start
+from engines.start import Start, standard_start
 from engines.start_state import reconstruct
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, changed
+from reference_model.mechanism import Mechanism, Scene, changed
 
-#: Between output steps that are this many times as large nothing may change, in this part of a column where the engine says nothing.
-_COARSER: Final = 4
-_SAME: Final = 0.02
-#: Rows by which a column may come late or early.
-_LAGS: Final = (1, -1, 2, -2, 3)
-_IN_TIME: Final = "take it at the instant of the row, after the last step, with everything derived brought up to date"
 _BENT_DURATION: Final = 0.25  # s
 #: What is wrong -> what is left of a start then.
 _IGNORED: Final[Mapping[str, Mapping[str, Any]]] = {
@@ -35,8 +32,14 @@ _IGNORED: Final[Mapping[str, Mapping[str, Any]]] = {
     "the start's deflection rate is ignored: the follower begins bent and is not bending": {"deflection_rate": None},
     "the start's deflection is ignored: the follower begins straight": {"deflection": None},
 }
+#: Part of the bend that a start may miss, and the largest part of a difference that an explanation of it may leave.
+_IGNORABLE: Final = 0.05
+_LEFT_OF_START: Final = 0.4
 #: A finer rung that leaves no more than this part of a difference shows that it comes from the resolution.
 FALLS: Final = 0.7
+#: Wrong columns that are told one by one; more than these are told together, unless they are off by this many times their size.
+_ONE_BY_ONE: Final = 3
+_WILD: Final = 1.0
 #: Coarse columns are called so from this part on.
 _COARSE: Final = 0.02
 
@@ -49,10 +52,10 @@ def motion(bench: Bench) -> Iterator[Check]:
         yield Check("a trajectory", "failed", f"none is delivered in a mild scene: {failure.cause}", failure.advice)
         return
     wrong = set(late)
-    yield looked_at("pieces continue", _pieces, bench, wrong | set(depending))
+    yield looked_at("pieces continue", pieces, bench, wrong | set(depending))
     yield from late.values()
     yield from _columns(bench, bench.mild, "column", wrong, found, model)
-    yield from (check for column, check in depending.items() if column not in wrong)  # a column explained needs no second word
+    yield from dict.fromkeys(check for column, check in depending.items() if column not in wrong)  # a column explained needs no second word
     wrong.update(depending)
     yield from _identities(bench.run(bench.mild), bench.scene, wrong)
     yield looked_at("first row of the standard start", _first_row, bench, bench.mild, wrong)
@@ -86,98 +89,21 @@ class Amiss(NamedTuple):
         return self.model is not None or not all(finding.explained for finding in self.found.values())
 
 
+def already_amiss(bench: Bench) -> Amiss:
+    """As `amiss`, for checks of something else; without a look at other output steps where there is no time for that."""
+    return amiss(bench, steps=bench.seconds is None)
+
+
 @functools.lru_cache(maxsize=1)
-def amiss(bench: Bench) -> Amiss:
-    """What is wrong with the mild scene's trajectory. Raises EngineFailure if there is none."""
-    run, (late, depending) = bench.run(bench.mild), _rows(bench)
-    found = _findings(bench, bench.mild, late)
+def amiss(bench: Bench, *, steps: bool = True) -> Amiss:
+    """What is wrong with the mild scene's trajectory; `steps`: with other output steps, too. Raises EngineFailure if there is none."""
+    run, (late, depending) = bench.run(bench.mild), output_steps(bench) if steps else ({}, {})
+    found = findings(bench, bench.mild, late)
     if len(found) < 2:
         return Amiss(late, depending, found, None)
     of_rows = {name for name in found if found[name].explained and len(found) == 2}
-    moves = {name: run[name] for name in columns_of(run) if name not in late and name not in of_rows}
+    moves = {name: run[name] for name in columns_of(run, TELLING) if name not in late and name not in of_rows}
     return Amiss(late, depending, found, acts_as_if(bench.mild, moves, bench.tolerances(bench.mild)))
-
-
-def _rows(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
-    """The same motion with a coarser output step: columns that come late with it, and others that depend on it."""
-    run, tolerances = bench.run(bench.mild), bench.tolerances(bench.mild)
-    name, step = "the same with another output step", _COARSER * OUTPUT_STEP
-    try:
-        coarse = bench.run(replace(bench.mild, duration=step * (len(run) // _COARSER), output_step=step))
-    except EngineFailure as failure:
-        return {"time": Check(name, "failed", f"with {1e3 * step:g} ms between rows: {failure.cause}", failure.advice)}, {}
-    late, depending = dict[str, Check](), dict[str, Check]()
-    for column in columns_of(run):
-        fine, there = run[column], coarse[column]
-        off = rms(there - fine[::_COARSER][: len(there)])
-        if off <= _allowed(column, fine, tolerances, 1e-4):
-            continue
-        for lag in _LAGS:
-            if rms(there[3:-3] - _later(fine, lag, len(there))[3:-3]) <= 0.3 * off:
-                late[column] = Check(f"{name}: {column}", "failed", f"{column} {_comes(lag)}", _IN_TIME)
-                break
-        else:
-            words = f"{column} changes by {percent(off / max(_swing(fine), 1e-300))} with the distance of the rows"
-            advice = "compute it from the state at the instant of the row, not from rows before and after"
-            depending[column] = Check(f"{name}: {column}", "failed", words, advice)
-    return late, depending or {"": Check(name, "passed" if not late else "not judged")}
-
-
-def _allowed(column: str, values: Array, tolerances: Mapping[str, float] | None, part: float, times: float = 1.0) -> float:
-    """By how much a column may differ from another run's: as the engine says, and by a part of its swing."""
-    return _SAME * _swing(values) if tolerances is None else max(times * tolerances[column], part * _swing(values))
-
-
-def _later(fine: Array, lag: int, rows: int) -> Array:
-    """What the coarse rows of a column would be that is `lag` rows late in both: the fine one shows it `lag` fine rows late already."""
-    at = np.clip(np.arange(rows) * _COARSER - (_COARSER - 1) * lag, 0, len(fine) - 1)
-    return fine[at]
-
-
-def _comes(lag: int) -> str:
-    return f"comes {abs(lag)} row{'s' if abs(lag) > 1 else ''} {'late' if lag > 0 else 'early'}"
-
-
-def _swing(values: Array) -> float:
-    return rms(values - np.mean(values))
-
-
-def _pieces(bench: Bench, wrong: set[str]) -> None:
-    """A simulation advanced in pieces goes on where it stood."""
-    rows, scene, run, tolerances = 60, bench.scene, bench.run(bench.mild), bench.tolerances(bench.mild)
-    span = rows * OUTPUT_STEP
-    simulation = bench.engine.prepare(scene, standard_start(scene), bench.settings(scene))
-    try:
-        pieces = [simulation.advance(span, OUTPUT_STEP) for _ in range(3)]
-    except Exception as error:  # an author's engine may raise anything
-        cause = f"advancing a second time raises {type(error).__name__}: {error}"
-        raise Fault(cause, "keep the state between calls of advance") from error
-    keep = "keep the state in the simulation and begin each piece with the row that the one before ended with"
-    for number, piece in enumerate(pieces):
-        begin, first = number * rows, piece["time"][0]
-        if len(piece) != rows + 1:
-            raise Fault(f"piece {number + 1} has {len(piece)} rows in place of {rows + 1}", keep)
-        if abs(first - number * span) > 0.1 * OUTPUT_STEP:
-            cause = f"the time of piece {number + 1} begins at {first:.4g} s, not where the one before ended"
-            if abs(first) < 0.1 * OUTPUT_STEP:
-                cause = "the time begins at zero again in each piece"
-            raise Fault(cause, "count time in the simulation: `self.time` plus the grid")
-        if number and abs(simulation.time - 3 * span) > 0.1 * OUTPUT_STEP:
-            cause = f"`time` of the simulation is {simulation.time:.4g} s after {3 * rows} ms"
-            raise Fault(cause, "add the duration to it in each advance")
-        off = [
-            column
-            for column in columns_of(run)
-            if rms(piece[column] - run[column][begin : begin + len(piece)])
-            > max(_allowed(column, run[column], tolerances, 1e-3, 3.0), 1e-12)
-            if column not in wrong
-        ]
-        if off and all(column in ("dissipated_energy", "drive_work") for column in off):
-            raise Fault(f"{' and '.join(off)} begins anew in each piece", "sum from the start of the simulation")
-        if off and abs(piece["crank_angle"][0] - run["crank_angle"][0]) < 1e-9:
-            raise Fault("each piece begins in the start again", keep)
-        if off:
-            raise Fault(f"in pieces {', '.join(off)} goes another way than in one go, from {begin} ms on", keep)
 
 
 def _columns(
@@ -185,55 +111,105 @@ def _columns(
 ) -> Iterator[Check]:
     """Each column against `reference`; or the model, where it explains several at once."""
     run, known = bench.run(motion), truth(motion).columns
-    off = {name: rms(run[name] - known[name]) / (rms(known[name]) or 1.0) for name in columns_of(run) if name not in wrong}
+    off = {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known) if name not in wrong}
     if model is not None:
         worst = max(found, key=lambda name: off[name])
-        yield Check(f"{kind}s together", "failed", f"{model.cause} ({worst} is {percent(off[worst])} off)", model.advice)
-        wrong.update(found)
+        yield Check(f"{kind}s together", "failed", f"{model.cause} ({worst} is off by {share_of(off[worst])})", model.advice)
+        wrong.update(off)
         return
     before = sorted(wrong & set(run.columns))
     by_itself = "" if bench.tolerances(motion) is not None else ", and makes no claim that it is not"
-    for name, part in off.items():
-        if name in found:
-            wrong.add(name)
-            yield Check(f"{kind} {name}", "failed", found[name].cause, found[name].advice)
-        else:
-            yield Check(f"{kind} {name}", "passed", f"coarse: {percent(part)} from reference{by_itself}" if part > _COARSE else "")
+    puzzling = [name for name in found if not found[name].explained]
+    if len(puzzling) > _ONE_BY_ONE and all(off[name] < _WILD for name in puzzling):
+        yield _together(f"{kind}s together", puzzling, off)
+        wrong.update(puzzling)
+    told = [name for name in off if name in found and name not in wrong]
+    wrong.update(told)
+    for names in _of_a_kind(told):
+        cause, several = found[names[0]].cause, len(names) > 1
+        more = f"; {len(names) - 1} more of {names[0]} to {names[-1]} are so, or wrong otherwise" if several else ""
+        yield Check(_named(kind, names), "failed", f"{cause}{more}", found[names[0]].advice)
+    passed = {name: f"coarse: {share_of(part)} from reference{by_itself}" if part > _COARSE else "" for name, part in off.items()}
+    right = [name for name in off if name not in found]
+    yield from (Check(f"{kind} {name}", "passed", passed[name]) for name in right if passed[name])
+    yield from (Check(_named(kind, names), "passed") for names in _of_a_kind([name for name in right if not passed[name]]))
     if before:
-        yield Check(f"{kind} {', '.join(before)}", "not judged", "their rows are wrong already", "mend those first")
+        yield Check(f"{kind} {some(before)}", "not judged", "they are wrong already", "mend those first")
 
 
-def _findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str, Finding]:
+def _of_a_kind(names: Sequence[str]) -> Iterator[list[str]]:
+    """Columns one by one; those of a numbered kind of many, as `shape_01` is one, at once."""
+    for stem, kind in itertools.groupby(names, key=lambda name: name.rstrip("0123456789")):
+        several = list(kind)
+        yield from [several] if len(several) > _ONE_BY_ONE and stem != several[0] else ([name] for name in several)
+
+
+def _named(kind: str, names: Sequence[str]) -> str:
+    return f"{kind} {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
+
+
+def _together(check: str, names: Sequence[str], off: Mapping[str, float]) -> Check:
+    """Many columns that are off by less than a mistake of theirs would make, in one line."""
+    worst = sorted(names, key=lambda name: -off[name])[:_ONE_BY_ONE]
+    most = ", ".join(f"{name} by {share_of(off[name])}" for name in worst)
+    cause = f"{len(names)} columns are off by more than the engine's own estimate says, most {most}; no single mistake explains it"
+    return Check(check, "failed", cause, "either the estimate is too small, or the model departs: compare a much finer run with reference")
+
+
+def findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str, Finding]:
     """What is wrong with which column."""
     run, known, tolerances = bench.run(motion), truth(motion).columns, bench.tolerances(motion)
     found: dict[str, Finding] = {}
-    for name in columns_of(run):
+    for name in columns_of(run, known=known):
         if name not in left_out:
             tolerance = None if tolerances is None else tolerances[name]
             finding = _diagnosed(name, run[name], known[name], tolerance, known, motion.scene)
             if finding is not None:
                 found[name] = finding
+    if tolerances is None:
+        return _alike_in_all_places(found, run)
     puzzling = [name for name, finding in found.items() if not finding.explained]
-    if puzzling and tolerances is not None and (finer := bench.sharpened(motion)) is not None:
-        for name in puzzling:  # what falls with the resolution is no mistake of the column: its estimate is too small, which is told there
-            if rms(finer[name] - known[name]) <= FALLS * rms(run[name] - known[name]):
-                del found[name]
+    if puzzling:
+        for name in falling(bench, motion, puzzling):
+            del found[name]
     return found
 
 
+def _alike_in_all_places(found: dict[str, Finding], run: Trajectory) -> dict[str, Finding]:
+    """Findings of a model that says nothing of its error; those of places along the follower only where all of them show the same."""
+    kept = dict(found)
+    for names in _of_a_kind(columns_of(run)):
+        causes = {found[name].cause.removeprefix(name) if name in found else "" for name in names}
+        if len(names) > 1 and len(causes) > 1:
+            kept = {name: finding for name, finding in kept.items() if name not in names}
+    return kept
+
+
+def falling(bench: Bench, motion: Motion, names: Iterable[str]) -> list[str]:
+    """Columns whose error depends on the resolution: no mistake of theirs, but an estimate that is too small, which is told there.
+
+    It falls with finer settings, or was larger with coarser ones.
+    """
+    run, known, left = bench.run(motion), truth(motion).columns, list(names)
+    fallen, finest = list[str](), True
+    for finer in bench.sharpened(motion):
+        finest = False
+        fallen += [name for name in left if rms(finer[name] - known[name]) <= FALLS * rms(run[name] - known[name])]
+        left = [name for name in left if name not in fallen]
+        if not left:
+            break
+    if finest and (coarser := bench.coarsened(motion)) is not None:
+        fallen += [name for name in left if rms(run[name] - known[name]) <= FALLS * rms(coarser[name] - known[name])]
+    return fallen
+
+
 def _diagnosed(
-    name: str, found: Array, expected: Array, tolerance: float | None, beside: Mapping[str, Array], scene: Mechanism
+    name: str, found: Array, expected: Array, tolerance: float | None, beside: Mapping[str, Array], scene: Scene
 ) -> Finding | None:
-    """As `diagnose`, or that it comes some rows late, whatever the output step, where that explains more."""
-    finding = diagnose(name, found, expected, tolerance, beside, scene)
-    if finding is None:
-        return None
-    for lag in _LAGS:
-        early, late = (found, expected) if lag > 0 else (expected, found)
-        left = rms(early[abs(lag) :] - late[: -abs(lag)])
-        if left <= EXPLAINED * rms(found - expected) and (finding.left is None or left < finding.left):
-            return Finding(f"{name} {_comes(lag)}", _IN_TIME, left)
-    return finding
+    """As `diagnose`; a column may also come late, whatever the output step."""
+    off = rms(found - expected)
+    late = lateness(found, expected) if off > ROUNDING * rms(expected) else ()
+    return diagnose(name, found, expected, tolerance, beside, scene, late)
 
 
 def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[Check]:
@@ -262,6 +238,7 @@ def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[
 def _first_row(bench: Bench, motion: Motion, wrong: set[str], part: float = 1e-6) -> None:
     """Where the loop puts crank, follower and slider at the start, to a part of the follower's length or of a radian."""
     run, scene = bench.run(motion), motion.scene
+    assert isinstance(scene, Mechanism)
     start = motion.start or standard_start(scene)
     state = reconstruct(scene, start)
     tip = state.position(np.array([scene.follower.length]))[0]
@@ -301,12 +278,9 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
     deflection = rms(known["tip_deflection"])
     part = 0.5 * deflection if tolerances is None else tolerances["tip_deflection"] + 0.02 * deflection
     first = looked_at(f"first row of {check}", _first_row, bench, motion, wrong, part)
-    off = _departure(run, known)
-    for cause, left_out in _IGNORED.items():
-        other = truth(replace(motion, start=replace(start, **left_out)))
-        if _departure(run, other.columns) < 0.4 * off and off > 0.05:
-            yield Check(check, "failed", cause, "see engines.start_state.reconstruct: it tells place and velocity of every point")
-            return
+    if ignored := _ignored(run.columns, motion, start):
+        yield Check(check, "failed", ignored, "see engines.start_state.reconstruct: it tells place and velocity of every point")
+        return
     yield first
     if not {"slider_position", "crank_angle"} & wrong and rms(_bow(run.columns, soft)) < 0.3 * rms(_bow(known, soft)):
         cause = "slider_position is the straight distance from the pivot, not the arc length"
@@ -315,13 +289,23 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
     if first.status == "failed":
         yield Check(check, "not judged", "it does not begin where it should", TELL_THE_AUTHOR)
         return
-    yield from _columns(bench, motion, "from a bent, moving start:", wrong, _findings(bench, motion, wrong))
+    yield from _columns(bench, motion, "from a bent, moving start:", wrong, findings(bench, motion, wrong))
 
 
-def _departure(run: Trajectory, columns: Mapping[str, Array]) -> float:
-    """How far the follower's bend is from another one, relative to that."""
-    names = ("tip_deflection", "strain_1", "strain_2", "strain_3")
-    return float(np.mean([rms(run[name] - columns[name]) / rms(columns[name]) for name in names]))
+def _ignored(run: Mapping[str, Array], motion: Motion, start: Start) -> str:
+    """What of a bent start is left out, by how the follower bends from then on; "" where nothing is."""
+    known = truth(motion).columns
+
+    def bend(columns: Mapping[str, Array]) -> Array:
+        return np.concatenate([columns[name] / rms(known[name]) for name in ("tip_deflection", "strain_1", "strain_2", "strain_3")])
+
+    if rms(bend(run) - bend(known)) <= _IGNORABLE:
+        return ""
+    others = (
+        Hypothesis(cause, "", bend(solution(replace(motion, start=replace(start, **left_out))))) for cause, left_out in _IGNORED.items()
+    )
+    found = explain(bend(run), bend(known), others, most=_LEFT_OF_START)
+    return "" if found is None else found.words
 
 
 def _to_slider(columns: Mapping[str, Array], scene: Mechanism) -> Array:

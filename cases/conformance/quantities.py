@@ -1,18 +1,21 @@
-"""Every quantity of the scene changed in turn: the engine follows as `reference` does, or refuses."""
+"""Every quantity of the scene changed in turn, and all at once: the engine follows as `reference` does, or refuses."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
-from cases.conformance.bench import Bench, Motion, columns_of, truth
-from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, percent
-from cases.conformance.motion import FALLS, Amiss, amiss
+from cases.conformance.bench import TELLING, Bench, Motion, columns_of, solution, truth
+from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
+from cases.conformance.motion import Amiss, already_amiss, falling, findings
 from cases.conformance.scenes import CHANGES, Change
+from cases.conformance.together import together
+from cases.explanation import Hypothesis, explain
+from cases.mistakes import share_of
 from engines.base import EngineFailure
 from engines.relative import rms
-from reference_model.mechanism import PrescribedSpeed, changed
+from reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene, changed
 
 _DURATION: Final = 0.4  # s: three quarters of a turn
 #: Of the effect a quantity must have: less is none.
@@ -22,72 +25,126 @@ _EXPLAINED: Final = 0.45
 #: What a coarse model may make of a quantity's effect, and how far its own may be from it.
 _HALF_TO_DOUBLE: Final = (0.5, 2.0)
 _APART: Final = 0.9
-
 #: An effect that is as far off is looked at more closely, even if the engine says that it may be.
 _SUSPICIOUS: Final = 0.3
+#: Columns of what moves but for the follower's bend: mistakes that a scene can only imitate as a whole are seen in them.
+_RIGID: Final = ("crank_angle", "crank_speed", "follower_angle", "slider_position")
+#: Quantities that are ignored from which on it is a scene that is ignored.
+_MOST: Final = 0.6
+_IGNORED: Final = "is ignored in silence: another value changes nothing"
 
 
 def quantities(bench: Bench) -> Iterator[Check]:
-    """A check for each of `CHANGES`."""
+    """A check for each of `CHANGES`, and one of all together; that one first where there is no time for all."""
     try:
-        wrong = amiss(bench)
+        wrong = already_amiss(bench)
     except EngineFailure:
         yield Check("quantities", "not judged", "there is no trajectory in the mild scene", "mend that first")
         return
-    for change in CHANGES:
-        yield looked_at(f"quantity {change.name}", _followed, bench, change, wrong)
+    if bench.seconds is not None:
+        yield from together(bench, wrong)
+        yield from _each(bench, wrong)
+        return
+    checks = list(_each(bench, wrong))
+    yield from checks
+    if any(check.status == "failed" for check in checks):
+        yield Check("quantities together", "not judged", "one by one they are not followed", "mend those first")
+    else:
+        yield from together(bench, wrong)
 
 
-def _followed(bench: Bench, change: Change, wrong: Amiss) -> str:
+def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
+    """A check for each of `CHANGES`; one alone where most are ignored."""
+    told = set(wrong.columns)
+    checks = [looked_at(f"quantity {change.name}", followed, bench, bench.scene, change, wrong.motion, told) for change in CHANGES]
+    ignored = [check for check in checks if check.cause.endswith(_IGNORED)]
+    if len(ignored) > _MOST * len(checks):
+        names = some([check.check.removeprefix("quantity ") for check in ignored])
+        cause = f"most quantities are ignored, {len(ignored)} of {len(checks)} ({names}): the scene of an earlier run is simulated again"
+        yield Check("quantities", "failed", cause, "keep nothing of a scene between runs: no class attribute, module variable or cache")
+        checks = [check for check in checks if check not in ignored]
+    yield from checks
+
+
+def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str], duration: float = _DURATION) -> str:
+    """Whether the engine follows a change of a scene. Raises as a look of `looked_at` may.
+
+    Args:
+        bench: the engine.
+        scene: that is changed.
+        change: of what.
+        wrong: whether its motion is wrong without the change.
+        told: columns whose rows are wrong and were told; those that are found here are added.
+        duration: of the motion, s.
+    """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
-    if isinstance(bench.scene.crank.drive, PrescribedSpeed) and any(path.startswith("crank.drive.") for path in change.values):
+    if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):
         return "refused: a driven crank is not modelled"
-    context = changed(bench.scene, change.context)
-    before, after = Motion(context, _DURATION), Motion(changed(context, change.values), _DURATION)
+    context = changed(scene, change.context)
+    before, after = Motion(context, duration), Motion(changed(context, change.values), duration)
     try:
-        bench.engine.check(after.scene)
-        found = [bench.run(motion).columns for motion in (before, after)]
+        bench.solver(scene).check(after.scene)
+        runs = [bench.run(motion) for motion in (before, after)]
     except EngineFailure as failure:
         kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # raised, returned: no adapter says so
         raise kind(f"with another value the run breaks down: {failure.cause}", failure.advice) from failure
-    known = [truth(motion).columns for motion in (before, after)]
-    names = [column for column in columns_of(bench.run(before)) if rms(known[1][column]) > 0.0]
-    sizes = {name: max(rms(each[name] - np.mean(each[name])) for each in known) + 1e-6 * rms(known[1][name]) for name in names}
-
-    def effect(first: Mapping[str, Array], second: Mapping[str, Array]) -> Array:
-        return np.concatenate([(second[column] - first[column]) / sizes[column] for column in names])
-
-    shown, due = effect(*found), effect(*known)
+    found, known = (runs[0].columns, runs[1].columns), (solution(before), solution(after))
+    names = list(columns_of(runs[0], TELLING, known[1]))
+    effect = _Effects(known, names)
+    shown, due = effect.between(*found), effect.between(*known)
     if rms(shown) <= _NONE * rms(due):
-        raise Fault(f"{change.name} is ignored in silence: another value changes nothing", advice)
-    if left_out := wrong.columns & set(names):
-        everything, names = rms(due) * math.sqrt(len(names)), [name for name in names if name not in left_out]
-        if not names or rms(due := effect(*known)) * math.sqrt(len(names)) <= _NONE * everything:
+        raise Fault(f"{change.name} {_IGNORED}", advice)
+    if left_out := told & set(names):
+        everything, effect = rms(due) * math.sqrt(len(names)), _Effects(known, [name for name in names if name not in left_out])
+        if not effect.names or rms(due := effect.between(*known)) * math.sqrt(len(effect.names)) <= _NONE * everything:
             raise Unjudged(f"it shows in {', '.join(sorted(left_out))} alone, whose rows are wrong already", "mend those first")
-        shown = effect(*found)
-    worst = _worst(bench, (before, after), names)
+        shown = effect.between(*found)
+    worst = _worst(bench, (before, after), [name for name in columns_of(runs[1], known=known[1]) if name not in told])
     share = float(shown @ due / (due @ due))
     left = rms(shown - due) / rms(due)
     if worst == "" and left <= _SUSPICIOUS:
         return ""
     if worst is None and left <= _APART and _HALF_TO_DOUBLE[0] <= share <= _HALF_TO_DOUBLE[1]:
         return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
-
-    def of(values: Mapping[str, object]) -> Array:
-        return effect(known[0], truth(Motion(changed(context, values), _DURATION)).columns)
-
-    if cause := _mistake(change, shown, due, of, None if worst is None or wrong.motion else share):
-        raise Fault(cause, advice)
-    off = f"the effect is {percent(left)} off"
+    if worst and not wrong:
+        _tell_of_rows(bench, after, told)
+    if mistake := _mistake(change, context, found, known, effect, worst, None if worst is None or wrong else share, duration):
+        raise Fault(mistake, advice)
+    off = f"the effect is off by {share_of(left)}"
     if worst == "":
         return f"coarse: {off}"
     if worst is None:
         raise Unjudged(f"coarse: {off}, and the engine does not say how much it may be")
-    if wrong.motion:
+    if wrong:
         raise Unjudged(f"{off}, and so is the motion in the mild scene", "mend that first")
-    if _falls(bench, (before, after), worst):
-        return f"coarse: {off}, less on a finer rung"
+    if worst in falling(bench, after, [worst]):
+        return f"coarse: {off}, but it depends on the resolution"
     raise Fault(f"{change.name} is not followed as reference does: {off}, most in {worst}, beyond what it says of its own error", advice)
+
+
+class _Effects:
+    """What a change makes of columns, each relative to how much it moves in `reference`."""
+
+    def __init__(self, known: Sequence[Mapping[str, Array]], names: Sequence[str]) -> None:
+        self.names = list(names)
+        self._sizes = {name: max(rms(each[name] - np.mean(each[name])) for each in known) + 1e-6 * rms(known[1][name]) for name in names}
+
+    def between(self, first: Mapping[str, Array], second: Mapping[str, Array], among: Iterable[str] | None = None) -> Array:
+        """The effect, columns one behind the other; of those in `among`, None: all."""
+        names = self.names if among is None else [name for name in self.names if name in among]
+        return np.concatenate([(second[name] - first[name]) / self._sizes[name] for name in names]) if names else np.zeros(0)
+
+
+def _of_drive(change: Change) -> bool:
+    return any(path.startswith("crank.drive.") for path in change.values)
+
+
+def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:
+    """Fault if it is but a column or two that are wrong with the change: their rows are, not the quantity."""
+    found = findings(bench, after, told)
+    if 0 < len(found) <= 2 and all(finding.explained for finding in found.values()):
+        told.update(found)
+        raise Fault("; ".join(finding.cause for finding in found.values()), next(iter(found.values())).advice)
 
 
 def _worst(bench: Bench, motions: Sequence[Motion], names: Sequence[str]) -> str | None:
@@ -95,7 +152,7 @@ def _worst(bench: Bench, motions: Sequence[Motion], names: Sequence[str]) -> str
     first, second = (bench.tolerances(motion) for motion in motions)
     if first is None or second is None:
         return None
-    off = {name: rms(_error(bench, motions, name)) / (first[name] + second[name] or 1e-300) for name in names}
+    off = {name: rms(_error(bench, motions, name)) / (first.get(name, 0.0) + second[name] or 1e-300) for name in names}
     worst = max(off, key=lambda name: off[name])
     return worst if off[worst] > 1.0 else ""
 
@@ -106,21 +163,30 @@ def _error(bench: Bench, motions: Sequence[Motion], name: str) -> Array:
     return after - before
 
 
-def _falls(bench: Bench, motions: Sequence[Motion], column: str) -> bool:
-    """Whether a finer rung is nearer in this column: then it is the estimate that is wrong, which is told there."""
-    before, after = (bench.sharpened(motion) for motion in motions)
-    if before is None or after is None:
-        return False
-    due = truth(motions[1]).columns[column] - truth(motions[0]).columns[column]
-    return rms(after[column] - before[column] - due) <= FALLS * rms(_error(bench, motions, column))
-
-
-def _mistake(change: Change, shown: Array, due: Array, effect: Callable[[Mapping[str, object]], Array], share: float | None) -> str:
+def _mistake(
+    change: Change,
+    context: Scene,
+    found: tuple[Mapping[str, Array], Mapping[str, Array]],
+    known: tuple[Mapping[str, Array], Mapping[str, Array]],
+    effect: _Effects,
+    worst: str | None,
+    share: float | None,
+    duration: float,
+) -> str:
     """What the engine does with the quantity, in words; "" where no simple mistake makes it."""
-    tried = {f"{change.name} acts with the wrong sign": -due}
-    tried |= {words: effect(values) for words, values in change.alike.items()}
-    if share is not None:
-        tried[f"{change.name} acts {share:.3g} times as strongly as it should"] = share * due
-    left = {words: rms(shown - values) for words, values in tried.items()}
-    best = min(left, key=lambda words: left[words])
-    return best if left[best] <= _EXPLAINED * rms(shown - due) else ""
+    scenes = dict[str, Mapping[str, Array]]()
+    for words, values in change.mistakes().items():
+        try:
+            scenes[words] = solution(Motion(changed(context, values), duration))
+        except (EngineFailure, ImpossibleMechanism):
+            continue
+    for among in (None, _RIGID) if worst else (None,):
+        shown, due = (effect.between(first, second, among) for first, second in (found, known))
+        tried = [Hypothesis(f"{change.name} acts with the wrong sign", "", -due)]
+        tried += [Hypothesis(words, "", effect.between(known[0], columns, among)) for words, columns in scenes.items()]
+        if share is not None and among is None:
+            words = f"{change.name} acts {share:.3g} times as strongly as it should"
+            tried.append(Hypothesis(words, "", share * due, fitted=True))
+        if explained := explain(shown, due, tried, most=_EXPLAINED if among is None else _EXPLAINED / 3.0):
+            return explained.words
+    return ""

@@ -1,4 +1,4 @@
-"""An engine's ladder: it gets finer, ends, and its estimates hold."""
+"""An engine's ladder: it gets finer, ends, its estimates hold, and each setting does something."""
 
 import itertools
 import math
@@ -7,14 +7,18 @@ from typing import Final
 
 from cases.conformance.bench import Bench, Truth, truth
 from cases.conformance.checks import Check, Fault, Unjudged, looked_at
-from cases.conformance.motion import Amiss, amiss
+from cases.conformance.motion import Amiss, already_amiss
+from cases.conformance.settings import settings_at_work, stated_errors
 from engines.accurate import ESTIMATED
 from engines.base import Comparison, EngineFailure
 from engines.relative import rms
 from engines.settings import Settings
+from engines.simple import SimpleEngine
 
 #: Rungs that a ladder may have: half as many as there are settings in the longest of this project.
 _MOST_RUNGS: Final = 200
+#: Accuracy of coarse settings, or the engine's default if that is coarser.
+_COARSE: Final = 0.05
 #: Rungs that are run, and solve time (s) of a run from which on no finer one is made.
 _RUN: Final = 3
 _SLOW: Final = 5.0
@@ -30,19 +34,23 @@ _ABOUT: Final = 2.5
 
 def resolution(bench: Bench) -> Iterator[Check]:
     """All checks of the ladder."""
-    coarse, default = bench.engine.settings_for(0.05, bench.scene), bench.settings(bench.scene)
+    coarse, default = bench.engine.settings_for(max(_COARSE, bench.engine.default_accuracy), bench.scene), bench.settings(bench.scene)
     yield looked_at("ladder: ends", _ends, bench, coarse)
     try:
-        wrong, known = amiss(bench), _truth(bench)
+        wrong, known = already_amiss(bench), _truth(bench)
         errors, above = _climb(bench, known, coarse, _RUN), _climb(bench, known, default, 2)
+        finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), known)
     except EngineFailure as failure:
         yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
         return
     yield looked_at("ladder: gets finer", _gets_finer, errors, above, wrong)
-    yield looked_at("ladder: a smaller accuracy is finer", _smaller_accuracy, bench, errors[0], above[0])
+    yield looked_at("ladder: a smaller accuracy is finer", _smaller_accuracy, bench, errors[0], finer)
     for words, chosen in {"coarse settings": coarse, "default settings": default}.items():
         if words == "default settings" or chosen != default:
             yield looked_at(f"estimates hold, {words}", _estimates, bench, chosen, wrong)
+    yield from settings_at_work(bench)
+    if isinstance(bench.engine, SimpleEngine):
+        yield looked_at("ladder: stated errors", stated_errors, bench.engine, bench.seconds)
 
 
 def _ends(bench: Bench, settings: Settings) -> str:
@@ -93,7 +101,7 @@ def _gets_finer(errors: list[float], above: list[float], wrong: Amiss) -> str:
             cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {_listed(found)}"
             raise Fault(cause, "return settings with a smaller error; look at the direction of steps and sizes")
     if len(errors) == 1:
-        raise Unjudged("there is no rung above that for an accuracy of 5 %, or it takes long")
+        raise Unjudged("there is no rung above the coarsest, or it takes long")
     if errors[-1] > 0.9 * errors[0] and errors[0] > _NOISE:
         cause = f"finer rungs are no better: errors of the tip deflection are {_listed(errors)}"
         if wrong.motion or "tip_deflection" in wrong.columns:
@@ -108,7 +116,8 @@ def _listed(errors: list[float]) -> str:
 
 def _smaller_accuracy(bench: Bench, coarse: float, picked: float) -> str:
     if picked > max(_WORSE * coarse, _NOISE):
-        asked = f"{bench.engine.default_accuracy:g} than for 0.05"
+        smaller, larger = sorted((_COARSE, bench.engine.default_accuracy))
+        asked = f"{smaller:g} than for {larger:g}"
         cause = f"`settings_for` gives coarser settings for {asked}: errors {picked:.2g}, {coarse:.2g}"
         raise Fault(cause, "look at the direction of the table behind settings_for")
     return f"errors {coarse:.2g} and {picked:.2g}"
@@ -141,7 +150,8 @@ def _estimates(bench: Bench, settings: Settings, wrong: Amiss) -> str:
     if missed:
         worst = max(missed, key=lambda column: missed[column][0])
         times, error, estimate = missed[worst]
-        cause = f"{worst} is {error:.2g} off where the estimate is {estimate:.2g}, {times:.1f} times as much"
+        others = f", and {len(missed) - 1} of the others" if len(missed) > 1 else ""
+        cause = f"the estimate is too small: {worst} is {error:.2g} off where it says {estimate:.2g}, {times:.1f} times as much{others}"
         if single is not None and abs(stated - 1.0) > allowed * abs(single - 1.0):
             cause = f"the factor {stated:g} of `comparisons` is overclaimed: the errors' ratio is {single:.3g}; {cause}"
         advice = "state the factor that runs show: error of `other` over that of `run`, on the safe side; or compare with a finer run"

@@ -59,6 +59,16 @@ class Change:
     context: dict[str, Any] = dataclasses.field(default_factory=dict)
     alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
 
+    def mistakes(self) -> dict[str, dict[str, Any]]:
+        """`alike`, and the quantity half and twice as large: what the mistakes are -> what they make of a scene."""
+        found = dict(self.alike)
+        if len(self.values) == 1:
+            ((path, value),) = self.values.items()
+            for factor, words in ((0.5, "half"), (2.0, "twice")):
+                if isinstance(value, float) and math.isfinite(value):
+                    found[f"{self.name} acts as if it was {words} as large"] = {path: factor * value}
+        return found
+
 
 #: A crank of the same inertia without a first moment.
 _NO_MOMENT: Final = {"crank.center_of_mass": 0.0, "crank.inertia": BASE.crank.inertia_about_pivot}
@@ -76,7 +86,19 @@ def _gravity(along: str, gravity: tuple[float, float], other: str) -> Change:
         f"gravity acts along {other} in place of {along}": {"gravity": gravity[::-1]},
         "gravity does not act on the crank": {"gravity": gravity, **_NO_MOMENT},
     }
+    alike[f"gravity acts along minus {other} in place of {along}: it is turned by a quarter"] = {"gravity": (-gravity[1], -gravity[0])}
     return Change(f"mechanism.gravity along {along}", {"gravity": gravity}, alike=alike)
+
+
+def turned(vector: tuple[float, float], angle: float) -> tuple[float, float]:
+    """A vector turned counter-clockwise by an angle, rad."""
+    c, s = math.cos(angle), math.sin(angle)
+    return c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]
+
+
+#: Gravity (m/s^2) in no direction that a mistake leaves as it is, and an angle (rad) of the crank at the start that is not 180 deg.
+_ASLANT: Final = (6.0, -8.0)
+_ELSEWHERE: Final = 2.0
 
 
 #: Every quantity that can show in a motion. The width of the section does not.
@@ -84,6 +106,22 @@ CHANGES: Final = (
     Change("mechanism.pivot_distance", {"pivot_distance": 0.40}),
     _gravity("n1", (9.81, 0.0), "n2"),
     _gravity("n2", (0.0, 9.81), "n1"),
+    Change(
+        "mechanism.gravity with the crank elsewhere",
+        {"gravity": _ASLANT},
+        {"crank.initial_angle": _ELSEWHERE},
+        {
+            "gravity acts with the wrong sign": {"gravity": (-_ASLANT[0], -_ASLANT[1])},
+            "gravity along n1 has the wrong sign": {"gravity": (-_ASLANT[0], _ASLANT[1])},
+            "gravity along n2 has the wrong sign": {"gravity": (_ASLANT[0], -_ASLANT[1])},
+            "gravity along n1 and n2 is exchanged": {"gravity": _ASLANT[::-1]},
+            "gravity is turned by a quarter, counter-clockwise": {"gravity": (-_ASLANT[1], _ASLANT[0])},
+            "gravity is turned by a quarter, clockwise": {"gravity": (_ASLANT[1], -_ASLANT[0])},
+            "gravity turns with the crank's angle at the start": {"gravity": turned(_ASLANT, _ELSEWHERE - math.pi)},
+            "gravity turns against the crank's angle at the start": {"gravity": turned(_ASLANT, math.pi - _ELSEWHERE)},
+            "gravity does not act on the crank": {"gravity": _ASLANT, **_NO_MOMENT},
+        },
+    ),
     Change("crank.length", {"crank.length": 0.09}),
     Change("crank.mass", {"crank.mass": 4.0}),
     Change("crank.center_of_mass", {"crank.center_of_mass": 0.06}),
@@ -103,7 +141,13 @@ CHANGES: Final = (
     Change(
         "follower.damping",
         {"follower.damping": 8.0},
-        alike={"follower.damping is taken for the damping of the base": {"base.damping": 8.0}},
+        alike={
+            "follower.damping is taken for the damping of the base": {"base.damping": 8.0},
+            "follower.damping acts on velocities in the fixed frame, not relative to the base": {
+                "follower.damping": 8.0,
+                "base.damping": 8.0 * BASE.follower.length**3 / 3.0,  # what a follower that turns as a whole makes of it
+            },
+        },
     ),
     Change("follower.strain_gauges", {"follower.strain_gauges": (0.08, 0.22, 0.54)}),
     Change("tip.mass", {"tip.mass": 0.12}),
@@ -114,6 +158,7 @@ CHANGES: Final = (
         {"tip.inertia": 8e-4},
         alike={
             "tip.center_of_mass is measured towards the pivot, not beyond the end": {"tip.center_of_mass": -0.08},
+            "tip.inertia is shifted to the flexible end twice": {"tip.center_of_mass": 0.08, "tip.inertia": 8e-4 + _TIP.mass * 0.08**2},
             "tip.inertia is taken about the flexible end": {"tip.center_of_mass": 0.08, "tip.inertia": 8e-4 - _TIP.mass * 0.08**2},
         },
     ),

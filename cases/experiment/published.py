@@ -20,6 +20,7 @@ class AxisLabels:
     channel: str  # "tip_acceleration" (m/s^2) or "strain" (1; one axis for the three gauges)
     values: tuple[float, ...]  # in the order printed
     has_experiment: bool  # whether the figure shows measured curves
+    has_simulation: bool  # whether it shows curves that the thesis simulated
 
     @property
     def largest(self) -> float:
@@ -44,7 +45,8 @@ def axis_labels(run: int | None = None) -> tuple[AxisLabels, ...]:
         for channel, labels, unit in axes:
             if labels and run in (None, int(row["run"])):
                 values = tuple(float(label) * unit for label in labels.split())
-                found.append(AxisLabels(row["figure"], int(row["run"]), channel, values, "experiment" in row["curves"]))
+                shown = [kind in row["curves"] for kind in ("experiment", "simulation")]
+                found.append(AxisLabels(row["figure"], int(row["run"]), channel, values, *shown))
     return tuple(found)
 
 

@@ -48,8 +48,9 @@ def key_of(job: Job[Any]) -> str:
 def hash_of(content: Any) -> str:
     """SHA-256 (hexadecimal) of content.
 
-    It may be made of mappings, lists, tuples, dataclasses (with their class name), texts, whole numbers, floats (told apart to the last
-    bit, infinities and NaN included), booleans, None, paths and numpy arrays; TypeError: of anything else.
+    It may be made of mappings, lists, tuples, dataclasses (with their class name and the fields that count where two are compared), texts,
+    whole numbers, floats (told apart to the last bit, infinities and NaN included), booleans, None, paths and numpy arrays; TypeError: of
+    anything else.
     """
     text = json.dumps(_canonical(content), sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     return hashlib.sha256(text.encode("ascii")).hexdigest()
@@ -123,6 +124,6 @@ def _canonical(value: Any) -> Any:
     if isinstance(value, np.ndarray) and not value.dtype.hasobject:
         return {"array": hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest(), "shape": value.shape, "type": value.dtype.str}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        fields = {field.name: _canonical(getattr(value, field.name)) for field in dataclasses.fields(value)}
+        fields = {field.name: _canonical(getattr(value, field.name)) for field in dataclasses.fields(value) if field.compare}
         return {"class": type(value).__qualname__, "fields": fields}
     raise TypeError(f"{type(value).__name__} has no canonical form for a key")

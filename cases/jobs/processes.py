@@ -52,6 +52,8 @@ PRELOAD: Final = (
     "cases.runs.steady_state",
 )
 
+#: How the failure of a job begins that took longer than it may.
+STOPPED: Final = "stopped at the time limit"
 _KEPT_OUTPUT: Final = 4000  # bytes: the last of what a job printed
 _LONGEST_WAIT: Final = 86400.0  # s: poll takes no more than 24 days
 _GRACE: Final = 2.0  # s: how long a process that is done may take to be gone
@@ -209,7 +211,7 @@ class _Worker:
                 outcome = self._answered()
         if outcome is None and time.monotonic() >= self.deadline:
             self._kill()
-            return self._outcome(failure=f"stopped at the time limit of {self._limits.seconds:g} s")
+            return self._outcome(failure=f"{STOPPED} of {self._limits.seconds:g} s")
         return outcome
 
     def end(self) -> None:

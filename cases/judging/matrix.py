@@ -13,7 +13,7 @@ from cases.jobs.job import Job, Outcome, T
 from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning, conditioning, later_differences
 from cases.judging.evidence import Columns, Trial, TrialScene, gather
-from cases.judging.verdicts import ACCURATE, ENDED, LATER, Breakdown, Verdict, contradicted, judge
+from cases.judging.verdicts import ACCURATE, ENDED, LATER, OWN_EQUATIONS, Breakdown, Verdict, contradicted, judge
 from engines.registry import MAIN
 from engines.relative import relative_error
 
@@ -47,6 +47,22 @@ class Judged:
     # claimed error is allowed for; None where nothing is claimed or the scene has no converged solution
     holds: bool | None = None
     model_error: float | None = None  # of an engine that is held against its own equations: the distance of these to the converged solution
+
+    @property
+    def kind(self) -> str:
+        """What the cell comes to for who takes its result: the verdict's kind, but only that is accurate whose model is so, too."""
+        good = self.verdict.kind in (ACCURATE, ENDED)
+        return OWN_EQUATIONS if good and self.of_own_equations and not self.model_is_near else self.verdict.kind
+
+    @property
+    def of_own_equations(self) -> bool:
+        """Whether its claim is about the equations of its model alone."""
+        return self.engine == MODEL
+
+    @property
+    def model_is_near(self) -> bool:
+        """Whether the solution of its model's equations is known to be as near to the converged solution as was asked."""
+        return self.model_error is not None and self.model_error <= REQUESTED
 
     @property
     def silently_wrong(self) -> bool:

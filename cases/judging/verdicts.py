@@ -17,10 +17,13 @@ CONTRADICTED: Final = "contradicted"
 ENDED: Final = "ended"
 DIVERGED: Final = "diverged"
 REFUSED: Final = "refused"
+#: Of an engine whose discretization is its model; the matrix finds it (`cases.judging.matrix.Judged.kind`), the run cannot.
+OWN_EQUATIONS: Final = "solves its own equations"
 
 #: Kind -> what it says, for people.
 MEANINGS: Final = {
     ACCURATE: "the run's own error estimate is within the error asked, and nothing contradicts it",
+    OWN_EQUATIONS: "the run solves the equations of its model as accurately as asked, but their solution is further off than asked",
     ENDED: "the slider leaves the follower; the time does not depend on the settings, and up to shortly before it the run is accurate",
     NOT_CONVERGED: "a result, but its own estimate says that it is not as accurate as asked: not to be relied on",
     CONTRADICTED: "its own estimate is satisfied, but another engine differs by more than both claim, and no fewer engines bear that out",

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Final
 
 from cases.case import Case
-from cases.document import Document, document_of, header_of, read_document
+from cases.document import Document, header_of, read_document
 from cases.errors import CaseError
 from cases.library import hard, thesis
 from cases.library.inconsistencies import Inconsistency, inconsistencies
 from cases.library.thesis import RUNS, run_name
-from cases.reading import parse_case
+from cases.reading import case_of
 from cases.text_file import read_text
 
 __all__ = [
@@ -49,24 +49,24 @@ def case_names() -> tuple[str, ...]:
 
 @functools.cache
 def library_case(name: str) -> Case:
-    """A case of the library, with what a reader of its results must know of published inconsistencies among its notes.
+    """A case of the library. Its notes are on published inconsistencies; its values are meant.
 
     Raises:
         CaseError: a name that is neither in `case_names` nor in `hard.IMPOSSIBLE`, a broken file, or a scene that cannot be.
     """
-    if name in _RUNS:
-        case = thesis.run_case(_RUNS[name])
-    elif name in hard.SCENES:
-        case = hard.scene_case(name)
-    else:
-        case = parse_case(_file_text(name), name)
-    notes = (found.sentence for found in inconsistencies() if _RUNS.get(name) in found.runs)
-    return replace(case, notes=(*notes, *case.notes), source="library")
+    notes = tuple(found.sentence for found in inconsistencies() if _RUNS.get(name) in found.runs)
+    return replace(case_of(library_document(name)), notes=notes, source="library")
 
 
 def library_document(name: str) -> Document:
-    """The values of a case of the library, for changes: of a file as they are written there, else in SI. Raises like `library_case`."""
-    return read_document(_file_text(name), name) if name in _file_names() else document_of(library_case(name))
+    """The values of a case of the library as they are written in its file or, of the generated ones, in their source.
+
+    Raises:
+        CaseError: a name that is neither in `case_names` nor in `hard.IMPOSSIBLE`, or a broken file.
+    """
+    if name in _RUNS:
+        return thesis.run_document(_RUNS[name])
+    return hard.scene_document(name) if name in hard.SCENES else read_document(_file_text(name), name)
 
 
 def catalogue(tag: str | None = None) -> tuple[CatalogueLine, ...]:

@@ -10,10 +10,8 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
-from cases.case import Case
-from cases.document import document_of
-from cases.library.thesis import run_case, tip_body
-from cases.reading import case_of
+from cases.document import Document, document_of
+from cases.library.thesis import run_case, run_document, tip_body
 
 TAG: Final = "hard"
 _ORIGINAL: Final = 24
@@ -112,14 +110,9 @@ def scene_title(name: str) -> str:
     return f"Run {_ORIGINAL}, {SCENES[name].title}"
 
 
-def scene_case(name: str) -> Case:
-    """The case of a hard scene.
-
-    Raises:
-        KeyError: a name that is not in `SCENES`.
-        CaseError: a scene that cannot be.
-    """
+def scene_document(name: str) -> Document:
+    """A hard scene as a case file would have it, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
     scene, original = SCENES[name], document_of(run_case(_ORIGINAL))
     scaled = {path: factor * original.at(path) for path, factor in scene.scaled.items()}
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
-    return case_of(replace(original.changed({**scaled, **scene.given}), source=name, header=header))
+    return replace(run_document(_ORIGINAL).changed({**scaled, **scene.given}), source=name, header=header)

@@ -84,8 +84,8 @@ def run_title(number: int) -> str:
     return f"Run {number}: crank {run.crank_length} in, {_COUNTS[run.plates]}, {float(run.crank_speed):.1f} rad/s"
 
 
-def run_case(number: int) -> Case:
-    """The case of a run: what all share, and its row of the tables. Raises KeyError unless 1 <= number <= 24."""
+def run_document(number: int) -> Document:
+    """A run as a case file would have it: what all share, and its row of the tables. Raises KeyError unless 1 <= number <= 24."""
     run = RUNS[number]
     of_run = {
         "crank.length": f"{run.crank_length} in",
@@ -95,7 +95,12 @@ def run_case(number: int) -> Case:
     }
     header = {"name": run_name(number), "title": run_title(number), "tags": [TAG]}
     shared = Document(run_name(number), header, read_toml("thesis_scene.toml"))
-    return case_of(shared.changed({**of_run, **tip_body(run.plates)}))
+    return shared.changed({**of_run, **tip_body(run.plates)})
+
+
+def run_case(number: int) -> Case:
+    """The case of a run. Raises KeyError unless 1 <= number <= 24."""
+    return case_of(run_document(number))
 
 
 def tip_body(plates: int) -> dict[str, str]:

@@ -37,10 +37,11 @@ def low_pass(time: Array, signal: Array) -> Array:
 
 @dataclass(frozen=True)
 class Extreme:
-    """A least or greatest value, and how far off the samples leave it."""
+    """A least or greatest value, how far off the samples leave it, and when it is reached (s)."""
 
     value: float
     uncertainty: float
+    time: float
 
 
 def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extreme, Extreme]:
@@ -64,7 +65,7 @@ def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extr
     def extreme(at: int) -> Extreme:
         before = int(np.searchsorted(time, instants[at]))
         near = left_out[max(before - 2, 0) : before + 2]
-        return Extreme(float(values[at]), CORNER * float(near.max()))
+        return Extreme(float(values[at]), CORNER * float(near.max()), float(instants[at]))
 
     return extreme(int(values.argmin())), extreme(int(values.argmax()))
 

@@ -1,19 +1,24 @@
-"""Where two runs differ, column by column, and the mistake that would explain it."""
+"""Where two runs differ, column by column, and what would explain it: a mistake, noise, or another case."""
 
+import math
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
+from cases.case import Case
 from cases.measures import on_common_grid
 from cases.measures.steady_state import GRID
 from cases.mistakes import diagnose
 from cases.runs.marching import channels_of
+from cases.runs.noise import white_noise
+from cases.runs.other_case import OtherCases, other_cases
 from cases.runs.recorded import GROWING, TELLING
 from cases.runs.request import NOTHING, Run
 from engines.relative import relative_error, rms
 from reference_model.columns import COLUMNS
-from reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
@@ -21,6 +26,15 @@ Array = NDArray[np.float64]
 NEAR: Final = 0.02
 #: Lateness explains a column's difference if it leaves less than this part of the column, and less than a third of the difference.
 ALIKE: Final = 0.1
+#: In place of a column: what is told of a table as a whole.
+WHOLE: Final = "case"
+#: A table with as many columns that vibrate, all off by more than this part, does not fit if fewer than half of them are explained ...
+FEWEST: Final = 3
+FAR_OFF: Final = 0.1
+#: ... by a mistake that leaves no more than this part of the column: a factor fitted to another case's column leaves half of it.
+SPECIFIC: Final = 0.3
+#: Of the noise: what else there is in a difference is told if it is more. The RMS of noise is known to 7 % from 200 rows.
+BESIDES: Final = 0.5
 
 
 def column_differences(run: Run, other: Run) -> dict[str, float]:
@@ -28,30 +42,72 @@ def column_differences(run: Run, other: Run) -> dict[str, float]:
     return {name: relative_error(mine, its) for name, (mine, its) in _on_grid(run, other).items()}
 
 
-def mistakes(run: Run, other: Run, mechanism: Mechanism) -> dict[str, str]:
-    """Columns in which a mistake explains most of the difference, each with a sentence that names it and what to do.
+def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
+    """What explains how a table differs from an engine: column -> a sentence that names the mistake and says what to do.
 
-    Where all that vibrates is equally late it is the crank angle that is off.
+    Where all that vibrates is equally late it is the crank angle that is off. A table of another case is told as that, under `WHOLE`, and
+    none of its columns is explained.
+
+    Args:
+        run: of the table.
+        other: of the engine, in the same turn or the same state.
+        case: which the engine ran.
     """
+    others = other_cases(run, other, case)
+    if others.names and others.sure:
+        return {WHOLE: _of_another(others)}
     grids, right = _on_grid(run, other), on_common_grid(channels_of(other.cycle, COLUMNS.keys() & other.cycle.keys()))
-    found, late = dict[str, str](), dict[str, int]()
+    found, left, late = dict[str, str](), dict[str, float](), dict[str, int]()
     for name, (mine, its) in grids.items():
-        finding = diagnose(name, mine, its, NEAR * rms(its), right, mechanism)
+        if noise := _noise_of(name, run, other):
+            found[name], left[name] = noise, 0.0
+            continue
+        finding = diagnose(name, mine, its, NEAR * rms(its), right, case.mechanism)
         if finding is None:
             continue
         lag = _lag(mine, its)
-        left = rms(np.roll(mine, -lag) - its)
-        if left < min(ALIKE * rms(its), rms(mine - its) / 3.0) and (finding.left is None or left < finding.left):
-            late[name], found[name] = lag, f"{name} is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}"
-        elif finding.explained:
-            found[name] = f"{finding.cause}; {finding.advice}"
+        unlike = rms(np.roll(mine, -lag) - its)
+        if unlike < min(ALIKE * rms(its), rms(mine - its) / 3.0) and (finding.left is None or unlike < finding.left):
+            late[name], found[name], left[name] = lag, f"{name} is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", unlike
+        elif finding.left is not None:
+            found[name], left[name] = f"{finding.cause}; {finding.advice}", finding.left
     vibrating = [name for name in grids if name in TELLING]
     if len(vibrating) > 1 and late.keys() >= set(vibrating) and max(late.values()) - min(late.values()) <= 1:
         lag = late[vibrating[0]]
         off = f"{_degrees(abs(lag)):.3g} deg too {'large' if lag > 0 else 'small'}"
         ahead = f"crank_angle is about {off}, or all columns are {_when(lag)}"
         return {"crank_angle": ahead} | {name: told for name, told in found.items() if name not in late}
+    off_by = {name: relative_error(*grids[name]) for name in vibrating}
+    known = {name: told for name, told in found.items() if name in off_by and left[name] <= SPECIFIC * rms(grids[name][0])}
+    if len(off_by) >= FEWEST and min(off_by.values()) > FAR_OFF and 2 * len(known) < len(off_by):
+        return {WHOLE: _of_another(others) if others.names else _fits_not(case.name, off_by, others.told)} | known
     return found
+
+
+def _of_another(others: OtherCases) -> str:
+    return f"this looks like a table of {' or '.join(others.names)}: {others.told}; compare it with that case"
+
+
+def _fits_not(case: str, off_by: Mapping[str, float], told: str) -> str:
+    """A sentence on a table whose columns do not fit; `told`: what else shows that, a clause or ""."""
+    off = f"off by {100.0 * min(off_by.values()):.0f} to {100.0 * max(off_by.values()):.0f} %{told and '; '}{told}"
+    question = "is it a table of another case, is a quantity of the scene another one, or is the model coarse?"
+    return f"none of its {len(off_by)} columns that vibrate fits {case} ({off}), and no single mistake explains that: {question}"
+
+
+def _noise_of(name: str, run: Run, other: Run) -> str:
+    """A sentence on a column whose differences are mostly noise and are more than `NEAR`; "" of any other."""
+    turned, its_turned = (np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0]) for each in (run, other))
+    its = CubicSpline(its_turned, other.cycle[name])(turned)
+    inside = slice(1, -1)  # the first and the last row of a turn are interpolated
+    difference, size = (run.cycle[name] - its)[inside], rms(its)
+    noise = white_noise(run.cycle["time"][inside], difference)
+    if noise is None or noise.rms <= NEAR * size:
+        return ""
+    white = f"{100.0 * noise.rms / size:.2g} % RMS, white" + (f" above {noise.above:.2g} Hz" if noise.above else "")
+    besides = math.sqrt(max(rms(difference) ** 2 - noise.rms**2, 0.0))
+    more = f"; besides that it is off by {100.0 * besides / size:.1g} %" if besides > BESIDES * noise.rms else ""
+    return f"the differences of {name} look like noise of {white}{more}"
 
 
 def _lag(mine: Array, its: Array) -> int:

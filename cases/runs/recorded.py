@@ -24,6 +24,7 @@ from cases.measures.time_scale import TURN
 from cases.recorded import RecordedTable
 from cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import columns_of
+from cases.runs.other_case import cases_of_pace
 from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
 from engines.relative import rms
 from reference_model.columns import SHAPE
@@ -174,7 +175,13 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
         if 1.0 / OFF <= found * angles[units[1]] / times[units[0]] <= OFF:
             meant = " and ".join(f'"{name} [{unit}]"' for name, unit in zip(("time", "crank_angle"), units, strict=True) if unit)
             raise CaseError(table.shown, "heading", None, told, f"without a unit SI is meant: write {meant}")
-    raise CaseError(table.shown, "time, crank_angle", None, told, "check their units, or compare it with the case that it is of")
+    accepted = "check their units, or compare it with the case that it is of"
+    if "crank_angle" in table.columns and found > 0.0:
+        slider = columns.get("slider_position")
+        places = None if slider is None else (float(np.min(slider)), float(np.max(slider)))
+        if others := cases_of_pace(2.0 * math.pi / (found * pace), places):
+            accepted = f"this looks like a table of {' or '.join(others)}; {accepted}"
+    raise CaseError(table.shown, "time, crank_angle", None, told, accepted)
 
 
 def _turn(pace: float) -> str:

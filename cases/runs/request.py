@@ -11,6 +11,7 @@ from cases.measures.steady_state import Outlook
 from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from cases.runs.marching import Columns
 from cases.runs.orbit import Orbit
+from engines.accurate import ESTIMATED
 from engines.base import AnyEngine
 from engines.start import Start, standard_start
 from reference_model.mechanism import Mechanism
@@ -147,7 +148,8 @@ class Run:
 
     def __repr__(self) -> str:
         lines = [f"{self.engine}: {self.status} after {self.cycles} cycles" + (f"; {self.remark}" if self.remark else "")]
-        lines += [f"  error of {name}: {'unknown' if error is None else f'{error:.1e}'}" for name, error in self.error_estimates.items()]
+        shown = {name: self.error_estimates[name] for name in ESTIMATED if name in self.error_estimates}
+        lines += [f"  error of {name}: {'unknown' if error is None else f'{error:.1e}'}" for name, error in shown.items()]
         for each in self.consensus:
             if each.first_mode_frequency is not None:
                 lines.append(f"  first mode, {each.half}-return: {each.first_mode_frequency:.2f} Hz")

@@ -33,6 +33,7 @@ class Assembly:
         mbs: Exudyn's system.
         ground: object number of the ground, at O.
         ground_coordinate: marker of a coordinate that stays zero.
+        pins: object numbers of the bearings, by the name of what turns there.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -41,6 +42,7 @@ class Assembly:
         self.mbs = self.container.AddSystem()
         self.ground = self.mbs.AddObject(items.ObjectGround())
         self.ground_coordinate = self.coordinate_marker(self.mbs.AddNode(items.NodePointGround()), 0)
+        self.pins: dict[str, Any] = {}
         self._bodies: list[str] = []
         self._joints: list[str] = []
         self._constraints = 0
@@ -107,9 +109,13 @@ class Assembly:
         """Add a body that turns about the point (`pivot`, 0); `inertia` is about it. Returns node and object number."""
         node, body = self.rigid_body([pivot, 0.0], angle, [0.0, 0.0], rate, PINNED_MASS, inertia)
         self.listed_body(name)
-        markers = [self.point_marker(self.ground, pivot), self.point_marker(body, 0.0)]
-        self.add_joint(f"pin of the {name.split(':')[0]}", items.ObjectJointRevolute2D(markerNumbers=markers), 2)
+        self.pin(name.split(":")[0], pivot, self.point_marker(body, 0.0))
         return node, body
+
+    def pin(self, name: str, pivot: float, marker: Any) -> None:
+        """Hold a marker of a body or node at the point (`pivot`, 0)."""
+        joint = items.ObjectJointRevolute2D(markerNumbers=[self.point_marker(self.ground, pivot), marker])
+        self.pins[name] = self.add_joint(f"pin of the {name}", joint, 2)
 
     def rotary_damper(self, node: Any, damping: float) -> None:
         """Viscous torque on the rotation of a rigid body's node; nothing is built where there is no damping."""

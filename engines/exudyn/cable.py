@@ -83,8 +83,8 @@ class Cable:
         ends = np.concatenate([q[rows, element], q[rows, element + 1]], axis=1).reshape(len(x), 4, 2)
         return np.einsum("rs,rsc->rc", shapes, ends)
 
-    def curvature(self, q: Array, x: float, kink: Kink | None = None) -> Array:
-        """Curvature at the arc length `x` (m), 1/m, shape (rows,).
+    def curvatures(self, q: Array, places: Array, kink: Kink | None = None) -> Array:
+        """Curvature at arc lengths, 1/m.
 
         An element's own second derivative jumps at nodes and is only of second order there. r'' at a node is therefore taken from
         places and slopes of the two neighbours, 2 (r₊ - 2 r + r₋)/h² - (r'₊ - r'₋)/2h, which is of fourth order, and r'' between
@@ -93,34 +93,40 @@ class Cable:
         That would round a kink off, by up to j h/8 where r''' jumps by j in the gauge's element. Places and slopes at the nodes are
         those of the kinked line, for under a point force cubic elements have them exactly. So r'' is interpolated on what is left of
         the line without j (s - x)³/6 inboard of the kink, and the ramp j (s - x) added to it.
+
+        Args:
+            q: nodal coordinates, shape (rows, nodes, 4).
+            places: arc lengths, m, shape (places, rows).
+            kink: of the line.
+
+        Returns:
+            Shape (places, rows).
         """
-        h = self.element_length
-        left = min(int(x / h * (1.0 + 1e-12)), self.elements - 1)
-        xi = x / h - left
-        slope = self.evaluate(q, np.full(len(q), x), 1)
-        ramp = 0.0 if kink is None else np.maximum(0.0, kink.place - x)[:, None] * kink.jump
+        smooth, found = q, np.empty_like(places)
         if kink is not None:
             lever = np.maximum(0.0, kink.place[:, None] - self.nodes)[:, :, None]
-            q = q - np.concatenate([lever**3 / 6.0 * kink.jump[:, None], -(lever**2) / 2.0 * kink.jump[:, None]], axis=2)
-        second = [self._nodal_second_derivative(q, node) for node in (left, left + 1)]
-        coordinates = np.stack([q[:, left, :2], q[:, left, 2:], second[0], q[:, left + 1, :2], q[:, left + 1, 2:], second[1]], axis=1)
-        bent = np.einsum("s,rsc->rc", _quintic_second_derivative(xi, h), coordinates) + ramp
-        return _cross(slope, bent) / np.sum(slope**2, axis=1)
+            smooth = q - np.concatenate([lever**3 / 6.0 * kink.jump[:, None], -(lever**2) / 2.0 * kink.jump[:, None]], axis=2)
+        known, rows, h = np.concatenate([smooth, self._second_derivatives(smooth)], axis=2), np.arange(len(q)), self.element_length
+        for place, x in enumerate(places):
+            left = np.clip((x / h * (1.0 + 1e-12)).astype(int), 0, self.elements - 1)
+            ends = np.concatenate([known[rows, left], known[rows, left + 1]], axis=1).reshape(len(q), 6, 2)
+            slope, bent = self.evaluate(q, x, 1), np.einsum("rs,rsc->rc", _quintic_second_derivative(x / h - left, h), ends)
+            if kink is not None:
+                bent += np.maximum(0.0, kink.place - x)[:, None] * kink.jump
+            found[place] = _cross(slope, bent) / np.sum(slope**2, axis=1)
+        return found
 
-    def _nodal_second_derivative(self, q: Array, node: int) -> Array:
-        h = self.element_length
-        inner = min(max(node, 1), self.elements - 1)
-        place, slope = q[..., :2], q[..., 2:]
-        second = 2.0 * (place[:, inner + 1] - 2.0 * place[:, inner] + place[:, inner - 1]) / h**2 - (
-            slope[:, inner + 1] - slope[:, inner - 1]
-        ) / (2.0 * h)
-        if node == inner:
-            return second
+    def _second_derivatives(self, q: Array) -> Array:
+        """Second derivative r'' at all nodes, 1/m, shape (rows, nodes, 2)."""
+        h, place, slope = self.element_length, q[..., :2], q[..., 2:]
+        inner = 2.0 * (place[:, 2:] - 2.0 * place[:, 1:-1] + place[:, :-2]) / h**2 - (slope[:, 2:] - slope[:, :-2]) / (2.0 * h)
         # At an end of the cable: the quintic through the neighbour's r'' and the element's own four coordinates is not determined;
         # the cubic's r'' at the neighbour errs as much as at the end, with the same sign.
-        ends = q[:, [min(node, inner), max(node, inner)]].reshape(len(q), 4, 2)
-        own = [np.einsum("s,rsc->rc", _hermite(np.array([float(n > min(node, inner))]), h, 2)[0], ends) for n in (node, inner)]
-        return own[0] + second - own[1]
+        first, last = (q[:, ends].reshape(len(q), 4, 2) for ends in ([0, 1], [-2, -1]))
+        begin, end = _hermite(np.array([0.0, 1.0]), h, 2)
+        change = begin - end
+        ends = np.einsum("s,rsc->rc", change, first), -np.einsum("s,rsc->rc", change, last)
+        return np.concatenate([(inner[:, 0] + ends[0])[:, None], inner, (inner[:, -1] + ends[1])[:, None]], axis=1)
 
     def kinetic_energy(self, rates: Array) -> Array:
         """Kinetic energy for nodal rates, J, shape (rows,)."""
@@ -178,18 +184,17 @@ def _hermite(xi: Array, h: float, nu: int) -> Array:
     return np.stack(columns, axis=-1)
 
 
-def _quintic_second_derivative(xi: float, h: float) -> Array:
-    """r''(xi h) from (r, r', r'') at both ends of an element, weights of shape (6,)."""
-    return np.array(
-        [
-            (-60 * xi + 180 * xi**2 - 120 * xi**3) / h**2,
-            (-36 * xi + 96 * xi**2 - 60 * xi**3) / h,
-            1 - 9 * xi + 18 * xi**2 - 10 * xi**3,
-            (60 * xi - 180 * xi**2 + 120 * xi**3) / h**2,
-            (-24 * xi + 84 * xi**2 - 60 * xi**3) / h,
-            3 * xi - 12 * xi**2 + 10 * xi**3,
-        ]
-    )
+def _quintic_second_derivative(xi: Array, h: float) -> Array:
+    """r''(xi h) from (r, r', r'') at both ends of an element, weights of shape (n, 6)."""
+    columns = [
+        (-60 * xi + 180 * xi**2 - 120 * xi**3) / h**2,
+        (-36 * xi + 96 * xi**2 - 60 * xi**3) / h,
+        1 - 9 * xi + 18 * xi**2 - 10 * xi**3,
+        (60 * xi - 180 * xi**2 + 120 * xi**3) / h**2,
+        (-24 * xi + 84 * xi**2 - 60 * xi**3) / h,
+        3 * xi - 12 * xi**2 + 10 * xi**3,
+    ]
+    return np.stack(columns, axis=-1)
 
 
 def _cross(a: Array, b: Array) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable, dot
+from engines.exudyn.cable import Cable, dot, turned
 from engines.trajectory import Trajectory
 from reference_model.columns import PLACES, SHAPE
 from reference_model.mechanism import TorqueDrive
@@ -97,6 +97,31 @@ def drive_columns(
     else:
         taken, work = -record.multipliers[:, equation], -drive.speed * (record.impulse - record.impulse[0])
     return {"crank_torque": taken, "drive_work": work + _work_on_tip(assembly, record, crank, *tip_motion)}
+
+
+def pin_force(assembly: Assembly, record: Record, name: str) -> Array:
+    """Force (N) of the ground on what turns in a bearing, the joint's multipliers reversed; shape (rows, 2)."""
+    return np.asarray(-record.multipliers[:, assembly.mbs.systemData.GetObjectLTGAE(assembly.pins[name])])
+
+
+def swing(moment: float, angle: Array, rate: Array, acceleration: Array) -> Array:
+    """Rate of the momentum (N, (rows, 2)) of a body with a first moment of mass (kg m) about the bearing in which it turns.
+
+    Exudyn's body has its mass in the bearing, so that the force of its pin lacks this.
+    """
+    along = np.column_stack([np.cos(angle), np.sin(angle)])
+    return moment * (acceleration[:, None] * turned(along) - (rate**2)[:, None] * along)
+
+
+def bearing_columns(name: str, force: Array) -> dict[str, Array]:
+    """The columns of a bearing's force (N), shape (rows, 2)."""
+    return {f"{name}_force_x": force[:, 0], f"{name}_force_y": force[:, 1]}
+
+
+def crank_bearing_columns(assembly: Assembly, record: Record, crank: int) -> dict[str, Array]:
+    """Force in the bearing O; `crank` is the index of the crank's angle."""
+    motion = (values[:, crank] for values in (record.coordinates, record.rates, record.accelerations))
+    return bearing_columns("crank", pin_force(assembly, record, "crank") + swing(assembly.mechanism.crank_moment, *motion))
 
 
 def shape_columns(cable: Cable, q: Array, across: Array) -> dict[str, Array]:

@@ -7,7 +7,18 @@ from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
-from engines.exudyn.record import Model, Record, accumulated, drive_columns, equation_of, index
+from engines.exudyn.record import (
+    Model,
+    Record,
+    accumulated,
+    bearing_columns,
+    crank_bearing_columns,
+    drive_columns,
+    equation_of,
+    index,
+    pin_force,
+    swing,
+)
 from engines.start import Start
 from engines.start_state import StartState
 from reference_model.columns import SHAPE
@@ -114,6 +125,8 @@ class RigidModel(Model):
             "tip_y": length * along[:, 1],
             "tip_acceleration": length * q2_acceleration,
             "slider_force": -record.multipliers[:, equation],
+            **bearing_columns("pivot", pin_force(self.assembly, record, "follower") + swing(self._moment, q2, q2_rate, q2_acceleration)),
+            **crank_bearing_columns(self.assembly, record, self._crank_index),
             **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (tip_velocity, tip_acceleration)),
             "kinetic_energy": 0.5 * (mechanism.crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
             "strain_energy": 0.5 * slider.joint_stiffness * gap**2 if self.assembly.joint_is_compliant else straight,

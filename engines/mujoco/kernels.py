@@ -64,7 +64,13 @@ CONTEXT = np.dtype(
         ("prescribed_inertia", "f8"),  # kg m^2 about O, crank and slider
         ("prescribed_weight_1", "f8"),  # N m, gravity's potential energy of crank and slider is w1 cos q1 + w2 sin q1
         ("prescribed_weight_2", "f8"),
-        ("tip_force", "c16"),  # N, along n1 + i n2
+        ("crank_mass", "f8"),  # kg, with the slider
+        ("crank_moment", "f8"),  # kg m, the same times its distance from O
+        ("mass_per_length", "f8"),  # kg/m
+        ("tip_mass", "f8"),
+        ("tip_offset", "f8"),  # of its centre beyond the end
+        ("gravity", "c16"),  # m/s^2, along n1 + i n2
+        ("tip_force", "c16"),  # N
         ("force_begin", "f8"),  # of the crank's turn
         ("force_span", "f8"),
         ("force_ramp", "f8"),
@@ -251,12 +257,20 @@ def _damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
 
 
 @_compiled
+def _pushes(ctx: Context, crank_angle: float) -> complex:
+    """The force on the tip, N, along n1 + i n2."""
+    if ctx.tip_force == 0.0:
+        return 0j
+    return ctx.tip_force * share(crank_angle, ctx.force_begin, ctx.force_span, ctx.force_ramp)
+
+
+@_compiled
 def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: Array) -> float:
     """Add the force on the tip, the centre line's end; returns its power, W."""
-    if ctx.tip_force == 0.0:
+    pushed = _pushes(ctx, crank_angle)
+    if pushed == 0.0:
         return 0.0
     first = ctx.coordinates - ctx.hinges - 1
-    pushed = ctx.tip_force * share(crank_angle, ctx.force_begin, ctx.force_span, ctx.force_ramp)
     at_tip = centre_line_coefficients(ctx.follower_length, ctx.hinges, ctx.link_length, 0)
     moment = power = 0.0
     for i in range(ctx.hinges, -1, -1):
@@ -380,24 +394,80 @@ def _project(model: int, data: int, ctx: Context) -> None:
 
 
 @_compiled
-def _curvatures(ctx: Context, qpos: Array, gauges: Array, gauge_weights: Array) -> Array:
-    """Curvature at the gauges, 1/m, shape (3,): the hinges' interpolated, without and then with the kink at the slider.
+def _smooth_curvatures(ctx: Context, qpos: Array) -> Array:
+    """Curvature at the hinges, 1/m, without the kink that the slider force makes; shape (N,).
 
     The slider force F bends hinge j by F b_j, b_j = Σ_{i >= j} c_i; the beam by the ramp F (s - x) inboard of the slider.
     """
     smooth = np.empty(ctx.hinges)
+    if ctx.hinges == 0:
+        return smooth
     kink = ctx.slider_force / ctx.bending_stiffness
     c0 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 0)
     lever = 0.0
     for j in range(ctx.hinges, 0, -1):
         lever += c0[j]
         smooth[j - 1] = qpos[ctx.coordinates - ctx.hinges - 1 + j] / ctx.link_length - kink * lever
-    return gauge_weights @ smooth + kink * np.maximum(0.0, ctx.slider_position - gauges)
+    return smooth
 
 
 @_compiled
-def _record(model: int, data: int, ctx: Context, gauges: Array, gauge_weights: Array, out: Array) -> None:
-    """One row of the table, `columns.OBSERVED`, from the present state. Gauges: arc lengths, (3,), and a weight per hinge, (3, N)."""
+def _curvature(ctx: Context, smooth: Array, x: float) -> float:
+    """Curvature at the arc length x, 1/m: the cubic through the four nearest hinges, and the kink; 0 where there is no hinge."""
+    if ctx.hinges == 0:
+        return 0.0
+    if not math.isfinite(x):
+        return math.nan
+    points = min(4, ctx.hinges)
+    place = x / ctx.link_length - 0.5  # in links from the first hinge
+    left = min(max(math.floor(place) - 1, 0), ctx.hinges - points)
+    value = 0.0
+    for j in range(left, left + points):
+        weight = 1.0
+        for k in range(left, left + points):
+            if k != j:
+                weight *= (place - k) / (j - k)
+        value += weight * smooth[j]
+    return value + ctx.slider_force / ctx.bending_stiffness * max(0.0, ctx.slider_position - x)
+
+
+@_compiled
+def _follower_inertia(ctx: Context, e: Points, rates: Array, accelerations: Array) -> complex:
+    """Rate of the momentum of all links and the tip body, less their weight, N, along n1 + i n2."""
+    n, h, at_hinge, total = ctx.hinges, ctx.link_length, 0j, 0j
+    for i in range(n + 1):
+        length = h if 0 < i < n else (0.5 * h if n else ctx.follower_length)
+        turning = (1j * accelerations[i] - rates[i] ** 2) * e[i]
+        total += ctx.mass_per_length * length * (at_hinge + 0.5 * length * turning - ctx.gravity)
+        at_hinge += length * turning
+    return total + ctx.tip_mass * (at_hinge + ctx.tip_offset * turning - ctx.gravity)
+
+
+@_compiled
+def _bearing_forces(
+    ctx: Context, motion: tuple[float, float, float], e: Points, rates: Array, accelerations: Array
+) -> tuple[complex, complex]:
+    """Forces of the ground on base and crank, N, along n1 + i n2, by Newton's law for follower and crank.
+
+    Args:
+        ctx: the simulation, with its slider's place and force.
+        motion: angle (rad), speed and acceleration of the crank.
+        e: directions of the links.
+        rates: of their angles, rad/s.
+        accelerations: of their angles, rad/s^2.
+    """
+    c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
+    slope = (c1 * e).sum()
+    on_follower = ctx.slider_force * 1j * slope / abs(slope)
+    angle, speed, acceleration = motion
+    pivot = _follower_inertia(ctx, e, rates, accelerations) - _pushes(ctx, angle) - on_follower
+    swing = (1j * acceleration - speed**2) * complex(math.cos(angle), math.sin(angle))
+    return pivot, ctx.crank_moment * swing - ctx.crank_mass * ctx.gravity + on_follower
+
+
+@_compiled
+def _record(model: int, data: int, ctx: Context, gauges: Array, out: Array) -> None:
+    """One row of the table, `columns.OBSERVED`, from the present state. Gauges: arc lengths, (3,)."""
     n, hinges = ctx.coordinates, ctx.hinges
     qpos, qvel = _array(ctx.qpos, n), _array(ctx.qvel, n)
     qacc, energy = _array(ctx.qacc, n), _array(ctx.energy, 2)
@@ -417,11 +487,8 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, gauge_weights: A
     base_angle = qpos[first]
     if hinges >= 2:
         base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent, h²/24 dκ/dx beside the link's
-    strain_energy = 0.0
-    curvature = np.zeros(3)
-    if hinges:
-        strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
-        curvature = _curvatures(ctx, qpos, gauges, gauge_weights)
+    strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
+    smooth = _smooth_curvatures(ctx, qpos)
     gravity = energy[0] - strain_energy
     strain_energy += 0.5 * ctx.joint_stiffness * ctx.gap**2
     gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
@@ -432,10 +499,18 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, gauge_weights: A
     across = 1j * complex(math.cos(base_angle), math.sin(base_angle))
     out[c.TIP_DEFLECTION] = _dot(across, tip)
     for place in range(1, c.PLACES + 1):
-        line = centre_line_coefficients(place * ctx.follower_length / (c.PLACES + 1), hinges, ctx.link_length, 0)
+        x = place * ctx.follower_length / (c.PLACES + 1)
+        line = centre_line_coefficients(x, hinges, ctx.link_length, 0)
         out[c.FIRST_OF_SHAPE - 1 + place] = _dot(across, (line * e).sum())
+        out[c.FIRST_OF_MOMENTS - 1 + place] = ctx.bending_stiffness * _curvature(ctx, smooth, x)
+    out[c.MOMENT_SLIDER] = ctx.bending_stiffness * _curvature(ctx, smooth, ctx.slider_position)
     out[c.TIP_ACCELERATION] = _dot(1j * e[hinges], tip_acceleration)
-    out[c.STRAIN_1 : c.STRAIN_3 + 1] = ctx.half_thickness * curvature
+    for gauge in range(3):
+        out[c.STRAIN_1 + gauge] = ctx.half_thickness * _curvature(ctx, smooth, gauges[gauge])
+    crank = angle, crank_speed, qacc[0] if ctx.crank_is_free else 0.0
+    pivot, at_crank = _bearing_forces(ctx, crank, e, rates, accelerations)
+    out[c.PIVOT_FORCE_X], out[c.PIVOT_FORCE_Y] = pivot.real, pivot.imag
+    out[c.CRANK_FORCE_X], out[c.CRANK_FORCE_Y] = at_crank.real, at_crank.imag
     out[c.SLIDER_FORCE], out[c.CRANK_TORQUE] = ctx.slider_force, ctx.drive_torque
     out[c.KINETIC_ENERGY] = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
     out[c.STRAIN_ENERGY], out[c.DISSIPATED_ENERGY], out[c.CONSTRAINT_GAP] = strain_energy, ctx.dissipated, abs(ctx.gap)
@@ -453,10 +528,8 @@ def _state(ctx: Context) -> int:
     return GOOD
 
 
-@_entry(types.UniTuple(types.intp, 2)(_address, _address, _contexts, types.float64, types.intp, _vector, _matrix, _matrix))
-def advance(
-    model: int, data: int, context: Any, step: float, steps: int, gauges: Array, gauge_weights: Array, table: Array
-) -> tuple[int, int]:
+@_entry(types.UniTuple(types.intp, 2)(_address, _address, _contexts, types.float64, types.intp, _vector, _matrix))
+def advance(model: int, data: int, context: Any, step: float, steps: int, gauges: Array, table: Array) -> tuple[int, int]:
     """Fill `table` (shape (rows, len(columns.OBSERVED))): the present state, then one row after every `steps` steps of `step` (s).
 
     Returns:
@@ -474,7 +547,7 @@ def advance(
             state = _state(ctx)
             if state != GOOD:
                 return k, state
-        _record(model, data, ctx, gauges, gauge_weights, table[k])
+        _record(model, data, ctx, gauges, table[k])
         if not np.all(np.isfinite(table[k, :8])):  # strains of a scene without gauges are no numbers
             return k, NOT_FINITE
     return len(table), GOOD

@@ -15,7 +15,7 @@ from engines.mujoco.settings import ChainSettings
 from engines.start import Start
 from engines.start_state import reconstruct
 from engines.trajectory import FollowerTrajectory, Trajectory
-from reference_model.columns import OBSERVED, of_follower_alone
+from reference_model.columns import BENDING, OBSERVED, of_follower_alone
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
@@ -45,7 +45,6 @@ class ChainSimulation(Simulation):
         self._context = _context(scene, self._hinges, self._data)
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
-        self._gauge_weights = _interpolation(self._gauges, scene.follower.length, self._hinges)
         self._step_is_set = settings.step > 0.0
         fastest = modes.fastest_rate(self._model, scene, self._hinges) if self._hinges and not self._step_is_set else 0.0
         self._largest_step = _SAFETY * _STABILITY_LIMIT / fastest if fastest > 0.0 else settings.step or math.inf
@@ -112,13 +111,13 @@ class ChainSimulation(Simulation):
                     output_step / steps,
                     steps,
                     self._gauges,
-                    self._gauge_weights,
                     piece,
                 )
                 rows = first + filled
                 if state != kernels.GOOD or rows == len(table):
                     break
-        columns = {"time": times[:rows]} | dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
+        found = dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
+        columns = {"time": times[:rows]} | {name: found[name] for name in OBSERVED if self._hinges or name not in BENDING}
         statistics = {"steps": float(steps * max(rows - 1, 0))}
         kind = Trajectory
         if isinstance(self._scene, FollowerAlone):  # without the columns of what is not there; the drive turns the base
@@ -158,21 +157,6 @@ def _hinge_angles(tangents: Array) -> Array:
     return angles
 
 
-def _interpolation(gauges: Array, length: float, hinges: int) -> Array:
-    """Weights of the hinges' curvatures at the gauges, by the cubic through the four nearest hinges; shape (3, N)."""
-    weights = np.zeros((len(gauges), hinges))
-    points = min(4, hinges)
-    for row, gauge in zip(weights, gauges, strict=True):
-        if not math.isfinite(gauge):
-            row[:] = math.nan
-        elif points:
-            place = gauge * hinges / length - 0.5  # in links from the first hinge
-            left = min(max(math.floor(place) - 1, 0), hinges - points)
-            nodes = np.arange(left, left + points)
-            row[nodes] = [np.prod([(place - k) / (j - k) for k in nodes if k != j]) for j in nodes]
-    return weights
-
-
 def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
     """What compiled code needs to know, `kernels.CONTEXT`, shape (1,)."""
     follower, context = scene.follower, np.zeros(1, kernels.CONTEXT)
@@ -192,6 +176,10 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "half_thickness": follower.thickness / 2.0,
         "beam_damping": follower.damping,
         "base_damping": scene.base.damping,
+        "mass_per_length": follower.mass_per_length,
+        "tip_mass": scene.tip_body.mass,
+        "tip_offset": scene.tip_body.center_of_mass,
+        "gravity": complex(*scene.gravity),
     }
     if isinstance(scene, FollowerAlone):
         values |= {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
@@ -208,6 +196,8 @@ def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
         "pivot_distance": mechanism.pivot_distance,
         "crank_length": crank.length,
         "crank_is_free": int(mechanism.crank_is_free),
+        "crank_mass": mechanism.crank_mass,
+        "crank_moment": mechanism.crank_moment,
     }
     tip = mechanism.tip_body
     if tip.is_forced:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Repetitions at most, 1 to 100, interleaved.",
 )
-@options.assignments
+@options.case_assignments
 @options.limited
 @options.json
 def command(
@@ -43,7 +43,7 @@ def command(
     Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;
     the others are measured all the same. Settings with which an engine says that it cannot go on are listed and no error.
     """
-    from cases.benchmark import SCENES, measure
+    from cases.benchmark import SCENES, compiling, measure
     from cases.benchmark.scenes import ENGINES
     from engines.base import EngineFailure
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
@@ -57,6 +57,8 @@ def command(
     _ = [case.mechanism for case in loaded]  # a scene without crank is answered before anything runs
     workshop, tables = options.opened_workshop(loaded, names), []
     failed = False
+    if not cases and not tag:
+        compiling(workshop, names)  # for the report
     for case in loaded:
         try:
             tables.append(measure(case, workshop, names, repetitions))

@@ -2,15 +2,11 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import click
 
 from quickreturn.commands import options
-
-if TYPE_CHECKING:
-    from cases.runs.comparison import CaseResult
-    from cases.runs.request import Run
 
 PICTURES: Final = (".png", ".svg", ".pdf")
 
@@ -44,8 +40,10 @@ def command(
     """
     from cases.recorded import read_table
     from cases.runs.comparison import hold_against_engines
+    from cases.shown import in_lines
     from quickreturn.catalogue import prepared
     from quickreturn.commands.run import as_document, exit_code
+    from quickreturn.table_comparison import parts_of_tables, refuse_same_names, tables_in
     from reports.output import check_writable, print_json
 
     overrides, settings = options.read_assignments(assignments)
@@ -55,63 +53,22 @@ def command(
     if output is not None:
         check_writable(Path(output), "" if loaded.source == "library" else case, *PICTURES)
     tables = [*others.get(loaded.name, ()), *map(read_table, dict.fromkeys(files))]
-    called = [*names, *(table.name for table in tables)]
-    for name in called:
-        if called.count(name) > 1:
-            raise click.UsageError(f'two tables or engines are called "{name}"; give each file a name of its own')
+    refuse_same_names(names, tables)
     workshop = options.opened_workshop([loaded], names)
     results = hold_against_engines(loaded, tables, workshop, names, accuracy, texts)
     if as_json:
         document = as_document(results, workshop.store.notices)
         for entry, result in zip(document["cases"], results, strict=True):
-            entry["differences"], entry["slips"] = {name: {} for name in result.recorded}, _mistakes(result)
-            for (table, engine), found in _differences(result).items():
-                entry["differences"][table][engine] = found
+            held = {table.name: table for table in tables_in(result)}
+            entry["differences"] = {name: table.differences for name, table in held.items()}
+            entry["slips"] = {name: table.explanations for name, table in held.items()}
         print_json(document)
     else:
-        _print(results)
+        for result in results:
+            click.echo(in_lines(parts_of_tables(result, tables_in(result))))
     if output:
         from reports.output import write_file
         from reports.plots.recorded import drawn
 
         write_file(Path(output), drawn(results, Path(output).suffix.lower()))
     return exit_code(results, workshop, engines)
-
-
-def _pairs(result: "CaseResult") -> "list[tuple[Run, Run]]":
-    """Each table with each engine that it can be held against."""
-    return [(run, other) for run in result.recorded.values() for other in result.runs.values() if run.usable and other.usable]
-
-
-def _differences(result: "CaseResult") -> dict[tuple[str, str], dict[str, float]]:
-    """Table and engine -> column -> relative RMS difference in the turn that is compared."""
-    from cases.runs.differences import column_differences
-
-    return {(run.engine, other.engine): column_differences(run, other) for run, other in _pairs(result)}
-
-
-def _mistakes(result: "CaseResult") -> dict[str, dict[str, str]]:
-    """Table -> column -> the mistake that would explain its difference from the engine that it is held against first."""
-    from cases.runs.differences import mistakes
-
-    return {run.engine: mistakes(run, other, result.case.mechanism) for run, other in reversed(_pairs(result))}
-
-
-def _print(results: "Sequence[CaseResult]") -> None:
-    from cases.shown import in_lines
-    from quickreturn.verdict_text import parts_of
-    from reports.output import print_table
-
-    for result in results:
-        click.echo(in_lines(parts_of(result)))
-        differences = _differences(result)
-        columns = dict.fromkeys(name for found in differences.values() for name in found)
-        if columns:
-            alone = len(result.recorded) == 1
-            heads = [engine if alone else f"{table} - {engine}" for table, engine in differences]
-            rows = [[f"  {name}", *(f"{found[name]:.1e}" if name in found else "-" for found in differences.values())] for name in columns]
-            click.echo("  RMS difference in this turn, over the engine's RMS:")
-            print_table(rows, ("", *heads))
-        for table, found in _mistakes(result).items():
-            for told in found.values():
-                click.echo(f"  {table}: {told}")

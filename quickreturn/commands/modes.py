@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     "--crank-angle",
     "crank_angles",
     metavar="DEG",
-    required=True,
     read=options.angles,
+    default="0:180:90",
+    show_default=True,
     help="Angle at which the crank is held, degrees; or FROM:TO:STEP, both ends included.",
 )
 @options.single(
@@ -44,7 +45,7 @@ def command(
     assignments: Sequence[str],
     as_json: bool,
 ) -> int:
-    """Natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.
+    """Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.
 
     With several engines, cases or angles the JSON document is a list. Exit code 3: an engine failed, or what it returned are no natural
     frequencies; nothing is printed then.
@@ -60,9 +61,11 @@ def command(
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
     texts = questions.settings_of(settings, engines)
-    asked = list(itertools.product(options.load_all(cases, tag, overrides), engines))
+    loaded = options.load_all(cases, tag, overrides)
+    asked = list(itertools.product(loaded, engines))
     for case, name in asked:
         questions.check(name, case.mechanism, texts[name])
+    options.tell_doubts(loaded)
     angles = [math.radians(angle) for angle in crank_angles]
     jobs = [Job(f"{case.name} {name}", frozen_crank, (case, name, angles, count, texts[name])) for case, name in asked]
     found = []
@@ -84,16 +87,18 @@ def command(
 def _print(angled: "list[Modes]") -> None:
     """One angle: a line for each mode; several: a line for each angle."""
     from reports.output import print_table
+    from reports.words import within_turn
 
+    degrees = [f"{within_turn(math.degrees(each.crank_angle)):g}" for each in angled]
     first = angled[0]
     if len(angled) == 1:
-        click.echo(f"{first.case}, crank at {math.degrees(first.crank_angle):g} deg, {first.engine} ({first.version})")
+        click.echo(f"{first.case}, crank at {degrees[0]} deg, {first.engine} ({first.version})")
         if first.frequencies:
             print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(first.frequencies, 1)])
     else:
         click.echo(f"{first.case}, {first.engine} ({first.version}): natural frequencies in Hz")
         most = max(len(each.frequencies) for each in angled)
-        rows = [[f"{math.degrees(each.crank_angle):g}", *(f"{value:.6g}" for value in each.frequencies)] for each in angled]
+        rows = [[angle, *(f"{value:.6g}" for value in each.frequencies)] for angle, each in zip(degrees, angled, strict=True)]
         print_table([row + ["-"] * (most + 1 - len(row)) for row in rows], ["crank deg", *map(str, range(1, most + 1))])
     if not any(each.frequencies for each in angled):
         click.echo("no natural frequency: nothing in this model can vibrate with the crank held")

@@ -89,9 +89,9 @@ def single(*names: str, read: Reader = lambda _, text: text, default: str | None
     return click.option(*names, multiple=True, callback=one, default=default and [default], **more)
 
 
-def output(told: str, metavar: str = "FILE") -> Callable[[Any], Any]:
+def output(told: str, metavar: str = "FILE", *, required: bool = True) -> Callable[[Any], Any]:
     """The option that says where the result goes."""
-    return single("--output", metavar=metavar, required=True, help=told)
+    return single("--output", metavar=metavar, required=required, help=told)
 
 
 def complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -109,7 +109,7 @@ def _complete_engine(context: click.Context, option: click.Parameter, begun: str
 
 cases: Final[Callable[[Any], Any]] = click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=complete_case)
 case: Final[Callable[[Any], Any]] = click.argument("case", metavar="CASE", shell_complete=complete_case)
-tag: Final = single("--tag", metavar="TAG", help="Besides, all cases of the library with this tag.")
+tag: Final = single("--tag", metavar="TAG", help="Add all cases of the library with this tag.")
 engines_for: Final = functools.partial(
     click.option,
     "--engine",
@@ -119,7 +119,7 @@ engines_for: Final = functools.partial(
     callback=lambda _, __, names: list(dict.fromkeys(names)),
     shell_complete=_complete_engine,
 )
-engines: Final = engines_for(required=True, help="Engine, see `quickreturn engines`; may be given again.")
+engines: Final = engines_for(default=["reference"], show_default=True, help="Engine, see `quickreturn engines`; may be given again.")
 main_engines: Final = engines_for(help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines.")
 json: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 accuracy: Final = single(
@@ -131,13 +131,12 @@ accuracy: Final = single(
 duration: Final = single(
     "--duration", metavar="S", read=seconds, help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.'
 )
-assignments: Final[Callable[[Any], Any]] = click.option(
-    "--set",
-    "assignments",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help='Override a value of the case (follower.bending_stiffness="1800 lbf*in^2") or a setting of the engine (engine.elements=32),'
-    " of one among several by its name (mujoco.links=16).",
+_set: Final = functools.partial(click.option, "--set", "assignments", metavar="KEY=VALUE", multiple=True)
+_OVERRIDE: Final = 'Override a value of the case (follower.bending_stiffness="1800 lbf*in^2")'
+case_assignments: Final[Callable[[Any], Any]] = _set(help=f"{_OVERRIDE}; may be given again.")
+assignments: Final[Callable[[Any], Any]] = _set(
+    help=f"{_OVERRIDE} or a setting of the engine (engine.elements=32), of one among several by its name (mujoco.links=16);"
+    " may be given again."
 )
 
 
@@ -217,6 +216,25 @@ def load(case: str, overrides: dict[str, str], duration: float | None = None, ou
         raise CaseError("command line", _option(wrong.key or ""), wrong.value, wrong.problem, wrong.accepted) from None
 
 
+def given_as(case: "Case", overrides: Mapping[str, str]) -> list[str]:
+    """Arguments that name a case with changes once more, for another command."""
+    changes = [part for key, value in overrides.items() for part in ("--set", f"{key}={value}")]
+    return [case.name if case.source == "library" else case.source, *changes]
+
+
+def tell_doubts(cases: "Sequence[Case]") -> None:
+    """Say on standard error which values of a person's own are hardly meant, each doubt once; those of the library are meant."""
+    from cases.doubts import doubts
+
+    concerned: dict[str, list[str]] = {}
+    for case in cases:
+        for doubt in doubts(case.scene):
+            if doubt in case.notes:
+                concerned.setdefault(doubt, []).append(case.name)
+    for doubt, (first, *others) in concerned.items():
+        tell(f"{first}{f' and {len(others)} more' if others else ''}: note: {doubt}")
+
+
 def _option(key: str) -> str:
     return f"--{key.replace('_', '-')}"
 
@@ -238,6 +256,7 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
     meta = click.get_current_context().meta
     workshop = Workshop(Store(tell=tell), LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
     meta[WORKSHOP] = workshop
+    tell_doubts(cases)
     if cases:
         what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
         begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")

@@ -47,7 +47,7 @@ def command(
     files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
     loaded = options.load_all(cases, tag, overrides, duration) if cases or tag or not files else []
     if files and loaded and not engines:
-        raise click.UsageError("a case beside a file: give --engine, so that it has a trajectory as well")
+        raise click.UsageError(f"to draw {loaded[0].name} over {files[0]}, give --engine: it has no trajectory yet")
     given = {"--column": () if files else columns, "--duration": duration, "--accuracy": accuracy, "--set": settings}
     for what, value in given.items():
         if value and not engines:

@@ -30,6 +30,8 @@ def _folder(option: str, text: str) -> str:
 @options.cases
 @options.tag
 @options.main_engines
+@options.accuracy
+@options.assignments
 @options.single(
     "--output",
     metavar="DIR",
@@ -39,8 +41,12 @@ def _folder(option: str, text: str) -> str:
     help="Folder of the page and its tables.",
 )
 @options.of_workshop
-def command(cases: Sequence[str], tag: str | None, engines: Sequence[str], output: str) -> int:
+def command(
+    cases: Sequence[str], tag: str | None, engines: Sequence[str], accuracy: float | None, assignments: Sequence[str], output: str
+) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
+
+    A slow engine is quicker with coarser settings (--set my-engine.links=8) or to a lower accuracy (--accuracy 0.05).
 
     Exit code 0 once the page is written and every engine completed: where engines disagree is shown in the page. Exit code 3: an engine
     failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
@@ -49,13 +55,17 @@ def command(cases: Sequence[str], tag: str | None, engines: Sequence[str], outpu
     from quickreturn.catalogue import prepared
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
 
+    overrides, settings = options.read_assignments(assignments)
+    for key, value in overrides.items():
+        accepted = "settings of engines, e.g. engine.elements=32, are accepted; write other values into a case file"
+        raise click.UsageError(f"--set {as_written(f'{key}={value}')}: the page would show another case than {key} makes; {accepted}")
     loaded = options.load_all(cases, tag, {}, otherwise=("thesis-*",))
-    names, _, tables = prepared(loaded, engines, {})
+    names, texts, tables = prepared(loaded, engines, settings)
     options.refuse_missing(names if engines else ())
     workshop = options.opened_workshop(loaded, names)
     from reports.report import write_report
 
-    written = write_report(loaded, Path(output), workshop, names, tables)
+    written = write_report(loaded, Path(output), workshop, names, tables, accuracy, texts)
     _print(written)
     for case, run in written.incomplete:
         options.tell(f"{case}: engine {run.engine} {run.status}: {run.remark}")

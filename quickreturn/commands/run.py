@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from cases.jobs.workshop import Workshop
     from cases.runs.comparison import CaseResult
     from cases.runs.request import Run
+    from reference_model.mechanism import Mechanism
 
 
 @click.command(name="run")
@@ -29,7 +30,7 @@ def command(
     assignments: Sequence[str],
     as_json: bool,
 ) -> int:
-    """Bring engines to their steady state on each CASE, measure, compare.
+    """Bring engines to their steady state on each CASE, measure and compare them.
 
     Two engines may differ by what both claim: their own error estimates and the uncertainty of what is measured. Exit code 1: some differ
     by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is not
@@ -91,7 +92,11 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
                 "passed": result.passed,
                 "reason": result.reason,
                 "notes": list(result.case.notes),
-                "engines": [_as_document(run) | {"accuracy_class": result.accuracy_class(name)} for name, run in result.runs.items()],
+                "engines": [
+                    _as_document(run) | {"accuracy_class": result.accuracy_class(name), "loads": _loads(result, run)}
+                    for name, run in result.runs.items()
+                ],
+                "resonance": _resonance(result.case.mechanism),
                 "checks": [check.as_dict() for check in result.checks],
             }
             for result in results
@@ -103,6 +108,23 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
         ],
         "notices": list(notices),
     }
+
+
+def _loads(result: "CaseResult", run: "Run") -> dict[str, Any]:
+    """What the parts bear, by name: value in SI units, its error, where and at which crank angle (rad); empty where not known."""
+    from cases.loads import loads_of_run
+    from reports.tables.strength import numbers
+
+    loads = loads_of_run(result.case.mechanism, run)
+    return {each.name: {key: value for key, value in vars(each).items() if key != "name"} for each in (numbers(loads) if loads else ())}
+
+
+def _resonance(mechanism: "Mechanism") -> dict[str, Any] | None:
+    """First mode (Hz, mean over the turn with the crank held), crank (Hz), their ratio and the nearest harmonic."""
+    from cases.loads import resonance
+
+    found = resonance(mechanism)
+    return None if found is None else {**vars(found), "ratio": found.ratio, "harmonic": found.harmonic}
 
 
 def _as_document(run: "Run") -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import itertools
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @click.command(name="show")
 @options.cases
 @options.tag
-@options.assignments
+@options.case_assignments
 @click.option("--for-other-tools", "for_others", is_flag=True, help="Print what is needed to build the scene in another tool instead.")
 @options.json
 def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
@@ -35,7 +35,7 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
     if for_others:
         if as_json:
             raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
-        _print_for_others(options.load_all(cases, tag, overrides), assignments)
+        _print_for_others(options.load_all(cases, tag, overrides), overrides)
         return
     get_ready(TELLING)
     documents = [_document(case) for case in options.load_all(cases, tag, overrides)]
@@ -47,12 +47,10 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
         _print(document)
 
 
-def _print_for_others(cases: "Sequence[Case]", assignments: Sequence[str]) -> None:
+def _print_for_others(cases: "Sequence[Case]", overrides: Mapping[str, str]) -> None:
     from reports.other_tools import for_other_tools
 
-    changes = [part for text in assignments for part in ("--set", text)]
-    given = [case.name if case.source == "library" else case.source for case in cases]
-    click.echo("\n\n".join(for_other_tools(case, shlex.join([name, *changes])) for case, name in zip(cases, given, strict=True)))
+    click.echo("\n\n".join(for_other_tools(case, shlex.join(options.given_as(case, overrides))) for case in cases))
 
 
 def _document(loaded: "Case") -> dict[str, Any]:
@@ -68,19 +66,19 @@ def _document(loaded: "Case") -> dict[str, Any]:
 
 def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
     """What follows from the follower's numbers: name -> value, unit and meaning."""
-    import numpy as np
-
+    from cases.loads import resonance
     from reference_model.mechanism import Mechanism
-    from reference_model.natural_modes import clamped_modes, frozen_crank_modes
+    from reference_model.natural_modes import clamped_modes
 
     follower = scene.follower
     found = {
         "mass": (follower.mass, "kg", "of the follower"),
         "slenderness": (follower.slenderness, "", "length over thickness"),
     }
-    if isinstance(scene, Mechanism) and not follower.is_rigid:
-        lowest = min(frozen_crank_modes(scene, angle, 1).frequencies[0] for angle in np.linspace(0.0, np.pi, 25))
-        found["first_bending_frequency"] = (float(lowest), "Hz", "crank held, the least over its turn")
+    if isinstance(scene, Mechanism) and (first := resonance(scene)):
+        found["first_bending_frequency"] = (first.lowest, "Hz", "crank held, the least over its turn")
+        found["mean_bending_frequency"] = (first.first_mode, "Hz", "crank held, the mean over its turn")
+        found["resonance"] = (first.ratio, "", f"that mean over the crank's frequency: {first.sentence}")
     elif not isinstance(scene, Mechanism):
         found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")
     return {name: {"value": value, "unit": unit, "meaning": meaning} for name, (value, unit, meaning) in found.items()}
@@ -115,7 +113,8 @@ def _print(document: dict[str, Any]) -> None:
         if model["refused"]:
             click.echo(f"\n{model['engine']}: {model['refused']}")
             continue
-        click.echo(f"\n{model['engine']}: {model['degrees_of_freedom']} degrees of freedom")
+        count = model["degrees_of_freedom"]
+        click.echo(f"\n{model['engine']}: {count} degree{'s' * (count != 1)} of freedom")
         lines = [("  body", body) for body in grouped(model["bodies"])] + [("  joint", joint) for joint in grouped(model["joints"])]
         print_table(lines or [("", "")])
 

@@ -1,6 +1,7 @@
 """`quickreturn simulate`: one trajectory of one engine, from the standard start, as a CSV file; or of several."""
 
 import itertools
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -52,7 +53,11 @@ _NOTHING: Final[dict[str, Any]] = {
 @options.accuracy
 @click.option("--no-estimate", is_flag=True, help="Make the one run alone: nothing is known of its error then.")
 @options.assignments
-@options.output("Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name.", "FILE.csv")
+@options.output(
+    "Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name. Default: nothing is written.",
+    "FILE.csv",
+    required=False,
+)
 @options.limited
 @options.json
 def command(
@@ -64,10 +69,10 @@ def command(
     accuracy: float | None,
     no_estimate: bool,
     assignments: Sequence[str],
-    output: str,
+    output: str | None,
     as_json: bool,
 ) -> int:
-    """Simulate CASE from the standard start and write the trajectory.
+    """Simulate CASE from the standard start; with --output, write the trajectory.
 
     Exit code 3: the engine failed, did not reach the accuracy, or cannot say that it reached the one asked for, because its error
     estimate is unknown or not verified; the rows that it delivered are in the file. One that crashed or was stopped at a limit delivers
@@ -88,7 +93,8 @@ def command(
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
     places = _places(output, loaded, engines)
     for case, name in itertools.product(loaded, engines):
-        check_writable(Path(places[case.name, name]), "" if case.source == "library" else case.source, ".csv")
+        if (file := places[case.name, name]) is not None:
+            check_writable(Path(file), "" if case.source == "library" else case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
     for case, name, outcome in _attempted(loaded, engines, settings, accuracy, not no_estimate):
@@ -102,12 +108,16 @@ def command(
         document = {"case": case.name, "engine": name, "output": places[case.name, name], "notes": case.notes, "accuracy": accuracy}
         documents.append(document | _NOTHING | known)
         if not as_json:
-            _print(documents[-1], found)
+            _print(documents[-1], found, shlex.join(["quickreturn", "show", *options.given_as(case, overrides)]))
     if as_json and documents:
         print_json(documents[0] if len(places) == 1 else documents)
+    elif documents and output is None:
+        click.echo(f"no trajectory is written; --output {_example(loaded, engines)} writes {'it' if len(places) == 1 else 'them'}")
     missed = [document for document in documents if not document["reached"]]
     for document in missed:
-        kept = f"{document['rows']} rows are kept in {document['output']}" if document["rows"] else "there is nothing to keep"
+        kept = "there is nothing to keep"
+        if document["rows"]:
+            kept = f"{document['rows']} rows are kept {f'in {place}' if (place := document['output']) else 'only with --output'}"
         options.tell(f"{document['case']}: engine {document['engine']}: {document['remark']}; {kept}")
     if refusal is not None:
         raise refusal
@@ -150,6 +160,7 @@ def _attempted(
     pairs = list(itertools.product(cases, engines))
     for case, name in pairs:
         questions.check(name, case.scene, texts[name])
+    options.tell_doubts(cases)
     jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy, estimate)) for case, name in pairs]
     outcomes = questions.asked(jobs, "simulating", options.limits(), options.quiet())
     return [(case, name, outcome) for (case, name), outcome in zip(pairs, outcomes, strict=True)]
@@ -170,16 +181,26 @@ def attempt(
         return version, failure
 
 
-def _places(output: str, cases: "Sequence[Case]", engines: Sequence[str]) -> dict[tuple[str, str], str]:
-    """The file of each case and engine. UsageError: two would have the same."""
+def _places(output: str | None, cases: "Sequence[Case]", engines: Sequence[str]) -> dict[tuple[str, str], str | None]:
+    """The file of each case and engine, if one is to be written. UsageError: two would have the same."""
+    if output is None:
+        return dict.fromkeys((case.name, engine) for case in cases for engine in engines)
     for what, several in (("{engine}", engines), ("{case}", cases)):
         if len(several) > 1 and what not in output:
             raise click.UsageError(f"--output {output}: several {what[1:-1]}s would write the same file; put {what} into its name")
     return {(case.name, engine): output.replace("{engine}", engine).replace("{case}", case.name) for case in cases for engine in engines}
 
 
-def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str) -> "tuple[dict[str, Any], Found]":
-    """Write the trajectory, as far as there is one: what the JSON document says of it, and what it is made of. Raises as `value_of`."""
+def _example(cases: "Sequence[Case]", engines: Sequence[str]) -> str:
+    """A value of --output for these."""
+    return f"{cases[0].name if len(cases) == 1 else '{case}'}{'-{engine}' if len(engines) > 1 else ''}.csv"
+
+
+def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str | None) -> "tuple[dict[str, Any], Found]":
+    """Write the trajectory, as far as there is one and a file is named: what the JSON document says of it, and what it is made of.
+
+    Raises as `value_of`.
+    """
     from engines.base import EngineFailure
     from quickreturn.questions import EngineDied, value_of
     from quickreturn.solution import as_csv
@@ -193,7 +214,8 @@ def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str
     known: dict[str, Any] = {"version": version}
     trajectory = found.partial if isinstance(found, EngineFailure) else found.trajectory
     if trajectory is not None:
-        write_file(Path(path), as_csv(trajectory))
+        if path is not None:
+            write_file(Path(path), as_csv(trajectory))
         known |= {"rows": len(trajectory), "solve_seconds": trajectory.solve_seconds, "statistics": dict(trajectory.statistics)}
     if isinstance(found, EngineFailure):
         failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
@@ -202,14 +224,15 @@ def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str
     return known | same | {"settings": found.settings, **vars(found.result.description)}, found
 
 
-def _print(document: Mapping[str, Any], found: "Found") -> None:
+def _print(document: Mapping[str, Any], found: "Found", notes: str) -> None:
+    """A simulation as a table; `notes`: the command that shows those on the case."""
     from reports.output import print_table
 
     if isinstance(found, Exception):
         rows = [("case", document["case"]), ("engine", f"{document['engine']} ({document['version'] or 'version unknown'})")]
         if document["notes"]:
-            rows.append(("notes", f"{len(document['notes'])} on this case: see `quickreturn show {document['case']}`"))
+            rows.append(("notes", f"{len(document['notes'])} on this case: see `{notes}`"))
     else:
         told = found.reached or found.result.error_estimate is None  # else standard error tells why not
-        rows = [row for row in found.rows(document["output"]) if told or row[0] != "remark"]
+        rows = [row for row in found.rows(document["output"] or "", f"`{notes}`") if told or row[0] != "remark"]
     print_table(rows)

@@ -61,6 +61,7 @@ class Parameters(NamedTuple):
     d: float
     LA: float
     L: float
+    crank_mass: float  # with the slider's
     crank_inertia: float  # about O, with the slider's mass
     crank_moment: float  # kg m, mass times distance from O, with the slider's
     torque: float

@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from reference_model import columns as c
 from reference_model.compilation import inlined, stage
 from reference_model.motion.fields import cumulate, directions
+from reference_model.motion.lanes import load, plus_product, spread, total
 from reference_model.motion.layout import (
+    ACROSS,
+    ALONG,
     AT,
     COS_Q2,
     CURVATURE,
@@ -64,6 +67,7 @@ def observe(p: Parameters, t: Tables, w: Workspace, y: Array, o: Array) -> bool:
     if m > p.n + 1:
         o[c.JOINT_POWER] = joint_power(p, w, y)
     _energies(p, t, w, y, at, o)
+    _bearing_forces(p, t, w, y, o)
     _bending_moment(p, t, w, at)
     return _recover(p, t, w, y, at, o)
 
@@ -108,15 +112,45 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Arra
     o[c.KINETIC_ENERGY], o[c.STRAIN_ENERGY], o[c.GRAVITY_ENERGY] = kinetic, strain, gravity
 
 
+@inlined
+def _slider_on_follower(w: Workspace) -> tuple[float, float]:
+    """The slider's force on the follower in frame B, N (equation 5.6)."""
+    f = w.facts
+    t1, t2 = f[TANGENT_1], f[TANGENT_2]
+    return -f[NORMAL] * t2 + f[TANGENTIAL] * t1, f[NORMAL] * t1 + f[TANGENTIAL] * t2
+
+
+@stage
+def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, o: Array) -> None:
+    """Forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.10 and 6.11)."""
+    N, f = t.cells * t.S, w.facts
+    bodies = 2 * N
+    s1 = s2 = 0.0
+    if p.treatment != BASE:
+        s1, s2 = _slider_on_follower(w)
+    beam_1 = beam_2 = spread(0.0)
+    for j in range(0, N, 4):
+        beam_1 = plus_product(beam_1, load(w.mass, j), load(w.A, j))
+        beam_2 = plus_product(beam_2, load(w.mass, N + j), load(w.A, N + j))
+    p1 = total(beam_1) + p.tip_mass * w.A[bodies + TIP_1] - f[TOOL_1] - s1
+    p2 = total(beam_2) + p.tip_mass * w.A[bodies + TIP_2] - f[TOOL_2] - s2
+    turning, centripetal = p.crank_moment * w.acceleration[0], p.crank_moment * y[p.speeds + 1] ** 2
+    c1 = s1 - turning * f[ACROSS] - centripetal * f[ALONG]
+    c2 = s2 + turning * f[ALONG] - centripetal * f[ACROSS]
+    cosine, sine = f[COS_Q2], f[SIN_Q2]
+    o[c.PIVOT_FORCE_X], o[c.PIVOT_FORCE_Y] = cosine * p1 - sine * p2, sine * p1 + cosine * p2
+    o[c.CRANK_FORCE_X] = cosine * c1 - sine * c2 - p.crank_mass * p.gravity_1
+    o[c.CRANK_FORCE_Y] = sine * c1 + cosine * c2 - p.crank_mass * p.gravity_2
+
+
 @stage
 def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
-    """Curvature at the points, in `w.psi`: moment of the outboard forces over EI (equations 6.5 and 6.6)."""
+    """Moment of the outboard forces at the points, N m, in `w.psi` (equations 6.5 and 6.6)."""
     N, f = t.cells * t.S, w.facts
     end, bodies = N - t.S + t.G, 2 * N
     force, moment = w.integrand, w.e  # e is read for the last time before the moments are laid there
     ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
-    t1, t2 = f[TANGENT_1], f[TANGENT_2]
-    s1, s2 = -f[NORMAL] * t2 + f[TANGENTIAL] * t1, f[NORMAL] * t1 + f[TANGENTIAL] * t2
+    s1, s2 = _slider_on_follower(w)
     for j in range(N):
         force[j] = -p.rhoA * w.A[j] - p.beam_damping * p.damps_along * w.relative[j]
         force[N + j] = -p.rhoA * w.A[N + j] - p.beam_damping * w.relative[N + j]
@@ -137,26 +171,25 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
         # at the slider itself the moment jumps by the slider's; the outboard side is shown
         for j in range(at if f[SLIDER_MOMENT] != 0.0 else at + 1):
             w.psi[j] += (w.z[at] - w.z[j]) * s2 - (w.z[N + at] - w.z[N + j]) * s1 + f[SLIDER_MOMENT]
-    for j in range(N):
-        w.psi[j] /= p.EI
 
 
 @stage
 def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array) -> bool:
-    """Shape, base angle, slider and tip place of the recovered curvature (equations 6.7 to 6.9)."""
+    """Moments and strains; shape, base angle, slider and tip place of the recovered curvature (equations 6.7 to 6.9)."""
     N, s, f = t.cells * t.S, w.slider[0], w.facts
-    end = N - t.S + t.G
-    for gauge in range(3):
-        o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * _value_at(t, w, w.psi, 0, p.gauges[gauge])
+    end, flexibility = N - t.S + t.G, 1.0 / p.EI
     for j in range(N):
-        w.integrand[j], w.integrand[N + j] = w.psi[j], 0.0
+        w.integrand[j], w.integrand[N + j] = flexibility * w.psi[j], 0.0
     cumulate(t, w.length, w.integrand, w.z)
     if not directions(w.z[:N], w.integrand):
         return False
     cumulate(t, w.length, w.integrand, w.relative)
     tip_1, tip_2 = w.relative[end], w.relative[N + end]
-    for place in range(1, c.PLACES + 1):
-        o[c.FIRST_OF_SHAPE - 1 + place] = _value_at(t, w, w.relative, N, place * p.L / (c.PLACES + 1))
+    o[c.MOMENT_SLIDER] = w.psi[at]
+    for place in range(c.PLACES):
+        o[c.FIRST_OF_MOMENTS + place], o[c.FIRST_OF_SHAPE + place] = _moment_and_deflection(t, w, (place + 1) * p.L / (c.PLACES + 1))
+    for gauge in range(3):
+        o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * flexibility * _moment_and_deflection(t, w, p.gauges[gauge])[0]
     cosine, sine, ds = f[COS_Q2], f[SIN_Q2], 0.0
     if p.treatment == BASE:
         o[c.FOLLOWER_ANGLE] = base_motion(p.base_speed, p.base_time, y[0])[0]
@@ -178,15 +211,17 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
 
 
 @stage
-def _value_at(t: Tables, w: Workspace, field: Array, begin_of_field: int, x: float) -> float:
-    """Value at x of what is given at all points, by the polynomial through the points of its cell (Lagrange's form)."""
+def _moment_and_deflection(t: Tables, w: Workspace, x: float) -> tuple[float, float]:
+    """Moment and deflection at x, by the polynomials through the points of its cell (Lagrange's form)."""
     cell, begin = 0, 0.0
     while cell < t.cells - 1 and x > begin + w.length[cell] * (1.0 + 1e-12) and w.length[cell + 1] > 0.0:
         begin += w.length[cell]
         cell += 1
-    first, u = begin_of_field + cell * t.S, (x - begin) / w.length[cell]
-    value, before = 0.0, 1.0  # before: product of the distances from the points passed
+    first, across, u = cell * t.S, (t.cells + cell) * t.S, (x - begin) / w.length[cell]
+    moment, deflection, before = 0.0, 0.0, 1.0  # before: product of the distances from the points passed
     for j in range(t.G):
-        value = value * (u - t.u[j]) + t.lagrange[j] * field[first + j] * before
-        before *= u - t.u[j]
-    return value
+        away, share = u - t.u[j], t.lagrange[j] * before
+        moment = moment * away + share * w.psi[first + j]
+        deflection = deflection * away + share * w.relative[across + j]
+        before *= away
+    return moment, deflection

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import OBSERVED, of_follower_alone
+from reference_model.columns import BENDING, OBSERVED, of_follower_alone
 from reference_model.constants import characteristic_frequency
 from reference_model.integrate import Integration
 from reference_model.mechanism import FollowerAlone, Scene
@@ -64,7 +64,7 @@ class ThesisModel:
         return self.initial_state(0.0, 1.0)
 
     def right_hand_side(self, y: Array, rate: Array, row: Array = _NO_ROW) -> bool:
-        """dy/dt of a state, written to `rate`, and its observables, to `row` (19,) if given; False where the state cannot be."""
+        """dy/dt of a state, written to `rate`, and its observables, to `row` (of `OBSERVED`) if given; False where the state cannot be."""
         p, w = self._at
         return bool(self._function(p.address, w.address, y, rate, row))
 
@@ -96,7 +96,8 @@ class ThesisModel:
         for row, (y, o) in enumerate(zip(np.ascontiguousarray(states), out, strict=True)):
             if not self.right_hand_side(y, rate, o):
                 raise ObservationFailed(row)
-        found = dict(zip(OBSERVED, np.ascontiguousarray(out.T), strict=True))
+        known = dict(zip(OBSERVED, np.ascontiguousarray(out.T), strict=True))
+        found = {name: values for name, values in known.items() if self.shapes.count or name not in BENDING}
         return of_follower_alone(found) if self._alone else found
 
     def project_deflection(self, deflection: Array, slope: Array) -> Array:

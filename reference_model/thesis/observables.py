@@ -10,6 +10,9 @@ from reference_model.compilation import inlined, stage
 from reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from reference_model.thesis.parameters import Parameters, Workspace
 from reference_model.thesis.tables import find_cell
+from reference_model.tip_force import share as share_of_force
+
+share = stage(share_of_force)
 
 
 @inlined
@@ -37,16 +40,19 @@ def observe(
     o[c.TIP_ACCELERATION] = tip_acceleration(p, k, w, y[n + 2 : 2 * n + 2])
     o[c.SLIDER_FORCE], o[c.CRANK_TORQUE] = force, drive
     energies(p, place, k, w, y, o)
+    bearing_forces(p, place, k, w, y, force, o)
     for gauge in range(3):
         curvature = 0.0
         for i in range(n):
             curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
         o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * curvature
+    o[c.MOMENT_SLIDER] = p.EI * place.curvature
     for point in range(c.PLACES):
-        deflection = 0.0
+        deflection = moment = 0.0
         for i in range(n):
             deflection += p.shape_places[point, i] * y[1 + i]
-        o[c.FIRST_OF_SHAPE + point] = deflection
+            moment += p.moment_places[point, i] * y[1 + i]
+        o[c.FIRST_OF_SHAPE + point], o[c.FIRST_OF_MOMENTS + point] = deflection, moment
     # the loop is closed on the centre line to the last bits of the slider's place
     o[c.CONSTRAINT_GAP] = abs(
         math.sqrt(place.x**2 + place.W**2) - math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
@@ -82,6 +88,70 @@ def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[
     a2 -= 2.0 * k.q2_rate * F_rate
     angle = tangent_angle(w.end[0], p.exact_geometry)[0]
     return -math.sin(angle) * a1 + math.cos(angle) * a2
+
+
+@stage
+def bearing_forces(
+    p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, o: NDArray[np.float64]
+) -> None:
+    """Forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.9 to 6.11)."""
+    n, cosine, sine = p.n, math.cos(place.q2), math.sin(place.q2)
+    F1, F2 = _slider_on_follower(p, place, k, w, force)
+    p1, p2 = _rate_of_momentum(p, k, w, y[n + 2 : 2 * n + 2])
+    p1, p2 = p1 - F1, p2 - F2
+    mass, turning, square = p.rhoA * p.L + p.tip_mass, p.crank_moment * w.acceleration[0], p.crank_moment * y[n + 1] ** 2
+    c1, c2 = F1 - turning * place.a2 - square * place.a1, F2 + turning * place.a1 - square * place.a2
+    acting = share(y[0], p.force_begin, p.force_span, p.force_ramp) if p.force_1 != 0.0 or p.force_2 != 0.0 else 0.0
+    o[c.PIVOT_FORCE_X] = cosine * p1 - sine * p2 - mass * p.gravity_1 - acting * p.force_1
+    o[c.PIVOT_FORCE_Y] = sine * p1 + cosine * p2 - mass * p.gravity_2 - acting * p.force_2
+    o[c.CRANK_FORCE_X] = cosine * c1 - sine * c2 - p.crank_mass * p.gravity_1
+    o[c.CRANK_FORCE_Y] = sine * c1 + cosine * c2 - p.crank_mass * p.gravity_2
+
+
+@inlined
+def _slider_on_follower(p: Parameters, place: Slider, k: Contact, w: Workspace, force: float) -> tuple[float, float]:
+    """The slider's force on the follower in frame B, N: along n, and with rotary inertia along t (equation 6.9)."""
+    along = 0.0
+    if p.slider_inertia > 0.0:
+        turning = k.d0
+        for a in range(p.n + 2):
+            turning += w.D[a] * w.acceleration[a]
+        along = p.slider_inertia * turning * tangent_angle(place.slope, p.exact_geometry)[1] * place.curvature / k.normal**2
+    across = force / k.normal
+    return along * place.t1 - across * place.slope, along * place.slope + across * place.t1
+
+
+@stage
+def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> tuple[float, float]:
+    """Of beam and tip body, in frame B, N: the integrals of (4.3) and (4.8) with the accelerations added and without gravity."""
+    t, n, end, e, q2_acceleration = p.tables, p.n, len(p.tables.edges) - 1, p.tip_offset, w.acceleration[1]
+    total_1 = total_2 = 0.0
+    for point in range(len(t.x)):
+        x, W = t.x[point] - w.F[point], w.W[point]
+        a1 = -w.H[point] - 2.0 * k.q2_rate * w.W_rate[point] - k.q2_rate**2 * x - q2_acceleration * W
+        a2 = -2.0 * k.q2_rate * w.F_rate[point] - k.q2_rate**2 * W + q2_acceleration * x
+        for i in range(n):
+            a1 -= w.f[point, i] * w.acceleration[i + 2]
+            a2 += t.phi[point, i] * w.acceleration[i + 2]
+        total_1 += p.rhoA * t.weights[point] * a1
+        total_2 += p.rhoA * t.weights[point] * a2
+    angle, angle_1, angle_2 = tangent_angle(w.end[0], p.exact_geometry)
+    ec, es = e * math.cos(angle), e * math.sin(angle)
+    slope_rate = slope_acceleration = W_rate = F_rate = W_acceleration = F_acceleration = 0.0
+    for i in range(n):
+        slope_rate += t.end_dphi[i] * eta_rate[i]
+        slope_acceleration += t.end_dphi[i] * w.acceleration[i + 2]
+        W_rate += t.end_phi[i] * eta_rate[i]
+        W_acceleration += t.end_phi[i] * w.acceleration[i + 2]
+        F_rate += w.f_edges[end, i] * eta_rate[i]
+        F_acceleration += w.f_edges[end, i] * w.acceleration[i + 2]
+    turn, turning = angle_1 * slope_rate, angle_1 * slope_acceleration + angle_2 * slope_rate**2
+    x, y, x_rate, y_rate = p.L - w.F_edges[end] + ec, w.end[1] + es, -F_rate - es * turn, W_rate + ec * turn
+    a1 = -w.H_edges[end] - F_acceleration - es * turning - ec * turn**2
+    a2 = W_acceleration + ec * turning - es * turn**2
+    a1 -= 2.0 * k.q2_rate * y_rate + k.q2_rate**2 * x + q2_acceleration * y
+    a2 += 2.0 * k.q2_rate * x_rate - k.q2_rate**2 * y + q2_acceleration * x
+    return total_1 + p.tip_mass * a1, total_2 + p.tip_mass * a2
 
 
 @stage

@@ -25,6 +25,7 @@ class Parameters(NamedTuple):
     d: float  # m, pivot distance
     LA: float  # m, crank length
     L: float  # m, follower length
+    crank_mass: float  # kg, slider included
     crank_inertia: float  # kg m^2 about O, slider mass included
     crank_moment: float  # kg m, first moment of crank and slider about O
     torque: float  # N m
@@ -55,6 +56,7 @@ class Parameters(NamedTuple):
     shape_edges: Vector
     shape_coefficients: Cube  # (cells, degree + 1, n)
     shape_places: Matrix  # (PLACES, n) phi at the interior places whose deflection is shown
+    moment_places: Matrix  # (PLACES, n) N, EI phi'' there
     stiffness: Matrix  # (n, n) N/m: EI int phi'' phi''
     mass_transverse: Matrix  # (n, n) kg: rhoA int phi phi
     base_speed: float  # rad/s, of a base that turns as prescribed, after its spin-up
@@ -81,6 +83,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
         )
     tables = build_tables(shapes, cells)
     EI = 0.0 if follower.is_rigid else follower.bending_stiffness
+    places = follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)
     return Parameters(
         **known,
         crank_is_free=isinstance(scene, Mechanism) and scene.crank_is_free,
@@ -91,7 +94,8 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
         tables=tables,
         shape_edges=np.ascontiguousarray(shapes.edges),
         shape_coefficients=np.ascontiguousarray(shapes.coefficients),
-        shape_places=shapes.evaluate(follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)),
+        shape_places=shapes.evaluate(places),
+        moment_places=EI * shapes.evaluate(places, 2),
         stiffness=EI * (tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)),
         mass_transverse=follower.mass_per_length * (tables.phi.T @ (tables.weights[:, None] * tables.phi)),
         deflection_scale=0.01 * follower.length if isinstance(scene, FollowerAlone) else deflection_scale(scene),

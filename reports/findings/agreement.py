@@ -37,6 +37,14 @@ def differences(
     return [found for result in results for found in result.differences(name, kind, other, half, channel)]
 
 
+def outward(quantity: str, difference: float) -> float:
+    """A difference (engine less other) with the sign that a reader expects: positive where the engine's number is the larger one.
+
+    A minimum is the larger one where it is lower, for then the signal swings further; every other number where it is higher.
+    """
+    return -difference if quantity == "minimum" else difference
+
+
 def spread(found: Sequence[Difference]) -> Spread | None:
     """Differences in short; None if there are none."""
     short = summary_of([difference.relative for difference in found])

@@ -1,10 +1,13 @@
 """Simulated peaks against the axes of the thesis' figures: the largest label that can be read bounds what was plotted from below."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from cases.experiment import axis_labels
-from cases.runs.comparison import CaseResult
+import numpy as np
+
+from cases.experiment import AxisLabels, axis_labels
+from cases.runs.comparison import REFERENCE, CaseResult
+from reports.findings.conclusions import MODEL
 from reports.findings.runs import thesis_runs
 
 #: Channel of an axis -> trajectory columns that it shows.
@@ -15,6 +18,7 @@ COLUMNS = {"tip_acceleration": ("tip_acceleration",), "strain": ("strain_1", "st
 class AxisComparison:
     """One axis of a figure: the largest magnitude among its labels, SI, and of each engine the peak over the cycle as a part of it."""
 
+    figure: str
     run: int
     channel: str
     largest_label: float
@@ -22,12 +26,37 @@ class AxisComparison:
 
 
 def axis_comparisons(results: Sequence[CaseResult]) -> list[AxisComparison]:
-    """The appendix' figure of each run shown, where its labels are legible."""
+    """The appendix' figure of each run shown, where its labels are legible. All but that of run 1 show simulated and measured curves."""
+    return _compared(results, lambda labels: labels.figure.startswith("A."))
+
+
+def measured_alone(results: Sequence[CaseResult]) -> list[AxisComparison]:
+    """Figures that show measured curves and no simulated ones."""
+    return _compared(results, lambda labels: labels.has_experiment and not labels.has_simulation)
+
+
+def misfit(ratios: Sequence[float]) -> float:
+    """How far simulated peaks lie from the labels in the median, as a factor of at least 1: a ratio of 1/2 counts as one of 2."""
+    return float(np.exp(np.median(np.abs(np.log(ratios)))))
+
+
+def fits_worse(axes: Sequence[AxisComparison]) -> bool:
+    """Whether the converged engine's peaks of strain are further from the labels than those of the thesis' model, in the median."""
+    misfits = [misfit(found) for name in (REFERENCE, MODEL) if (found := ratios_of(axes, "strain", name))]
+    return len(misfits) == 2 and misfits[0] > misfits[1]
+
+
+def ratios_of(axes: Sequence[AxisComparison], channel: str, engine: str) -> list[float]:
+    """An engine's peaks over the labels of a channel's axes."""
+    return [axis.ratios[engine] for axis in axes if axis.channel == channel and engine in axis.ratios]
+
+
+def _compared(results: Sequence[CaseResult], wanted: Callable[[AxisLabels], bool]) -> list[AxisComparison]:
     found = []
     for number, result in thesis_runs(results).items():
-        for labels in axis_labels(number):
-            if labels.figure.startswith("A.") and labels.largest > 0.0:
+        for labels in filter(wanted, axis_labels(number)):
+            if labels.largest > 0.0:
                 peaks = {name: max(map(run.peak, COLUMNS[labels.channel])) for name, run in result.runs.items() if run.usable}
                 ratios = {name: peak / labels.largest for name, peak in peaks.items()}
-                found.append(AxisComparison(number, labels.channel, labels.largest, ratios))
+                found.append(AxisComparison(labels.figure, number, labels.channel, labels.largest, ratios))
     return found

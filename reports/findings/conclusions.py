@@ -18,6 +18,7 @@ IN_PART: Final = "holds in part"
 NOT: Final = "does not hold"
 CANNOT_FOLLOW: Final = "cannot follow from the model"
 UNCHECKABLE: Final = "cannot be checked"
+OUTCOMES: Final = (HOLDS, IN_PART, NOT, CANNOT_FOLLOW, UNCHECKABLE)
 
 MODEL: Final = "thesis"
 #: "Accurate", said of a frequency, is read as: within these ratios to the converged one.

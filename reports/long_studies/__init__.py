@@ -7,6 +7,7 @@ writes them; `about.csv` says of each study when, with which versions and with w
 import csv
 import dataclasses
 import json
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -16,9 +17,10 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
-from cases.benchmark import Benchmark
+from cases.benchmark import Benchmark, Compiling
 from cases.benchmark.findings import Point
 from cases.case import Case
+from cases.conformance import Conformance
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.records import decoded, encoded
 from cases.jobs.store import Record
@@ -35,6 +37,7 @@ CODE: Final[Mapping[str, tuple[str, ...]]] = {
     "benchmark": (*SIMULATION, "cases.benchmark"),
     "hard scenes": (*SIMULATION, "cases.judging"),
     "confirmation": (*SIMULATION, "cases.studies"),
+    "conformance": (*SIMULATION, "cases.conformance"),
 }
 #: Significant digits of recorded numbers.
 DIGITS: Final = 6
@@ -72,6 +75,30 @@ class RecordedConditioning:
     conditioning: Conditioning
 
 
+@dataclass(frozen=True)
+class RecordedConformance:
+    """Whether an engine does what it says, and in how many checks that was found out."""
+
+    engine: str
+    version: str
+    verdict: str
+    passed: int
+    failed: int
+    not_judged: int
+
+    @classmethod
+    def of(cls, found: Conformance, version: str) -> "RecordedConformance":
+        """The outcome for a version of an engine."""
+        counts = Counter(check.status for check in found.checks)
+        return cls(found.engine, version, found.verdict, counts["passed"], counts["failed"], counts["not judged"])
+
+    @property
+    def words(self) -> str:
+        """The verdict, and what it rests on."""
+        unjudged = f", {self.not_judged} could not be judged" if self.not_judged else ""
+        return f"{self.verdict}; {self.passed} checks passed{unjudged}"
+
+
 @cache
 def about(study: str) -> About | None:
     """When and with what a study was recorded; None if it was not."""
@@ -85,6 +112,22 @@ def benchmarks() -> Mapping[str, Benchmark]:
     for each in table("benchmark", RecordedPoint):
         points.setdefault(each.case, []).append(each.point)
     return {scene.case: dataclasses.replace(scene, points=tuple(points[scene.case])) for scene in table("benchmark_scenes", Benchmark)}
+
+
+@cache
+def compiling() -> list[Compiling]:
+    """What it takes to compile engines."""
+    return table("compiling", Compiling)
+
+
+def conformance() -> dict[str, str]:
+    """Engine -> verdict on whether it does what it says, with when and with which code that was found."""
+    made = about("conformance")
+    if made is None:
+        return {}
+    older = "" if made.current else ", which is older than this page’s"
+    told = f"recorded on {made.date} with code {made.code[:12]}{older}"
+    return {found.engine: f"{found.words} ({told})" for found in table("conformance", RecordedConformance)}
 
 
 def confirming() -> list[StudiedRun]:
@@ -148,6 +191,6 @@ def _whole(kind: Any, row: Mapping[str, str], prefix: str = "") -> Any:
             values[field.name] = _whole(inner, row, f"{name}.") if there else None
         elif row.get(name):
             values[field.name] = row[name] if inner is str else decoded(hint, Record(json.loads(row[name])))
-        else:
+        elif name in row or (field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING):
             values[field.name] = "" if hint is str else None
     return kind(**values)

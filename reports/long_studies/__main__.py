@@ -6,8 +6,11 @@ import time
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.benchmark import SCENES, Benchmark, measure, stored
+from cases import conformance
+from cases.benchmark import SCENES, Benchmark, compiling, measure, stored
+from cases.benchmark.scenes import ENGINES
 from cases.case_file import load_case
+from cases.jobs.job import Outcome
 from cases.jobs.key import LIBRARIES, code_fingerprint
 from cases.jobs.store import Store, write_atomically
 from cases.jobs.workshop import Workshop
@@ -16,7 +19,7 @@ from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.studies import confirming
 from engines.registry import MAIN, engine
-from reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedPoint, about, text_of
+from reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedConformance, RecordedPoint, about, text_of
 from reports.machine import version
 
 #: What the page shows of a solver's statistics.
@@ -35,14 +38,28 @@ def main(arguments: Sequence[str]) -> int:
     confirmed = confirming(workshop, compute=compute)
     if found:
         _write_benchmarks(found)
+        _write("compiling", compiling(workshop, ENGINES, compute=compute))
     if matrix.cells:
         _write_matrix(matrix)
+    conforming = [row for name in ENGINES if (row := _conformance(name, workshop, compute=compute)) is not None]
+    _write("conformance", conforming)
     _write("confirmation", confirmed)
-    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed}
+    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed, "conformance": conforming}
     _write("about", [each for study in CODE if (each := _made(study) if made[study] else about(study))])
     benchmarks, cells = f"{len(found)} of {len(cases)} scenes of the benchmark", f"{len(matrix.cells)} cells of the hard scenes"
-    print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions")
+    print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions, conformance of {len(conforming)} engines")
     return 0
+
+
+def _conformance(name: str, workshop: Workshop, *, compute: bool) -> RecordedConformance | None:
+    """The outcome for one engine, from the store where it is there; None: it is not, and must not be computed."""
+    job = conformance.job(name)
+    stored = workshop.stored(job)
+    if stored is None and compute:
+        stored = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
+    if stored is None or stored.value is None:
+        return None
+    return RecordedConformance.of(stored.value, engine(name).version())
 
 
 def _made(study: str) -> About:

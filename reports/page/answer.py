@@ -10,6 +10,7 @@ from cases.benchmark import Benchmark, fastest_at
 from cases.benchmark.findings import LEVELS
 from cases.runs.comparison import REFERENCE, CaseResult, Kind
 from cases.runs.request import SETTLED
+from engines.registry import OWN
 from reports.findings.agreement import Spread, differences, engines_of, spread
 from reports.findings.conclusions import MODEL
 from reports.page.content import Content
@@ -30,11 +31,16 @@ class Cubic:
 
 @dataclass(frozen=True)
 class Contest:
-    """Solve times, s, to an error of the tip deflection: of the fastest method, of the next of another engine, and of the packages."""
+    """Solve times, s, to an error of the tip deflection: of the fastest method, of the next of another engine, and of the packages.
+
+    `setup_seconds`: of the fastest. `own`: whether it is code of this project, compiled for the one mechanism.
+    """
 
     case: str
     level: float
     found: Sequence[tuple[str, float]]
+    setup_seconds: float = 0.0
+    own: bool = False
 
 
 @dataclass(frozen=True)
@@ -106,7 +112,16 @@ def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
 
 def contest(table: Benchmark, level: float) -> Contest:
     """Who is fastest in a scene to an error of the tip deflection."""
-    found = [(name, point.engine, measured.solve_seconds) for name, (point, measured) in fastest_at(table.points, level).items()]
+    best = fastest_at(table.points, level)
+    if not best:
+        return Contest(table.case, level, [])
+    found = [(name, point.engine, measured.solve_seconds) for name, (point, measured) in best.items()]
     others = [each for each in found[1:] if each[1] != found[0][1]]
     told = found[:1] + others[:1] + [each for each in others[1:] if each[0] in PACKAGES]
-    return Contest(table.case, level, [(name, seconds) for name, _, seconds in told])
+    first, measured = next(iter(best.values()))
+    return Contest(table.case, level, [(name, seconds) for name, _, seconds in told], measured.setup_seconds, is_own(first.engine))
+
+
+def is_own(engine: str) -> bool:
+    """Whether an engine is code of this project, written for the one mechanism."""
+    return engine in OWN and engine not in PACKAGES

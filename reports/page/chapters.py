@@ -6,10 +6,11 @@ among the facts; whatever table is there is written as a CSV file beside the pag
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from reports.page.content import Content
-from reports.page.facts import agreement, methods, own, runs, studies, thesis
+from reports.page.facts import agreement, methods, own, runs, strength, studies, thesis
+from reports.page.plot import Plot, plots_in
 from reports.tables.table import Table
 
 Facts = Mapping[str, Any]
@@ -28,6 +29,11 @@ class Chapter:
         """All tables among the facts, in their order."""
         return tables_in(self.facts.values())
 
+    @property
+    def plots(self) -> Iterator[Plot]:
+        """All plots among the facts."""
+        return plots_in(self.facts.values())
+
 
 def tables_in(values: Any) -> Iterator[Table]:
     """Tables that have rows, also those in lists."""
@@ -40,6 +46,7 @@ def tables_in(values: Any) -> Iterator[Table]:
 
 #: Chapter, its name, and what makes its facts: None where a report has nothing for it.
 _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
+    ("strength", "Will it hold?", strength.strength),
     ("agreement", "Who agrees with whom", agreement.agreement),
     ("runs", "Every run on every engine", runs.runs),
     ("recorded", "Recorded tables", runs.recorded),
@@ -56,9 +63,14 @@ _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
 )
 
 
+#: What is told first of one's own machine: itself, and what can be done next. Who agrees with whom comes after it.
+_OWN_FIRST: Final = ("strength", "each", "runs", "recorded", "next")
+
+
 def chapters_of(content: Content) -> list[Chapter]:
     """Those for which there is something to say, in their order; the last lists all files."""
-    made = ((name, title, make(content)) for name, title, make in _CHAPTERS)
+    order = sorted(_CHAPTERS, key=lambda chapter: _OWN_FIRST.index(chapter[0]) if chapter[0] in _OWN_FIRST else len(_OWN_FIRST))
+    made = ((name, title, make(content)) for name, title, make in (order if content.is_own else _CHAPTERS))
     chapters = [Chapter(name, title, facts) for name, title, facts in made if facts is not None]
     listed = own.files(content, [table for chapter in chapters for table in chapter.tables])
     return [*chapters, Chapter("files", "Tables as files", listed)]

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
-from cases.benchmark import Benchmark
+from cases.benchmark import Benchmark, Compiling
 from cases.frozen_crank import FrozenCrank
 from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
@@ -11,6 +12,7 @@ from cases.runs.request import Run
 from cases.studies import Studies
 from reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
 from reports.findings.failures import troubles
+from reports.findings.loads import CaseLoads, loads_of_cases
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from reports.findings.runs import thesis_runs
 from reports.long_studies import About
@@ -25,6 +27,7 @@ class Content:
         results: the cases, at least one.
         studies: None where the cases that they are about are not all among the results.
         benchmarks: of the scenes on which methods are compared, those that there are.
+        compiling: what it takes to compile engines, where that was measured.
         frozen_crank: on the thesis' example run; None where that is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
@@ -38,6 +41,7 @@ class Content:
     results: Sequence[CaseResult]
     studies: Studies | None = None
     benchmarks: Sequence[Benchmark] = ()
+    compiling: Sequence[Compiling] = ()
     frozen_crank: FrozenCrank | None = None
     hard_scenes: Matrix | None = None
     of_record: Mapping[str, About] = field(default_factory=dict)
@@ -51,6 +55,16 @@ class Content:
     def thesis_results(self) -> list[CaseResult]:
         """Those of the runs of the thesis, which is all that its statements are about."""
         return list(thesis_runs(self.results).values())
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it is about somebody's own machines, and no run of the thesis."""
+        return not self.thesis_results
+
+    @cached_property
+    def loads(self) -> list[CaseLoads]:
+        """What the parts of one's own machines bear."""
+        return loads_of_cases(self.results) if self.is_own else []
 
     @property
     def comparisons(self) -> list[MeasuredHalf]:

@@ -1,6 +1,6 @@
-"""A plot as data: what the script hands to the plotting library. Its numbers are those of the table whose file stands beside it."""
+"""A plot as data, which the script draws. Its numbers are those of the table whose file stands beside it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,18 +10,18 @@ class Series:
     """Points of one source.
 
     Attributes:
-        name: written at the line's end.
-        engine: whose colour it has, and with which it is switched on and off; "" for what stays.
+        name: in the legend.
+        of: engine, signal or other name whose look it has; a series of an engine is switched on and off with it.
         x: values on the horizontal axis.
         y: values on the vertical axis, as many.
-        text: what stands under the pointer beside the values, one per point, or nothing.
+        text: what is told of each point when it is pointed at or touched, besides the name; one per point, or nothing.
         hollow: whether its marks are hollow, as those of variants.
         line: whether the points are joined.
         broad: whether it is the broad band behind the others.
     """
 
     name: str
-    engine: str
+    of: str
     x: Sequence[float | str]
     y: Sequence[float]
     text: Sequence[str] = ()
@@ -40,9 +40,9 @@ class Plot:
         y: label of the vertical axis, with its unit.
         series: what is drawn, later ones on top.
         log: which axes are logarithmic: "", "x", "y" or "xy".
-        below: values on the vertical axis below this mean nothing: the range is marked.
-        categories: texts of one axis, where it has no numbers: it is then drawn upright.
-        legend: corner of the legend of series that are no engine's.
+        below: values on the vertical axis below this mean nothing: the range is shaded.
+        categories: where one axis has texts instead of numbers, these: each is a row, and `y` belongs to the horizontal axis.
+        limit: a value that is marked by a line across the rows, and what it is.
     """
 
     file: str
@@ -52,9 +52,20 @@ class Plot:
     log: str = ""
     below: float | None = None
     categories: Sequence[str] = ()
-    legend: str = "top_right"
+    limit: tuple[float, str] | None = None
 
     @property
     def document(self) -> dict[str, Any]:
         """For the script."""
         return asdict(self)
+
+
+def plots_in(values: Any) -> Iterator[Plot]:
+    """Plots among values, also those in lists, tuples and dictionaries."""
+    for value in values:
+        if isinstance(value, Plot):
+            yield value
+        elif isinstance(value, (list, tuple)):
+            yield from plots_in(value)
+        elif isinstance(value, Mapping):
+            yield from plots_in(value.values())

@@ -1,12 +1,8 @@
 """Templates, style, script and data put together into one file that needs nothing but itself."""
 
-import base64
-import zlib
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, Final
 
-import bokeh
 from jinja2 import Environment
 from markupsafe import Markup
 
@@ -14,7 +10,6 @@ from cases.case import Case
 from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from engines.trajectory import Trajectory
 from reports import templates, words
-from reports.looks import looks
 from reports.page.answer import answer_of
 from reports.page.chapters import Chapter
 from reports.page.content import Content
@@ -23,9 +18,7 @@ from reports.tables.table import csv_text
 
 #: The script's parts, in their order; and those of chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js")
-OF_CHAPTERS: Final = ("tables.js", "plots.js")
-#: The plotting library's files, in the folder of its package.
-BOKEH: Final = ("bokeh.min.js", "bokeh-api.min.js")
+OF_CHAPTERS: Final = ("tables.js", "chart.js", "plots.js", "choice.js")
 #: What an engine is, in two words for a person.
 KINDS: Final = {
     "thesis": "one curve, 1999",
@@ -57,15 +50,15 @@ def rendered(template: str, view: View, more: tuple[str, ...] = (), **values: An
         values: what the template asks for.
     """
     made = environment()
-    found = looks(view.engines)
     shared = {
         "view": view,
         "document": view.document | {"start": values.pop("start", view.runs[0]["name"])},
-        "looks": found,
+        "looks": view.looks,
         "kinds": KINDS,
         "cyclic": view.axis == "crank_angle",
+        "enveloped": any(run["stress"] for run in view.runs),
         "groups": _groups(view),
-        "style": Markup(made.get_template("style.css").render(looks=found)),
+        "style": Markup(made.get_template("style.css").render(engines=view.engines, looks=view.looks)),
         "script": Markup("\n".join(made.get_template(f"script/{part}").render() for part in (*SCRIPT, *more))),
     }
     return made.get_template(template).render(shared | values)
@@ -74,8 +67,10 @@ def rendered(template: str, view: View, more: tuple[str, ...] = (), **values: An
 def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     """The page of a report."""
     results, answer = content.results, answer_of(content)
-    view = cycles(results, answer.engines)
+    view = cycles(results, answer.engines, content.loads)
+    view.drawn = [series.of for chapter in chapters for plot in chapter.plots for series in plot.series]
     shown = shown_first(results)
+    loads = next((each for each in content.loads if each.case is shown.case and each.lead), None)
     title_of_case = shown.case.title if len(results) == 1 else ""
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
     return rendered(
@@ -86,12 +81,12 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         answer=answer,
+        own=loads,
         of_thesis=len(content.thesis_results) == len(results),
         title_of_case=title_of_case,
         first_mode=_first_mode(shown),
         first_mode_case=shown.case.name,
         chapters=chapters,
-        bokeh=_library(),
     )
 
 
@@ -100,13 +95,6 @@ def _first_mode(result: CaseResult) -> str:
     lead = result.runs.get(REFERENCE) or next(iter(result.runs.values()))
     found = [lead.consensus_frequency(half) if lead.usable else None for half in HALVES]
     return " / ".join("n. r." if value is None else f"{value:.1f}" for value in found) + " Hz" if any(found) else ""
-
-
-def _library() -> str:
-    """The plotting library's script, deflated, in base64; the page unpacks it when the first plot is shown."""
-    folder = Path(bokeh.__file__).parent / "server" / "static" / "js"
-    content = b"\n;\n".join((folder / name).read_bytes() for name in BOKEH)
-    return base64.b64encode(zlib.compress(content, 9)).decode("ascii")
 
 
 def animation_page(case: Case, motions: Mapping[str, Trajectory]) -> str:

@@ -13,11 +13,11 @@ from cases.library.thesis import RUNS
 from cases.runs.comparison import CaseResult
 from cases.runs.request import NOT_SETTLED, Run
 from cases.studies import ACCURACY_CASE
-from engines.registry import RIVALS
 from reference_model.columns import COLUMNS, SHAPE
 from reference_model.mechanism import Mechanism
+from reports.findings.loads import CaseLoads
 from reports.findings.runs import of_library, run_number
-from reports.looks import looks
+from reports.looks import Look, looks
 from reports.page.packing import packed
 from reports.tables.table import SHOWN
 
@@ -35,6 +35,8 @@ SIGNALS: Final = {
     "crank_speed": ("crank speed", "rad/s"),
     "crank_torque": ("crank torque", "N m"),
 }
+#: Places along the arm at which its stress is drawn.
+ALONG: Final = 61
 #: What places the mechanism besides.
 _PLACES: Final = ("time", "crank_angle", "follower_angle")
 
@@ -48,15 +50,17 @@ class View:
         engines: names.
         runs: one per case, in the form that the script reads.
         blobs: the packed motions of each of them.
+        drawn: names of whatever else is drawn on the page.
     """
 
     axis: str
     engines: Sequence[str]
     runs: list[dict[str, Any]] = field(default_factory=list)
     blobs: list[str] = field(default_factory=list)
+    drawn: Sequence[str] = ()
 
-    def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str]) -> None:
-        """A case with the columns of each engine that has a motion; `facts` says a word on each engine."""
+    def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str], loads: CaseLoads | None = None) -> None:
+        """A case with the columns of each engine that has a motion; `facts` says a word on each engine, `loads` how the arm is stressed."""
         number = run_number(case.name) if case.source == "library" else None
         kept = {name: _kept(columns) for name, columns in motions.items()}
         blob, layouts = packed(kept, frozenset(SHAPE))
@@ -70,8 +74,14 @@ class View:
                 "scene": _scene(case.mechanism),
                 "engines": layouts,
                 "facts": dict(facts),
+                "stress": _stress(loads),
             }
         )
+
+    @property
+    def looks(self) -> dict[str, Look]:
+        """The looks of all that is drawn on the page."""
+        return looks((*self.engines, *self.drawn))
 
     @property
     def document(self) -> dict[str, Any]:
@@ -79,7 +89,7 @@ class View:
         factors = {unit: SHOWN[unit][1] if unit in SHOWN else 1.0 for _, unit in SIGNALS.values()}
         return {
             "axis": self.axis,
-            "looks": {name: vars(look) for name, look in looks((*self.engines, *RIVALS)).items()},
+            "looks": {name: vars(look) for name, look in self.looks.items()},
             "engines": self.engines,
             "signals": {name: {"label": label, "unit": unit, "factor": factors[unit]} for name, (label, unit) in SIGNALS.items()},
             "units": {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)},
@@ -87,13 +97,20 @@ class View:
         }
 
 
-def cycles(results: Sequence[CaseResult], engines: Sequence[str]) -> View:
-    """The steady cycles of all cases, from the slider's farthest place to the next; recorded tables stand behind the engines."""
+def cycles(results: Sequence[CaseResult], engines: Sequence[str], loads: Sequence[CaseLoads] = ()) -> View:
+    """The steady cycles of all cases, from the slider's farthest place to the next; recorded tables stand behind the engines.
+
+    Args:
+        results: of the cases.
+        engines: names.
+        loads: what the arms bear, of those cases in which that is drawn.
+    """
+    stressed = {each.case.name: each for each in loads if each.lead}
     view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
     for result in results:
         runs = result.whole.runs
         motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
-        view.add(result.case, motions, {name: _fact(run) for name, run in runs.items()})
+        view.add(result.case, motions, {name: _fact(run) for name, run in runs.items()}, stressed.get(result.case.name))
     return view
 
 
@@ -102,6 +119,23 @@ def trajectories(case: Case, motions: Mapping[str, Mapping[str, Array]]) -> View
     view = View("time", list(motions))
     view.add(case, motions, {})
     return view
+
+
+def _stress(loads: CaseLoads | None) -> dict[str, Any] | None:
+    """Least and greatest stress along the arm over the cycle, in MPa at even arc lengths from P to the tip; None where not known."""
+    found = None if loads is None else loads.loads[loads.lead].stress
+    if loads is None or found is None:
+        return None
+    places = np.linspace(0.0, found.places[-1], ALONG)
+    low, high = (np.interp(places, found.places, 1e-6 * values) for values in (found.lowest, found.highest))
+    largest = found.largest
+    return {
+        "engine": loads.lead,
+        "low": [float(f"{value:.4g}") for value in low],
+        "high": [float(f"{value:.4g}") for value in high],
+        "largest": 1e-6 * largest.value,
+        "at": None if largest.place is None else largest.place / float(found.places[-1]),
+    }
 
 
 def _fact(run: Run) -> str:

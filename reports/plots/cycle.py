@@ -18,7 +18,7 @@ from cases.measures import CHANNELS
 from cases.runs.comparison import CaseResult
 from cases.runs.request import Run
 from reports.plots.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, padded, tidy
-from reports.words import number
+from reports.words import angle, number
 
 ACCELERATION: Final = "tip_acceleration"
 PERCENT: Final = 100.0  # strain is shown in percent of surface strain, as the thesis prints it
@@ -99,6 +99,6 @@ def stacked_panels(panels: Sequence[Axes], labels: Sequence[str], turning: int) 
         axes.tick_params(labelbottom=axes is panels[-1])
     panels[-1].set_xlabel("cycle (0.5: quick return)", fontsize=FONT_SIZE)
     above = panels[0].secondary_xaxis("top")
-    above.set_xticks(TICKS, [f"{number(180 + turning * 360 * tick, 'g')}°" for tick in TICKS])
+    above.set_xticks(TICKS, [angle(180.0 + turning * 360.0 * tick) for tick in TICKS])
     above.tick_params(labelsize=SMALL, length=2.5, width=0.6)
     above.set_xlabel("crank angle", fontsize=FONT_SIZE)

@@ -24,38 +24,37 @@ PER_INCH: Final = 192  # dots of a picture file: two to a CSS pixel, sharp on fi
 FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
 SMALL: Final = 8.0  # pt, ticks and notes
 
-SAMPLE: Final = 3.4  # sizes of the letters, length of a legend's sample
+SAMPLE: Final = 4.0  # sizes of the letters, length of a legend's sample: a period of the dashes and more
 POINTS_PER_INCH: Final = 72.0
 
-VERMILION: Final = "#D55E00"
+QUICK: Final = "#E0A21B"  # the quick return, as on the page
 GREY: Final = "#666666"
 LIGHT: Final = "#EAEAEA"
 BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
 
 
-#: Marks of points; engines that are not the project's have `OTHERS`.
+#: Marks of points (`reports.looks.Look.marker`) as the plotting library names them.
 MARKERS: Final = {
-    "reference": "o", "thesis": "D", "exudyn": "^", "mujoco": "v",
-    "fixed-shapes": "s", "multiplier": "X", "stiff-spring": "P", "nodal-load": "p",
+    "circle": "o", "square": "s", "diamond": "D", "triangle": "^", "triangle-down": "v", "triangle-left": "<", "triangle-right": ">",
+    "pentagon": "p", "hexagon": "h", "star": "*", "plus": "P", "cross": "X",
 }  # fmt: skip
-OTHERS: Final = "h"
 #: Points for a CSS pixel of a line on the page; dashes are in widths of the line.
 SCALE: Final = 0.5
 
 
 def look(engine: str) -> dict[str, Any]:
-    """Keywords of an engine's line that stands alone or among the project's: as on the page."""
+    """Keywords of the line of an engine that stands alone or among the project's: as on the page."""
     return all_looks([engine])[engine]
 
 
 def all_looks(engines: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Keywords of the line of each of some engines: as on the page, where those that are not the project's differ by their order."""
+    """Keywords of the line of each of some engines or recorded tables: as on the page."""
     return {name: _of_line(found) for name, found in looks(engines).items()}
 
 
 def _of_line(found: Look) -> dict[str, Any]:
     width = max(0.9, SCALE * found.width)
-    style = (0.0, tuple(SCALE * part / width for part in found.dash)) if found.dash else "-"
+    style = (SCALE * found.offset / width, tuple(SCALE * part / width for part in found.dash)) if found.dash else "-"
     return {"color": found.light, "linestyle": style, "linewidth": width, "zorder": 2.0 + 0.05 * (found.order - 1)}
 
 

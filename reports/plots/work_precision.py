@@ -9,7 +9,9 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from cases.benchmark import Benchmark, pareto_front
 from cases.benchmark.findings import Point, completed, error_of
-from reports.plots.style import LIGHT, MARKERS, OTHERS, legend_above, look, new_figure, tidy
+from reports.looks import looks
+from reports.plots.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
+from reports.words import number
 
 PERCENT: Final = 100.0
 #: Column -> heading of its panel.
@@ -57,7 +59,8 @@ def _look(point: Point) -> dict[str, Any]:
     """Line and marks of a method; those of a variant are hollow."""
     style = look(point.engine)
     face = style["color"] if point.method == point.engine else "white"
-    return style | {"linestyle": "-", "linewidth": 0.9, "marker": MARKERS.get(point.engine, OTHERS), "markerfacecolor": face}
+    marker = MARKERS[looks([point.engine])[point.engine].marker]
+    return style | {"linestyle": "-", "linewidth": 0.9, "marker": marker, "markerfacecolor": face}
 
 
 def _axes(panels: Any) -> None:
@@ -67,7 +70,7 @@ def _axes(panels: Any) -> None:
         tidy(axes)
         axes.tick_params(which="minor", length=1.5, width=0.5)
         for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))  # 0.01, 1, 100
+            axis.set_major_formatter(FuncFormatter(lambda value, _: number(value, "g")))  # 0.01, 1, 100
             axis.set_minor_formatter(NullFormatter())
     panels[0, 0].set_ylim(LOWEST, HIGHEST)
     for axes in panels[1]:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from cases.benchmark import Benchmark, fastest_at, observed_order, pareto_front
-from cases.benchmark.findings import LEVELS, Point, completed, error_of
+from cases.benchmark import Benchmark, Compiling, fastest_at, observed_order, pareto_front
+from cases.benchmark.findings import LEVELS, Point, completed, error_of, soonest_at
 from cases.benchmark.measurement import NOT_TRIED
 from reports.tables.table import CASE, Cell, Column, Columns, Table
 from reports.words import case_label, duration, settings_words
@@ -32,6 +32,36 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
                 cells[f"{name} solve_seconds"] = Cell(seconds, duration(seconds), note, "" if cells else "good")
             found.add(case=table.case, level=level, **cells)
     return found
+
+
+def waiting(tables: Sequence[Benchmark]) -> Table:
+    """Of each method's fastest settings to an error what one waits for, where the time of the error estimate was measured."""
+    parts = ("setup_seconds", "setup"), ("solve_seconds", "solve"), ("estimate_seconds", "error estimate"), ("waited_seconds", "together")
+    seconds = (Column(key, head, "[s]", ".2g", words=duration) for key, head in parts)
+    found = Table("waiting", (SCENE, Column("level", "error", "%", "g"), "method", "settings", *seconds))
+    for table in tables:
+        for level in LEVELS:
+            best = fastest_at(table.points, level)
+            for place, (name, seconds_waited) in enumerate(soonest_at(table.points, level)):
+                point, measured = best[name]
+                found.add(
+                    measured,
+                    case=table.case,
+                    level=level,
+                    method=name,
+                    settings=settings_words(point.changing),
+                    waited_seconds=Cell(seconds_waited, mark="" if place else "good"),
+                )
+    return found
+
+
+def compiling(found: Sequence[Compiling]) -> Table:
+    """What it takes to compile engines."""
+    parts = ("compile_seconds", "compiling, once"), ("load_seconds", "loading, in every process")
+    table = Table("compiling", ("engine", *(Column(key, head, "s", ".2g") for key, head in parts)))
+    for each in found:
+        table.add(each)
+    return table
 
 
 def orders(tables: Sequence[Benchmark]) -> Table:
@@ -99,6 +129,7 @@ _POINT: Columns = (
     Column("solve_seconds_largest", "largest", "ms", ".3g", group="solve time"),
     Column("repetitions", "of", form="d", group="solve time"),
     Column("setup_seconds", "setup", "ms", ".2g"),
+    Column("estimate_seconds", "estimate", "ms", ".3g", in_page=False),
 )
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from cases.runs.comparison import CLASSES, WORSE, CaseResult, Check
 from cases.runs.estimates import EXTREMES
-from reports.findings.agreement import engines_of
+from reports.findings.agreement import engines_of, outward
+from reports.findings.sharpness import Sharpness
 from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table
 
 #: The slider is at a gauge within this part of the follower's length: half of one of sixteen elements.
@@ -44,7 +45,7 @@ def departures(results: Sequence[CaseResult]) -> Table:
         for check in result.missed:
             found.add(
                 check,
-                **_compared(result, check) | {"difference": Cell(check.difference / check.scale, mark="missed")},
+                **_compared(result, check) | {"difference": Cell(_shown_difference(check), mark="missed")},
                 claim=check.mine.width / check.scale,
                 other_claim=check.its.width / check.scale,
                 share=abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
@@ -69,9 +70,13 @@ def _compared(result: CaseResult, check: Check) -> dict[str, Any]:
         "case": result.case.name,
         "value": check.mine.value,
         "other_value": check.its.value,
-        "difference": check.difference / check.scale,
+        "difference": _shown_difference(check),
         "tolerance": check.tolerance / check.scale,
     }
+
+
+def _shown_difference(check: Check) -> float:
+    return outward(check.quantity, check.difference) / check.scale
 
 
 def cause(result: CaseResult, check: Check) -> str:
@@ -130,6 +135,24 @@ def summary(results: Sequence[CaseResult]) -> Table:
             used_most=max(used, default=None),
         )
     return found
+
+
+def sharp(found: Sequence[Sharpness]) -> Table:
+    """Per pair of engines and kind of numbers: how small an error the comparison finds."""
+    columns = (
+        "engine",
+        Column("other", "against"),
+        Column("kind", "numbers", words=lambda kind: "peak" if kind == "extreme" else str(kind)),
+        Column("compared", form="d"),
+        Column("tolerance", unit="%", form=".2g"),
+        Column("used", "most used", "1", ".2f"),
+        Column("found_somewhere", "in one at least", "%", ".2g", group="smallest error that is found"),
+        Column("found_mostly", "in half of them", "%", ".2g", group="smallest error that is found"),
+    )
+    table = Table("sharpness", columns)
+    for each in found:
+        table.add(each)
+    return table
 
 
 def classes(results: Sequence[CaseResult]) -> Table:

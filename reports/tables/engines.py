@@ -6,31 +6,36 @@ from typing import Any, Final
 from cases.measures import CHANNELS
 from cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
 from cases.runs.estimates import EXTREMES
-from cases.runs.request import INACCURATE, Run
+from cases.runs.request import INACCURATE, SETTLED, Run
 from reports.findings.runs import mean_crank_speed
-from reports.tables.table import CASE, Cell, Column, Columns, Mark, Table
-from reports.words import channel_name, cost, listed, settings_words
+from reports.tables.table import CASE, Cell, Column, Columns, Mark, Table, Value
+from reports.words import channel_name, cost, listed, settings_words, short_name
 
-#: Channels whose amplitudes the page shows; the CSV file has all.
+#: Channels whose peaks and amplitudes the page shows; the CSV file has the amplitudes of all.
 SHOWN: Final = ("tip_acceleration", "strain_2")
+DIFFERENCE: Final = "Δ"
 _UNRESOLVABLE: Final = "n. r."
 _UNITS: Final = {"tip_acceleration": ("m/s²", ".2f")} | dict.fromkeys(CHANNELS[1:], ("10⁻⁶", ".1f"))
 
 
 def run_by_engine(results: Sequence[CaseResult]) -> Table:
-    """One row per case and engine."""
+    """One row per case and engine; cases in which every number shown can be measured come first."""
+    settled = all(run.status == SETTLED for result in results for run in result.runs.values())
     columns: Columns = (
-        *(CASE, "engine", "status"),
+        *(CASE, "engine"),
+        Column("status", in_page=not settled),
         Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
         *_number_columns(),
     )
     found = Table("run_by_engine", columns, others=listed([channel_name(name) for name in CHANNELS if name not in SHOWN]))
-    for result in results:
+    for result in sorted(results, key=_has_gaps):
         missed = {(check.engine, check.half) for check in result.missed if check.quantity == CONSENSUS}
         for name, run in result.runs.items():
             reference = result.runs.get(REFERENCE)
             other = reference if reference is not None and reference.usable and name != REFERENCE else None
-            cells: dict[str, Cell] = {}
+            cells: dict[str, Value | Cell] = {}
+            for channel in SHOWN:
+                cells |= _peak_cells(run, other, channel)
             for half in HALVES:
                 cells |= _frequency_cells(run, other, half, "missed" if (name, half) in missed else "")
                 for channel in CHANNELS:
@@ -39,14 +44,29 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
     return found
 
 
+def _has_gaps(result: CaseResult) -> bool:
+    """Whether a frequency or an amplitude that the page shows is missing."""
+    halves = [(run, half) for run in result.runs.values() for half in HALVES]
+    measures = [run.measure(half, channel) for run, half in halves for channel in SHOWN]
+    frequencies = [run.consensus_frequency(half) if run.usable else None for run, half in halves]
+    return None in frequencies or any(measure is None or measure.first_mode_amplitude is None for measure in measures)
+
+
 def _number_columns() -> list[Column]:
+    """Those that every run has come first: the others may be without a number."""
     columns = []
+    for channel in SHOWN:
+        unit, _ = _UNITS[channel]
+        columns += [
+            Column(f"peak_{channel}", short_name(channel), unit, ".1f", group="peak"),
+            Column(f"peak_{channel}_difference", DIFFERENCE, "%", "+.1f", group="peak"),
+        ]
     for half in HALVES:
         key, group = f"{half}_frequency", f"{half}-return frequency"
         columns += [
             Column(key, "f₁", "Hz", ".2f", uncertainty=f"{key}_uncertainty", group=group, meaning="consensus over resolvable channels"),
             Column(f"{key}_uncertainty", unit="Hz", in_page=False),
-            Column(f"{key}_difference", "Δ", "%", "+.2f", group=group, meaning="(engine − reference) / reference"),
+            Column(f"{key}_difference", DIFFERENCE, "%", "+.2f", group=group, meaning="(engine − reference) / reference"),
         ]
     for channel in CHANNELS:
         unit, form = _UNITS[channel]
@@ -55,13 +75,21 @@ def _number_columns() -> list[Column]:
             columns += [
                 Column(key, half, unit, form, shown, group=group),
                 Column(f"{key}_uncertainty", unit=unit, in_page=False),
-                Column(f"{key}_difference", "Δ", "%", "+.1f", shown, group=group),
+                Column(f"{key}_difference", DIFFERENCE, "%", "+.1f", shown, group=group),
             ]
     return columns
 
 
 def _status(run: Run) -> Cell:
     return Cell(run.status, note=run.remark, mark="open" if run.status == INACCURATE else "" if run.usable else "failed")
+
+
+def _peak_cells(run: Run, other: Run | None, channel: str) -> dict[str, Value | Cell]:
+    """The largest magnitude over the cycle, and by how much of it it is larger than the reference's."""
+    if not run.usable:
+        return {f"peak_{channel}": Cell(None, note=run.status)}
+    peak, its = run.peak(channel), other.peak(channel) if other else 0.0
+    return {f"peak_{channel}": peak, f"peak_{channel}_difference": peak / its - 1.0 if its else None}
 
 
 def _frequency_cells(run: Run, other: Run | None, half: str, mark: Mark) -> dict[str, Cell]:

@@ -9,15 +9,14 @@ from cases.library.thesis import RUNS
 from cases.runs.comparison import REFERENCE, CaseResult
 from cases.runs.request import Run
 from reports.findings.axes import AxisComparison
-from reports.findings.conclusions import MODEL
 from reports.findings.measured import MeasuredHalf
 from reports.findings.runs import mean_crank_speed, thesis_runs
 from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, Cell, Column, Columns, Table
 from reports.words import channel_name
 
 
-def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison]) -> Table:
-    """Per run the crank speed, which measurements are valid, and the simulated peaks over the largest axis label."""
+def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison], engines: Sequence[str]) -> Table:
+    """Per run the crank speed, which measurements are valid, and the simulated peaks of engines over the largest axis label."""
     columns = [
         CASE,
         Column("measured_speed", "measured", "rad/s", ".3f", group="crank speed"),
@@ -30,14 +29,14 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
         ("strain", "%", ".2g", "strain, largest of three"),
     ):
         columns.append(Column(f"{name}_label", "label", unit, form, group=group))
-        columns += [Column(f"{name}_{engine}", engine, "1", ".2f", group=group, meaning="peak over label") for engine in (MODEL, REFERENCE)]
+        columns += [Column(f"{name}_{engine}", engine, "1", ".2f", group=group, meaning="peak over label") for engine in engines]
     found = Table("experiment", columns)
     for number, result in thesis_runs(results).items():
         cells: dict[str, Any] = {}
         for axis in (axis for axis in axes if axis.run == number):
             prefix = "acceleration" if axis.channel == "tip_acceleration" else "strain"
             cells[f"{prefix}_label"] = axis.largest_label
-            cells |= {f"{prefix}_{engine}": axis.ratios.get(engine) for engine in (MODEL, REFERENCE)}
+            cells |= {f"{prefix}_{engine}": axis.ratios.get(engine) for engine in engines}
         measured = measured_crank_speed(number)
         reference = result.runs.get(REFERENCE)
         if reference is not None and reference.usable:
@@ -52,14 +51,29 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
     return found
 
 
+def measured_alone(axes: Sequence[AxisComparison], engines: Sequence[str]) -> Table:
+    """Simulated peaks over the largest label of each figure that shows measured curves alone."""
+    ratios = [Column(engine, engine, "1", ".2f", group="simulated peak over label") for engine in engines]
+    columns: Columns = ("figure", Column("run", form="d"), CHANNEL, Column("largest_label", "largest label", "SI", ".3g"), *ratios)
+    found = Table("measured_alone", columns)
+    for axis in axes:
+        found.add(axis, **{engine: axis.ratios.get(engine) for engine in engines})
+    return found
+
+
 def recorded(results: Sequence[CaseResult]) -> Table:
-    """The recorded tables with what they declare."""
-    columns = (CASE, "table", "version", "origin", "status", Column("rows", form="d"), "columns", "source", "remark")
+    """The recorded tables with what they declare, and in how many numbers they were compared with engines and depart from these."""
+    counts = Column("compared", form="d"), Column("beyond", form="d")
+    columns = (CASE, "table", "version", "origin", "status", Column("rows", form="d"), "columns", *counts, "source", "remark")
     found = Table("recorded", columns)
     for result in results:
         for run in result.recorded.values():
+            checks = [check for check in result.table_checks if check.engine == run.engine]
+            beyond = sum(not check.passed for check in checks)
             found.add(
                 run,
+                compared=len(checks),
+                beyond=Cell(beyond, mark="missed" if beyond else ""),
                 case=result.case.name,
                 table=run.engine,
                 origin=_origin(run),

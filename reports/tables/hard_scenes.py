@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from cases.judging.conditioning import CHANGE, ILL
 from cases.judging.matrix import Judged, Matrix
-from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, NOT_CONVERGED, REFUSED
+from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, NOT_CONVERGED, OWN_EQUATIONS, REFUSED, Verdict
 from reports.tables.table import Cell, Column, Columns, Mark, Table
 from reports.words import TIED, number, percent, size
 
@@ -13,6 +13,7 @@ from reports.words import TIED, number, percent, size
 _MARKS: Final[Mapping[str, Mark]] = {
     ACCURATE: "good",
     ENDED: "good",
+    OWN_EQUATIONS: "model",
     NOT_CONVERGED: "missed",
     CONTRADICTED: "failed",
     DIVERGED: "missed",
@@ -49,9 +50,19 @@ def _cell(judged: Judged | None, duration: float) -> Cell:
         DIVERGED: "no result" if verdict.time is None else f"diverged at {_time(verdict.time)}",
     }
     text = told.get(verdict.kind, verdict.kind)
-    if judged.model_error is not None and verdict.kind in (ACCURATE, ENDED):
-        text += f" (its model: {size(judged.model_error)} off)"
-    return Cell(verdict.kind, text, verdict.reason, _MARKS[verdict.kind])
+    if judged.kind == OWN_EQUATIONS:
+        text = f"{OWN_EQUATIONS}{_ends(verdict)}; its model is {_off(judged.model_error)}"
+    elif judged.model_error is not None and verdict.kind in (ACCURATE, ENDED):
+        text += f" (its model: {_off(judged.model_error)})"
+    return Cell(judged.kind, text, verdict.reason, _MARKS[judged.kind])
+
+
+def _ends(verdict: Verdict) -> str:
+    return f", whose slider leaves at {_time(verdict.time)}" if verdict.kind == ENDED else ""
+
+
+def _off(model_error: float | None) -> str:
+    return "of unknown error" if model_error is None else f"{size(model_error)} off"
 
 
 def _size(error: float | None) -> str:
@@ -106,5 +117,5 @@ def cells(matrix: Matrix) -> Table:
     known = (matrix.cells.get((case.name, name)) for case in matrix.cases for name in matrix.engines)
     for cell in filter(None, known):
         settings = ", ".join(f"{name} = {value}" for name, value in cell.settings.items())
-        table.add({**vars(cell.verdict), **vars(cell)}, verdict=cell.verdict.kind, claim_holds=cell.holds, settings=settings)
+        table.add({**vars(cell.verdict), **vars(cell)}, verdict=cell.kind, claim_holds=cell.holds, settings=settings)
     return table

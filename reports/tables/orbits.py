@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from cases.runs.comparison import REFERENCE, CaseResult
 from cases.studies import BothStarts
 from reports.tables.table import CASE, Column, Columns, Table
+from reports.words import number
 
 #: What is left of the way to the steady state when a marched run counts as settled, and a distance at which no measure sees it any more.
 SETTLED_AT, GONE_AT = 1e-3, 1e-6
@@ -25,8 +26,8 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         Column("cycles_of_work", "cycles' work", form=".3g"),
         Column("multiplier", "largest multiplier", "1", ".3f"),
         "stable",
-        Column("cycles_to_settled", f"to {SETTLED_AT:g}", form=".1f", group="cycles of marching"),
-        Column("cycles_to_gone", f"to {GONE_AT:g}", form=".1f", group="cycles of marching"),
+        Column("cycles_to_settled", f"to {number(SETTLED_AT, 'g')}", form=".1f", group="cycles of marching"),
+        Column("cycles_to_gone", f"to {number(GONE_AT, 'g')}", form=".1f", group="cycles of marching"),
         *(Column(f"{name}_cycles", name, form="d", group="cycles marched") for name in marching),
     )
     found = Table("periodic_orbits", columns)

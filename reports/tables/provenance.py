@@ -17,7 +17,7 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
         "engine",
         Column("origin", "from"),
         "version",
-        Column("conformance", "does what it says", meaning="`quickreturn conform ENGINE` with this version"),
+        Column("conformance", "does what it says", meaning="by quickreturn conform ENGINE, with this version"),
         "method",
         Column("accuracy", "accuracy asked", "%", ".2g"),
         Column("runs", form="d"),

@@ -16,7 +16,7 @@ import pandas as pd
 from reports.words import HALF, QUANTITY, case_label, channel_name, number
 
 Value = str | int | float | bool | None
-Mark = Literal["", "good", "missed", "open", "failed"]
+Mark = Literal["", "good", "missed", "open", "failed", "model"]
 
 CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("reports") / "templates" / "captions.toml").read_text("utf-8"))
 #: Units of the page that are not those of the CSV file -> its unit, value in the page / value in the file.
@@ -28,6 +28,8 @@ SHOWN: Final = {
     "ms": ("s", 1e3),
     "µs": ("s", 1e6),
     "kN/m": ("N/m", 1e-3),
+    "MPa": ("Pa", 1e-6),
+    "°": ("rad", 180.0 / math.pi),
 }
 #: Letters of a text that is kept on one line.
 LONGEST_LINE: Final = 26
@@ -40,8 +42,8 @@ class Cell:
     Attributes:
         value: in SI units, as it goes into the CSV file; None where there is none.
         text: what the page shows instead of the formatted value.
-        note: a remark: in the page where the pointer rests, in the CSV file in a column of its own.
-        mark: "missed" a tolerance, "failed", "open" (no answer, for a reason), "good".
+        note: a remark: in the page shown by a click, in the CSV file in a column of its own.
+        mark: "missed" a tolerance, "failed", "open" (no answer, for a reason), "good", "model" (a good answer of a model that is not).
         run: case that it opens on the first screen.
     """
 
@@ -67,7 +69,7 @@ class Column:
         in_page: whether the page shows it; the CSV file has it anyway.
         uncertainty: key of the column that is shown behind this one's values, after ±.
         group: heading above this and its neighbours of the same group.
-        meaning: shown where the pointer rests on the heading.
+        meaning: told above the table.
         words: value -> what the page shows in its place.
     """
 
@@ -169,6 +171,11 @@ class Table:
     def shown(self) -> list[Column]:
         """The columns that the page shows."""
         return [column for column in self.columns if column.in_page]
+
+    @property
+    def meanings(self) -> dict[str, str]:
+        """Headings of the shown columns that need a word -> the word."""
+        return {column.page_head: column.meaning for column in self.shown if column.meaning}
 
     @property
     def heads(self) -> list[tuple[str, int]]:

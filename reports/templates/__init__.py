@@ -8,7 +8,7 @@ from reports import words
 
 WORDS: Final = (
     "number", "percent", "percents", "size", "span", "times", "duration", "counted", "listed", "in_words", "case_label", "place",
-    "channel_name", "HALF", "QUANTITY",
+    "channel_name", "HALF", "QUANTITY", "quantity", "off_by", "degrees",
 )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from cases.benchmark import (
     SCENES,
     Benchmark,
+    compiling,
     fastest_at,
     measure,
     measurement,
@@ -20,7 +21,7 @@ from cases.benchmark import (
     pareto_front,
     stored,
 )
-from cases.benchmark.findings import Confirmation, Converged, Measured, Point, completed, error_of
+from cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, completed, error_of, soonest_at
 from cases.benchmark.methods import Method, methods
 from cases.case import Case
 from cases.case_file import load_case
@@ -131,6 +132,35 @@ def test_a_table_has_every_point_with_its_errors_and_times(table: Benchmark) -> 
         assert p.measured.repetitions == 2
         assert 0.0 < p.measured.solve_seconds <= p.measured.solve_seconds_median <= p.measured.solve_seconds_largest
         assert set(p.measured.errors) == set(table.truth.sizes)
+
+
+def test_the_estimate_is_timed_of_each_methods_fastest_settings_to_an_error(table: Benchmark) -> None:
+    best = {id(measured) for level in LEVELS for _, measured in fastest_at(table.points, level).values()}
+    assert best
+    for point, measured in completed(table.points):
+        assert (measured.estimate_seconds is not None) == (id(measured) in best), point.settings
+        if measured.estimate_seconds is not None and measured.waited_seconds is not None:
+            assert measured.estimate_seconds > 0.0
+            assert measured.waited_seconds > measured.estimate_seconds + measured.solve_seconds
+
+
+def test_who_is_done_first_is_told_by_all_that_one_waits_for() -> None:
+    slow, quick, unknown = point(1.0, 0.01), point(2.0, 0.01, "b"), point(0.5, 0.01, "c")
+    assert slow.measured
+    assert quick.measured
+    slow = dataclasses.replace(slow, measured=dataclasses.replace(slow.measured, estimate_seconds=9.0))
+    quick = dataclasses.replace(quick, measured=dataclasses.replace(quick.measured, estimate_seconds=1.0, setup_seconds=0.5))
+    assert soonest_at([slow, quick, unknown], 0.01) == [("b", 3.5), ("a", 10.0)]
+
+
+@pytest.mark.verify
+def test_compiling_takes_longer_than_loading_what_was_compiled(tmp_path: Any) -> None:
+    workshop = Workshop(Store(tmp_path))
+    assert compiling(workshop, ("thesis", "exudyn"), compute=False) == []
+    (found,) = compiling(workshop, ("thesis", "exudyn"))  # exudyn compiles nothing
+    assert found.engine == "thesis"
+    assert 0.0 < 3.0 * found.load_seconds < found.compile_seconds
+    assert compiling(workshop, ("thesis",), compute=False) == [found]
 
 
 def test_errors_are_against_a_solution_that_another_engine_confirms(table: Benchmark) -> None:

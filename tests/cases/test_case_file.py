@@ -114,25 +114,6 @@ def test_material_and_what_follows_from_it_exclude_each_other(first: str, other:
 
 
 @pytest.mark.parametrize(
-    ("overrides", "words"),
-    [
-        ({"follower.length": "602.7 m"}, ("follower.length", "602.7 m")),
-        ({"follower.thickness": "17 cm"}, ("follower.thickness", "0.17 m", "quarter")),
-        ({"follower.mass_per_length": "300 kg/m"}, ("follower.mass_per_length", "(or density)")),
-        ({"follower.bending_stiffness": "2e6 N*m^2"}, ("follower.bending_stiffness", "(or elastic_modulus)")),
-        ({"follower.bending_stiffness": "0.021 N*m^2"}, ("follower.bending_stiffness", "(or elastic_modulus)")),  # 206 MPa, not GPa
-        ({"crank.initial_speed": "40000 rpm"}, ("crank", "40000 rpm")),
-        ({"crank.center_of_mass": "76 m"}, ("crank.center_of_mass", "76 m", "pivot distance")),
-        ({"tip.center_of_mass": "12 m"}, ("tip.center_of_mass", "12 m", "length")),
-    ],
-)
-def test_values_that_can_hardly_be_meant_are_said_and_not_refused(overrides: dict[str, str], words: tuple[str, ...]) -> None:
-    assert parse_case(SCENE, "scene.toml").notes == ()
-    notes = parse_case(SCENE, "scene.toml", overrides).notes
-    assert any(all(word in note for word in words) for note in notes), notes
-
-
-@pytest.mark.parametrize(
     ("overrides", "key"),
     [
         ({"tip.force_to": "210 deg"}, "tip.force_to"),  # less than two ramps of 12 deg

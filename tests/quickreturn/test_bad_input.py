@@ -57,6 +57,7 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "picture.toml").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
     (tmp_path / "unclosed.toml").write_text('[crank]\nlength = "4 in\nmass = "1 kg"\n')
     (tmp_path / "twice.toml").write_text('[crank]\nlength = "4 in"\nlength = "5 in"\n')
+    (tmp_path / "table.csv").write_text("time,tip_x\n0,0\n")
     os.mkfifo(tmp_path / "pipe.toml")
     return tmp_path
 
@@ -193,7 +194,6 @@ TYPED = [
     ("show small.toml --jason", ("--jason", "--json", "quickreturn show --help")),
     ("shaw small.toml", ("shaw", "show", "simulate")),
     ("cases --tag thesys", ("thesys", "thesis")),
-    ("simulate small.toml --output x.csv", ("--engine",)),
     ("modes small.toml --engine mujco --crank-angle 0", ("--engine", "mujco", "perhaps mujoco", "exudyn")),
     ("modes small.toml --engine fake --crank-angle north", ("--crank-angle", "north", "0:360:10")),
     (f"{MODES} --count 0", ("--count", '"0"', "1 to 100")),
@@ -229,6 +229,21 @@ TYPED = [
     ("animate small.toml --engine fake --magnify 5 --output x.html", ("--magnify", ".html")),
     ("animate small.toml --engine fake --output x.webp", ("shape_01", "the shape of the follower")),
     ("report small.toml --output page.html", ("--output", "page.html", "give a folder")),
+    ("show smal.toml", ("smal.toml", "did you mean small.toml?")),
+    ("show smal", ("smal", "did you mean the file small.toml?")),
+    ("show example.toml", ("example.toml", "the library case example")),
+    ("show table.csv", ("table.csv", "no case file", "compare")),
+    ("new small.toml", ("small.toml", "not overwritten", "another name")),
+    ("new mine.txt", ("mine.txt", ".toml")),
+    ("new mine", ("mine", ".toml", "mine.toml")),
+    ("new 'my machine.toml'", ("my machine.toml", "letters, digits", "my-machine.toml")),
+    ("new thesis-24.toml", ("thesis-24.toml", "library", "my-thesis-24.toml")),
+    ("new absent/mine.toml", ("absent/mine.toml", "no folder")),
+    ("new mine.toml --from thesis-25", ("thesis-25", "quickreturn cases")),
+    ("new mine.toml --from smal.toml", ("smal.toml", "did you mean small.toml?")),
+    ("new mine.toml --from unclosed.toml", ("unclosed.toml", "line 2")),
+    ("new mine.toml --from small.toml --set crank.lenght='4 in'", ("crank.lenght", "crank.length")),
+    ("new mine.toml --set engine.step=0.1", ("engine.step", "no meaning here")),
 ]
 
 
@@ -247,7 +262,9 @@ def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) ->
 
 
 @pytest.mark.usefixtures("call")  # installs the fake engine
-@pytest.mark.parametrize(("typed", "words"), TYPED[:4] + TYPED[6:8], ids=lambda text: text[:60])
+@pytest.mark.parametrize(
+    ("typed", "words"), [*TYPED[:4], *TYPED[5:7], ("run spin-up", ("[crank]", "use show or simulate"))], ids=lambda text: text[:60]
+)
 def test_answers_of_processes(folder: Path, typed: str, words: tuple[str, ...]) -> None:
     program = started(*shlex.split(typed), folder=folder)
     output, errors = program.communicate(timeout=60.0)

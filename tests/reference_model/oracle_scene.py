@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import OBSERVED, SHAPE
+from reference_model.columns import BEARINGS, BENDING, OBSERVED, SHAPE
 from reference_model.compilation import compiled
 from reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
 from reference_model.motion.address import Placed
@@ -156,6 +156,8 @@ def computed(equations: Equations, p: Parameters, y: Array) -> Values:
     values |= {name: np.array([column[name]]) for name in ("slider_force", "kinetic_energy", "strain_energy", "gravity_energy")}
     values |= {
         "shape": np.array([column[name] for name in SHAPE]),
+        "bearings": np.array([column[name] for name in BEARINGS]),
+        "moments": np.array([column[name] for name in BENDING]),
         "state_rate": np.r_[rate[: n + 1], rate[n + 1 + (not p.crank_is_free) : 2 * n + 2]],
         "dissipated_power": rate[2 * n + 2 : 2 * n + 3],
         "drive_power": rate[2 * n + 3 :],
@@ -178,6 +180,7 @@ def expected_cubic(parameters: Mapping[str, float], state: Mapping[str, float]) 
         "accelerations": free,
         "follower_acceleration": o["accelerations"][1:2],
         "shape": _cubic(parameters["length"], state),
+        "moments": _moments_of_cubic(parameters, state, float(o["coordinates"][4])),
         "slider_force": np.array([o["slider_force"]]),
         "kinetic_energy": np.array([o["kinetic_energy"]]),
         "strain_energy": np.array([o["strain_energy"]]),
@@ -194,6 +197,14 @@ def _cubic(length: float, state: Mapping[str, float]) -> Array:
     """Deflection of the single cubic at the interior twelfths, m."""
     u = np.arange(1, 12) / 12.0
     return np.asarray((3.0 * u**2 - 2.0 * u**3) * state["tip_deflection"] + length * (u**3 - u**2) * state["tip_slope"])
+
+
+def _moments_of_cubic(parameters: Mapping[str, float], state: Mapping[str, float], slider: float) -> Array:
+    """EI times the second derivative of the single cubic at the interior twelfths and at the slider, N m."""
+    L = parameters["length"]
+    u = np.append(np.arange(1, 12) / 12.0, slider / L)
+    curvature = (6.0 - 12.0 * u) * state["tip_deflection"] / L**2 + (6.0 * u - 2.0) * state["tip_slope"] / L
+    return np.asarray(parameters["bending_stiffness"] * curvature)
 
 
 def expected_shapes(
@@ -213,6 +224,7 @@ def expected_shapes(
         "projected_force": o["projected_force"],
         "accelerations": o["accelerations"],
         "slider_force": np.array([o["slider_force"]]),
+        "bearings": o["bearings"],
         "kinetic_energy": np.array([o["kinetic_energy"]]),
         "strain_energy": np.array([o["strain_energy"]]),
         "gravity_energy": np.array([o["gravity_energy"]]),

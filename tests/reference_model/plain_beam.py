@@ -432,7 +432,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     moment += tip.inertia * total[alpha_end].real + scene.base.inertia * total[q2_at].real + scene.base.damping * rate[q2_at].real
     moment -= (complex(present[N + 1]).conjugate() * tool).imag
     slider_moment = tangential = torque = drive_power = 0.0
-    tangent, lever = 0.0j, 0.0j
+    tangent, lever, pull, at_crank = 0.0j, 0.0j, 0.0j, 0.0j
     if isinstance(scene, Mechanism):
         tangent = cmath.exp(1j * (here.turn + here.q2))
         piece = beam.slider_piece
@@ -450,6 +450,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
         if isinstance(drive, TorqueDrive):
             torque = drive.torque
         drive_power = torque * u[0]
+        at_crank = crank_moment * (1j * acceleration[0] - u[0] ** 2) * crank_direction - (crank.mass + slider.mass) * g + pull
     else:
         torque, drive_power = moment, moment * float(rate[q2_at].real)
 
@@ -465,7 +466,12 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     gravity = float(present[gravity_at].real) - (follower.mass_per_length * L + tip.mass) * g.real * d
     joint_power = -contact * float(spread @ u)
     tip_normal = 1j * cmath.exp(1j * present[alpha_end].real)
+    at_pivot = complex(mass @ (total[bodies] - g)) - tool - pull
     shown = {
+        "pivot_force_x": at_pivot.real,
+        "pivot_force_y": at_pivot.imag,
+        "crank_force_x": at_crank.real,
+        "crank_force_y": at_crank.imag,
         "crank_angle": q[0],
         "crank_speed": u[0],
         "tip_acceleration": float((tip_normal.conjugate() * total[N + 1]).real),
@@ -544,7 +550,8 @@ def _recovered(
         return np.asarray(outboard + (x < here.s) * (np.imag(np.conj(place - z) * at_slider[0]) + at_slider[1]), dtype=np.float64)
 
     bent = moment(x, z) / follower.bending_stiffness
-    gauges = np.array(follower.strain_gauges)
+    gauges, twelfths, at_s = np.array(follower.strain_gauges), L * np.arange(1, 12) / 12.0, np.array([here.s])
+    moments = moment(twelfths, here.z.everywhere(twelfths))
     strains = 0.5 * follower.thickness * moment(gauges, here.z.everywhere(gauges)) / follower.bending_stiffness
     psi = Line.through(edges, bent).integral()
     line = Line.through(edges, np.exp(1j * psi.on_pieces_of(edges))).integral()
@@ -564,6 +571,8 @@ def _recovered(
         "tip_x": tip_place.real,
         "tip_y": tip_place.imag,
         "tip_deflection": end.imag,
-        **{f"shape_{k:02d}": place.imag for k, place in enumerate(line.everywhere(L * np.arange(1, 12) / 12.0), start=1)},
+        **{f"shape_{k:02d}": place.imag for k, place in enumerate(line.everywhere(twelfths), start=1)},
+        **{f"moment_{k:02d}": float(found) for k, found in enumerate(moments, start=1)},
+        "moment_slider": float(moment(at_s, here.z.everywhere(at_s))[0]),
         **{f"strain_{k + 1}": float(strain) for k, strain in enumerate(strains)},
     }

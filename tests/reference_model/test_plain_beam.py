@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
+from reference_model.columns import BENDING
 from reference_model.motion.equations import evaluate, kernel
 from reference_model.motion.layout import COS_Q2, GAP, GAP_RATE, GAP_REMAINDER, Q2_RATE, Q2_REMAINDER, S_RATE, S_REMAINDER, SIN_Q2
 from reference_model.shapes import hermite_elements
@@ -176,9 +177,9 @@ def test_mass_matrix_accelerations_and_powers(case: tuple[State, Case]) -> None:
 def test_observables(case: tuple[State, Case]) -> None:
     here, tolerance = case[0], case[1].tolerance
     shown, o = here.model.observe(here.y[None]), here.expected
-    names = ["tip_acceleration", "kinetic_energy", "strain_energy", "gravity_energy"]
+    names = ["tip_acceleration", "kinetic_energy", "strain_energy", "gravity_energy", "pivot_force_x", "pivot_force_y"]
     if here.beam.kind != BASE:
-        names += ["crank_angle", "crank_speed", "slider_force", "crank_torque"]
+        names += ["crank_angle", "crank_speed", "slider_force", "crank_torque", "crank_force_x", "crank_force_y"]
         names += [] if here.model.closes_loop else ["constraint_gap", "gap_rate", "joint_power"]
         close(shown["constraint_gap"][0], o.shown["constraint_gap"], tolerance, 1e-2)
     else:
@@ -191,6 +192,8 @@ def test_what_is_recovered_from_the_loads(case: tuple[State, Case]) -> None:
     here, tolerance = case[0], case[1].recovered
     shown, o = here.model.observe(here.y[None]), here.expected
     strains = [f"strain_{gauge}" for gauge in (1, 2, 3)]
+    moments = [name for name in BENDING if name in shown]
+    close([shown[name][0] for name in moments], [o.shown[name] for name in moments], tolerance)
     close([shown[name][0] for name in strains], [o.shown[name] for name in strains], tolerance)
     length = here.beam.scene.follower.length
     for name in ("tip_deflection", "tip_x", "tip_y", "follower_angle", *(["slider_position"] if here.beam.kind != BASE else [])):

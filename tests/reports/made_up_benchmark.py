@@ -14,7 +14,8 @@ METHODS = {
 }
 
 
-def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True) -> Benchmark:
+def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True, timed: bool = False) -> Benchmark:
+    """With `timed` estimates of the errors that take as long as 9 solutions of `reference`, and as 1 of any other engine."""
     points = []
     for method, (engine, order, error, pace) in METHODS.items():
         for free in (2, 4, 8, 16):
@@ -29,6 +30,7 @@ def made_up_benchmark(case: str = "thesis-24", confirmed: bool = True) -> Benchm
                 setup_seconds=0.01,
                 statistics={"right_hand_side_calls": 1000.0 * free, "integration_seconds": 0.9 * pace * free, "largest_gap": 1e-9},
                 calls_per_period=12.0 if engine == "reference" else None,
+                estimate_seconds=(9.0 if engine == "reference" else 1.0) * pace * free if timed else None,
             )
             known = {"method": method, "engine": engine, "settings": settings | {"always": 1}, "changing": settings}
             points.append(Point(**known, status="completed", measured=measured))

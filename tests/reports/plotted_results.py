@@ -16,8 +16,9 @@ from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from cases.runs.recorded import recorded_run
 from cases.runs.request import INACCURATE, SETTLED, Run
 from engines.trajectory import OPTIONAL, REQUIRED
-from reference_model.columns import SHAPE
-from reference_model.rigid import rigid_kinetostatics, rigid_motion
+from reference_model.columns import MOMENTS, SHAPE
+from reference_model.mechanism import Mechanism
+from reference_model.rigid import RigidMotion, rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
 
 ENGINES = ("thesis", "reference", "exudyn", "mujoco")
 STIFFER = {"thesis": 1.13, "reference": 1.0, "exudyn": 1.002, "mujoco": 0.997}  # first mode over the reference's
@@ -47,25 +48,30 @@ def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, s
     bends = 0.0 if mechanism.follower.is_rigid else 1.0
     vibration = bends * np.sin(2.0 * np.pi * round(8 * factor) * time / time[-1])
     length = mechanism.follower.length
-    columns = dict.fromkeys((*REQUIRED, *OPTIONAL), np.zeros(samples)) | {
-        "time": 3.0 + time,
-        "crank_angle": angle,
-        "crank_speed": speed * (1.0 + 0.01 * np.cos(angle)),
-        "follower_angle": motion.follower_angle,
-        "slider_position": motion.slider_position,
-        "tip_x": mechanism.pivot_distance + length * np.cos(motion.follower_angle),
-        "tip_y": length * np.sin(motion.follower_angle),
-        "tip_deflection": 0.01 * vibration,
-        "tip_acceleration": length * motion.follower_acceleration + 20.0 * vibration,
-        "slider_force": force + 2.0 * vibration,
-        "crank_torque": torque,
-    }
+    columns = (
+        dict.fromkeys((*REQUIRED, *OPTIONAL), np.zeros(samples))
+        | {
+            "time": 3.0 + time,
+            "crank_angle": angle,
+            "crank_speed": speed * (1.0 + 0.01 * np.cos(angle)),
+            "follower_angle": motion.follower_angle,
+            "slider_position": motion.slider_position,
+            "tip_x": mechanism.pivot_distance + length * np.cos(motion.follower_angle),
+            "tip_y": length * np.sin(motion.follower_angle),
+            "tip_deflection": 0.01 * vibration,
+            "tip_acceleration": length * motion.follower_acceleration + 20.0 * vibration,
+            "slider_force": force + 2.0 * vibration,
+            "crank_torque": torque,
+        }
+        | _bending(mechanism, angle, speed, motion)
+    )
     for place, name in enumerate(SHAPE, start=1):
         columns[name] = columns["tip_deflection"] * (place / (len(SHAPE) + 1)) ** 2
     for gauge, name in enumerate(CHANNELS[1:], start=1):
         columns[name] = bends * 1e-4 * (gauge * np.sin(angle) + vibration)
     errors = {name: 5e-4 * float(np.max(np.abs(columns[name]))) for name in CHANNELS}
-    run = dataclasses.replace(run, settling_errors=errors, cycle=columns)
+    estimates = {name: dict.fromkeys(("pre", "post"), 2e-3 * float(np.max(np.abs(values)))) for name, values in columns.items()}
+    run = dataclasses.replace(run, settling_errors=errors, cycle=columns, extreme_estimates=estimates)
     if not (bends and status == SETTLED):
         return run
     consensus, measures = [], []
@@ -74,6 +80,20 @@ def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, s
         consensus.append(EstimatedConsensus(half, frequency, 0.1, 0.02))
         measures += [_measure(half, name, frequency, columns[name], random) for name in CHANNELS]
     return dataclasses.replace(run, consensus=tuple(consensus), measures=tuple(measures))
+
+
+def _bending(mechanism: Mechanism, angle: np.ndarray, speed: float, motion: RigidMotion) -> dict[str, np.ndarray]:
+    """Moments and bearing forces of the rigid mechanism."""
+    pivot, crank = rigid_bearing_forces(mechanism, angle, speed)
+    places = {name: (k + 1) * mechanism.follower.length / 12.0 for k, name in enumerate(MOMENTS)} | {
+        "moment_slider": motion.slider_position
+    }
+    moments = {name: rigid_bending_moment(mechanism, at, angle, speed) for name, at in places.items()}  # type: ignore[arg-type]
+    return moments | {
+        f"{name}_force_{axis}": force
+        for name, forces in (("pivot", pivot), ("crank", crank))
+        for axis, force in zip("xy", forces, strict=True)
+    }
 
 
 def _measure(half: str, channel: str, frequency: float, values: np.ndarray, random: np.random.Generator) -> EstimatedMeasure:

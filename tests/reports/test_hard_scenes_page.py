@@ -2,11 +2,14 @@
 
 from dataclasses import replace
 
+import pytest
+
 from cases.case_file import load_case
 from cases.judging.conditioning import Conditioning
 from cases.judging.matrix import Judged, Matrix
-from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, REFUSED, Verdict
+from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, OWN_EQUATIONS, REFUSED, Verdict
 from cases.library.hard import IMPOSSIBLE
+from reports.page.facts.methods import hard_scenes
 from reports.tables import hard_scenes as tables
 from tests.reports import pages
 from tests.reports.reported_results import PageReader
@@ -52,11 +55,26 @@ def test_every_cell_says_its_verdict_in_words() -> None:
         "✗ not converged",
         "✗ contradicted",
         "crank speed x 3: the slider leaves the follower",
-        "accurate 0.01 % (its model: 81 % off)",
+        "solves its own equations; its model is 81 % off",
         "ends at 0.2526 s, until then accurate 0.5 %",
         "refused",
         "not computed",
     ]
+
+
+@pytest.mark.parametrize(("model_error", "kind"), [(0.81, OWN_EQUATIONS), (None, OWN_EQUATIONS), (0.011, OWN_EQUATIONS), (0.009, ACCURATE)])
+def test_a_cell_of_a_model_is_accurate_only_if_the_model_is(model_error: float | None, kind: str) -> None:
+    known = matrix().cells["hard-speed-x3", "thesis"]
+    found = matrix()
+    changed = replace(found, cells={**found.cells, ("hard-speed-x3", "thesis"): replace(known, model_error=model_error)})
+    facts = hard_scenes(pages.one_run(hard_scenes=changed))
+    assert facts is not None
+    assert facts["kinds"].get(ACCURATE, 0) == 1 + (kind == ACCURATE)  # that of reference besides
+    assert facts["kinds"].get(OWN_EQUATIONS, 0) == (kind == OWN_EQUATIONS)
+    cell = tables.verdicts(changed).rows[1]["thesis"]
+    assert (cell.value, cell.mark == "good") == (kind, kind == ACCURATE)
+    others = [cell for cell in changed.cells.values() if cell.engine != "thesis"]
+    assert all(cell.kind == cell.verdict.kind for cell in others)
 
 
 def test_reasons_and_evidence_go_into_the_files() -> None:
@@ -72,13 +90,13 @@ def test_the_page_explains_itself_and_tells_what_was_checked() -> None:
     text = read(matrix()).text
     assert all(meaning in text for meaning in MEANINGS.values())
     assert all(sentence in text for sentence in IMPOSSIBLE.values())
-    assert "none silently wrong of 3 claims" in text
+    assert "none silently wrong of 3 claims that could be checked, 1 of them against a model’s own equations" in text
     assert "1\N{NO-BREAK SPACE}cell of the matrix has not been computed" in text
 
 
 def test_a_claim_that_does_not_hold_is_shouted() -> None:
     found = read(matrix(wrong=True))
-    assert "1\N{NO-BREAK SPACE}claim did not hold" in found.text
+    assert "1\N{NO-BREAK SPACE}claim did not hold of 3" in found.text
     assert "Claims that did not hold: reference in hard-speed-x2" in found.text
     assert "silently wrong: claims 0.4" in found.text
     assert "none silently wrong" not in found.text

@@ -10,6 +10,8 @@ import pytest
 
 from cases.benchmark import Benchmark
 from cases.case_file import load_case
+from cases.conformance import Check, Conformance, job
+from cases.jobs.job import Outcome
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.judging.matrix import Judged
@@ -19,7 +21,8 @@ from engines.registry import engine
 from engines.start import standard_start
 from engines.trajectory import Trajectory
 from reports import long_studies
-from reports.long_studies import About, RecordedPoint, table, text_of
+from reports import report as report_module
+from reports.long_studies import About, RecordedConformance, RecordedPoint, table, text_of
 from reports.long_studies.__main__ import main
 from reports.page.facts.studies import CONFIRMED
 from tests.reports import pages
@@ -55,6 +58,25 @@ def test_a_recorded_result_is_labelled_as_such() -> None:
     told = pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()], of_record={"benchmark": about}))
     assert "Recorded: measured on 2001-02-03 with numpy 1, code ffffffffffff, which is older than this page’s." in told
     assert "Recorded" not in pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()]))
+
+
+def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    checks = (Check("a", "passed"), Check("b", "passed"), Check("c", "not judged", "it is coarse"))
+    found = [RecordedConformance.of(Conformance(name, True, checks), "1.2") for name in ("thesis", "mujoco")]
+    (tmp_path / "conformance.csv").write_text(text_of(found))
+    (tmp_path / "about.csv").write_text(text_of([About("conformance", "2001-02-03", "numpy 1", "f" * 64)]))
+    monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
+    long_studies.about.cache_clear()
+    workshop = Workshop(Store(tmp_path / "store"))
+    workshop.kept(Outcome(job("thesis"), Conformance("thesis", False, (Check("a", "failed", "no", "mend it"),))))
+    told = report_module._conformance(("thesis", "reference", "mujoco"), workshop)
+    long_studies.about.cache_clear()
+    recorded = "recorded on 2001-02-03 with code ffffffffffff, which is older than this page’s"
+    assert told == {
+        "thesis": "does not conform: 1 check failed; 0 checks passed",
+        "mujoco": f"conforms; 2 checks passed, 1 could not be judged ({recorded})",
+    }
+    assert table("conformance", RecordedConformance) == found
 
 
 def test_an_unknown_option_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,8 +2,12 @@
 
 import dataclasses
 
+import pytest
+
+from cases.benchmark import Compiling
 from cases.benchmark.findings import Confirmation
 from reports.page.answer import answer_of
+from reports.page.facts.methods import methods
 from reports.tables import benchmark as tables
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.pages import one_run, read, text_of
@@ -52,3 +56,54 @@ def test_an_unconfirmed_truth_is_a_warning() -> None:
 def test_scenes_that_were_not_measured_are_named_and_without_any_there_is_no_chapter() -> None:
     assert "quickreturn benchmark" in text_of(one_run(benchmarks=[made_up_benchmark()]))
     assert "methods" not in read(one_run()).anchors
+
+
+def test_contests_that_nobody_wins_are_counted() -> None:
+    # the least error of reference is 0.1 / 16^4 = 1.5e-6: it gets everywhere; without it 0.01 % is out of reach of all others
+    told = text_of(one_run(benchmarks=[made_up_benchmark()]))
+    assert "reference, this project’s own code compiled for this one mechanism, solves fastest in 3 of 3 contests" in told
+    assert "nobody wins" not in told
+    table = made_up_benchmark()
+    others = dataclasses.replace(table, points=tuple(point for point in table.points if point.method == "exudyn"))
+    told = text_of(one_run(benchmarks=[others]))
+    assert "exudyn solves fastest in 1 of 3 contests; 2 nobody wins" in told
+    assert "own code compiled" not in told
+
+
+def test_what_one_waits_for_stands_beside_the_solve_time() -> None:
+    compiled = [Compiling("reference", 40.0, 0.5)]
+    told = text_of(one_run(benchmarks=[made_up_benchmark(timed=True)], compiling=compiled))
+    # 4 modes solve in 4 ms and reach 0.1 / 4^4 < 0.1 %; the estimate takes nine times as long
+    assert "to 0.1 % in run 24 reference solves in 4.0 ms (multiplier in 160 ms)" in told
+    assert "takes 10 ms for setting up, 36 ms for the estimate of its error and once 40 s for compiling besides" in told
+    assert "all that one waits for, setting up, solving and estimating the error: reference in 3." in told
+    without = text_of(one_run(benchmarks=[made_up_benchmark()]))
+    assert "takes 10 ms for setting up besides" in without
+    assert "has not been measured" in without
+
+
+def test_who_solves_fastest_need_not_be_who_is_done_first() -> None:
+    table = made_up_benchmark(timed=True)
+    slow = {"estimate_seconds": 100.0}
+    points = [
+        dataclasses.replace(point, measured=dataclasses.replace(point.measured, **slow))  # type: ignore[arg-type]
+        if point.measured and point.engine == "reference"
+        else point
+        for point in table.points
+    ]
+    table = dataclasses.replace(table, points=tuple(points))
+    rows = [row for row in tables.waiting([table]).rows if row["level"].value == 1e-2]
+    assert [row["method"].value for row in rows] == ["multiplier", "multiplier, elements", "exudyn", "reference"]
+    # 8 degrees of freedom at 10 ms, its estimate as much, and 10 ms of setting up
+    assert rows[0]["waited_seconds"].value == pytest.approx(0.17)
+    told = "solves fastest in 3 of 3 contests (counted by all that one waits for, 1)"
+    assert told in text_of(one_run(benchmarks=[table]))
+    assert "estimating the error: multiplier in 2, reference in 1." in text_of(one_run(benchmarks=[table]))
+
+
+def test_the_chart_offers_what_one_waits_for_where_that_was_measured() -> None:
+    choices = [methods(one_run(benchmarks=[made_up_benchmark(timed=timed)]))["plots"][0][1] for timed in (False, True)]  # type: ignore[index]
+    assert [list(each) for each in choices] == [["solving alone"], ["solving alone", "all that one waits for"]]
+    series = {each.name: each for each in choices[1]["all that one waits for"].series}
+    assert "Pareto front" not in series
+    assert list(series["reference"].x) == pytest.approx([0.01 + 10.0 * 1e-3 * free for free in (2, 4, 8, 16)])

@@ -3,14 +3,11 @@
 import csv
 import dataclasses
 import io
-import os
-import shutil
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Page
 
 from engines.trajectory import Trajectory
 from reference_model.columns import SHAPE
@@ -18,58 +15,13 @@ from reports.machine import machine_facts
 from reports.page.content import Content
 from reports.page.render import animation_page
 from reports.report import write
-from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.in_a_browser import RESULTS, Open, address, browser, opened
 from tests.reports.plotted_results import made_up_result
 from tests.reports.reported_results import reported_result
-from tests.reports.test_report import studies
+
+__all__ = ["address", "browser", "opened"]
 
 HOSTILE = "</script><img src=x onerror=\"document.title='owned'\"> & <b>bold</b>"
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-if CHROMIUM is None and os.environ.get("CI") != "true":
-    pytest.skip("no Chromium was found (Debian: apt-get install chromium)", allow_module_level=True)
-
-Open = Callable[..., Page]
-RESULTS = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5), reported_result("thesis-17", seed=9)]
-
-
-@pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """A report on three made-up runs, in one of which an engine failed."""
-    folder = tmp_path_factory.mktemp("page")
-    write(Content(results=RESULTS, studies=studies(), benchmarks=[made_up_benchmark()], facts=machine_facts()), folder)
-    return (folder / "index.html").as_uri()
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    assert CHROMIUM is not None, "no Chromium was found, and CI is true"
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield browser
-        browser.close()
-
-
-@pytest.fixture
-def opened(browser: Browser, address: str) -> Iterator[Open]:
-    """Open the page at a place in it; whatever the browser complains of fails the test."""
-    complaints: list[str] = []
-    contexts = []
-
-    def open_page(place: str = "", url: str = address, width: int = 1400, height: int = 900, **about: object) -> Page:
-        context = browser.new_context(viewport={"width": width, "height": height}, **about)  # type: ignore[arg-type]
-        contexts.append(context)
-        page = context.new_page()
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
-        page.on("request", lambda request: complaints.append(request.url) if request.url.startswith("http") else None)
-        page.goto(url + place)
-        page.wait_for_selector("html[data-ready=true]", timeout=10_000)
-        return page
-
-    yield open_page
-    for context in contexts:
-        context.close()
-    assert complaints == []
 
 
 def drawn(page: Page, canvas: str) -> str:
@@ -134,8 +86,8 @@ def test_an_address_from_outside_does_no_harm(opened: Open) -> None:
 @pytest.mark.verify
 def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
     page = opened("#at=200&chapter=each")
-    page.wait_for_selector("#signals .bk-Figure, #signals [class*=bk-]")
-    page.locator("#methods summary").click()
+    page.wait_for_selector("#signals canvas")
+    page.locator("#methods > summary").click()
     page.wait_for_timeout(400)
     plots = page.locator("#signals"), page.locator("#methods .drawn").first
 
@@ -155,12 +107,12 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
 @pytest.mark.parametrize("turning", [-1, pytest.param(1, marks=pytest.mark.verify)])
 def test_time_runs_to_the_right_whichever_way_the_crank_turns(opened: Open, tmp_path: Path, turning: int) -> None:
     write(Content(results=[made_up_result("example", turning=turning)], facts=machine_facts()), tmp_path)
-    page = opened("#chapter=each", (tmp_path / "index.html").as_uri())
-    page.wait_for_selector("#signals .bk-Figure, #signals [class*=bk-]")
-    script = "() => Bokeh.documents.at(-1).roots().flatMap(root => [...root.select({ type: 'Figure' })]).map(each => each.x_range.flipped)"
-    flipped = page.evaluate(script)
-    assert flipped
-    assert set(flipped) == {turning < 0}
+    page = opened("#chapter=each", (tmp_path / "index.html").as_uri(), watched=True, reduced_motion="reduce")
+    page.wait_for_selector("#signals canvas")
+    texts = page.evaluate("seen.get(document.querySelector('#signals canvas')).texts")
+    angles = [text for text, left, *_ in sorted(texts, key=lambda text: text[1]) if text.endswith("°")]
+    forwards = ["180°", "225°", "270°", "315°", "360°", "45°", "90°", "135°", "180°"]
+    assert angles == (forwards if turning > 0 else ["180°", "135°", "90°", "45°", "0°", "315°", "270°", "225°", "180°"])
 
 
 def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
@@ -177,26 +129,12 @@ def test_a_link_counts_though_the_old_state_is_written_late(opened: Open) -> Non
     page.wait_for_function("document.querySelector('#run-buttons [aria-pressed=true]').value === 'thesis-06'")
 
 
-WATCHING = """() => {
-    const pen = CanvasRenderingContext2D.prototype, { fillText, lineTo } = pen, seen = window.seen = { points: [], name: null };
-    pen.fillText = function (text, x, y) {
-        if (text === "quick return" && this.canvas.id === "curve") seen.name = [x, y, this.measureText(text).width, this.textBaseline];
-        fillText.call(this, text, x, y);
-    };
-    pen.lineTo = function (x, y) { if (this.canvas.id === "curve") seen.points.push([x, y]); lineTo.call(this, x, y); };
-}"""
-
-
 def test_the_name_of_the_quick_return_lies_where_the_curves_leave_more_room(opened: Open) -> None:
-    page = opened("#at=0", reduced_motion="reduce")
-    page.evaluate(WATCHING)
-    page.select_option("#signal", "slider_force")
-    page.wait_for_timeout(100)
-    seen = page.evaluate("window.seen")
-    x, y, width, baseline = seen["name"]
-    low, high = (y - 12, y) if baseline == "bottom" else (y, y + 12)
+    page = opened("#at=0&signal=slider_force", watched=True, reduced_motion="reduce")
+    seen = page.evaluate("seen.get(document.getElementById('curve'))")
+    ((_, left, top, right, bottom),) = [text for text in seen["texts"] if text[0] == "quick return"]
     assert len(seen["points"]) > 500
-    assert not [place for place in seen["points"] if x < place[0] < x + width and low < place[1] < high]
+    assert not [place for place in seen["points"] if left < place[0] < right and top < place[1] < bottom]
 
 
 def test_the_curve_tells_values_zooms_and_is_taken_away(opened: Open) -> None:
@@ -226,7 +164,7 @@ def test_the_curve_tells_values_zooms_and_is_taken_away(opened: Open) -> None:
 def test_tables_are_sorted_and_filtered(opened: Open) -> None:
     page = opened("#chapter=runs")
     page.locator("#table-run_by_engine th[data-column='pre_frequency [Hz]'] button").click()
-    values = page.locator("#table-run_by_engine tbody tr").evaluate_all("rows => rows.map(row => row.cells[4].dataset.value)")
+    values = page.locator("#table-run_by_engine tbody tr").evaluate_all("rows => rows.map(row => row.cells[8].dataset.value)")
     known = [float(value) for value in values if value]
     assert known == sorted(known)
     assert len(known) > 4
@@ -238,14 +176,13 @@ def test_tables_are_sorted_and_filtered(opened: Open) -> None:
 def test_nothing_overflows_a_telephone_and_no_picture_is_empty(opened: Open, scheme: str) -> None:
     page = opened("#at=200", width=390, height=844, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details.chapter').forEach(each => { each.open = true; })")
-    page.wait_for_function("[...document.querySelectorAll('.drawn, #signals')].every(each => each.children.length)", timeout=20_000)
-    page.wait_for_timeout(500)
+    page.wait_for_function("[...document.querySelectorAll('.drawn, #signals')].every(each => each.children.length || !each.clientWidth)")
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert drawn(page, "stage")
     assert drawn(page, "curve")
-    for holder in page.locator(".drawn, #signals").all():
+    for holder in page.locator(".drawn:visible, #signals").all():
         assert len(holder.screenshot()) > 5000  # a blank one of this size takes some 1,000 bytes
-    labels = page.locator("canvas[role=img], .drawn").evaluate_all("all => all.map(each => each.getAttribute('aria-label'))")
+    labels = page.locator("canvas[role=img][id], .drawn").evaluate_all("all => all.map(each => each.getAttribute('aria-label'))")
     assert all(label and len(label) > 20 for label in labels)
 
 
@@ -301,11 +238,86 @@ def test_an_animation_of_its_own_runs_over_time(opened: Open, tmp_path: Path) ->
     assert page.locator("details").count() == 0
 
 
-def test_on_paper_there_are_stills_and_no_buttons(opened: Open) -> None:
-    page = opened()
+def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) -> None:
+    page = opened(color_scheme="dark")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print")
     assert page.locator("#stills canvas").count() == 4
-    assert page.locator("button:visible").count() == 0
+    assert page.locator("button:not(.sort, .remark):visible").count() == 0
     stills = page.locator("#stills canvas").evaluate_all("all => all.map(canvas => canvas.toDataURL())")
     assert len(set(stills)) == 4
+    assert page.locator("details:not([open])").count() == 0
+    widths = page.locator(".chart, #signals canvas, #curve").evaluate_all("all => all.map(each => each.getBoundingClientRect().width)")
+    assert len(widths) == page.locator(".drawn:visible, #signals canvas, #curve").count()
+    assert all(600 < width <= 700 for width in widths)  # of a sheet's 703 between its margins
+    sharp = page.locator("#signals canvas").evaluate_all("all => all.map(canvas => canvas.width / canvas.clientWidth)")
+    assert min(sharp) > 2.9  # dots to a pixel
+    assert page.evaluate("getComputedStyle(document.querySelector('.chart rect')).fill") == "rgb(255, 255, 255)"
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.locator("details[open]").count() == 0
+
+
+def test_paper_shows_the_chapters_that_are_open_with_all_that_is_in_them(opened: Open) -> None:
+    page = opened("#at=0&chapter=methods")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("details.chapter[open]").evaluate_all("all => all.map(each => each.id)") == ["methods"]
+    assert page.locator("#methods details:not([open])").count() == 0
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.locator("#methods details[open]").count() == 0
+    assert page.locator("#methods").get_attribute("open") is not None
+
+
+def test_parts_of_a_chapter_have_addresses(opened: Open) -> None:
+    page = opened("#at=0&chapter=methods")
+    page.get_by_role("link", name="Measured: the other scenes").click()
+    page.wait_for_url("**section=methods-scenes**")
+    assert page.evaluate("Math.abs(document.getElementById('methods-scenes').getBoundingClientRect().top)") < 2.0
+    again = opened("#at=0&chapter=methods&section=methods-thesis-17")
+    assert again.locator("#methods-thesis-17").get_attribute("open") is not None
+    assert again.locator("#methods-thesis-17 .chart").count() == 2
+    again.wait_for_url("**section=methods-thesis-17**")
+
+
+def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None:
+    page = opened("#at=0&chapter=methods", has_touch=True, width=390, height=844)
+    page.locator("#table-fastest .remark").first.tap()
+    assert page.inner_text("#remark span").endswith("modes 2, tolerance 1e-7")
+    page.locator("#remark button").tap()
+    assert page.locator("#remark").is_hidden()
+    page.locator("#methods .chart").first.locator("[data-series=reference] circle").first.tap()
+    assert page.locator("#methods .reading").first.inner_text().startswith("reference: modes 2, tolerance 1e-7; 2.0")
+
+
+def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
+    page = opened("#chapter=methods")
+    choices = page.locator("#methods .choices").first
+    first, second = choices.locator(".drawn").all()
+    for name, shown, other in (
+        ("solving alone", first, second),
+        ("all that one waits for", second, first),
+        ("solving alone", first, second),
+    ):
+        choices.get_by_role("radio", name=name).check()
+        shown.locator(".chart").wait_for()
+        assert shown.is_visible()
+        assert not other.is_visible()
+        assert len(shown.screenshot()) > 5000
+
+
+def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switched_off(opened: Open, tmp_path: Path) -> None:
+    write(Content(results=[made_up_result("example")], facts=machine_facts()), tmp_path)
+    own = (tmp_path / "index.html").as_uri()
+    page = opened("#at=100", url=own)
+    assert page.is_checked("#stress")
+    with_band = drawn(page, "stage")
+    page.uncheck("#stress")
+    without = drawn(page, "stage")
+    assert without not in ("", with_band)
+    page.wait_for_function("location.hash.includes('stress=off')")
+    again = opened(page.evaluate("location.hash"), url=own, width=390)
+    assert not again.is_checked("#stress")
+    assert again.evaluate("document.documentElement.scrollWidth") <= 390
+    tops = again.evaluate("['.numbers', '#stage'].map(each => document.querySelector(each).getBoundingClientRect().top)")
+    assert tops[0] < tops[1]  # on a telephone the answer comes before the picture
+    assert page.locator(".told .numbers dt").count() == 8
+    assert opened().locator("#stress").count() == 0  # the thesis' page keeps its first screen

@@ -7,12 +7,15 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
 from cases.experiment import axis_labels
 from cases.runs.comparison import CaseResult
+from engines.registry import MAIN, RIVALS
 from reports.document_pictures import png
+from reports.looks import looks
 from reports.plots import cycle, recorded, work_precision
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.plotted_results import made_up_result, with_table
@@ -118,6 +121,12 @@ def test_methods_that_completed_nothing_have_no_mark() -> None:
     _check(figure)
     assert "nodal-load" not in _texts(figure)
     assert {"reference", "multiplier, elements"} <= set(_texts(figure))
+
+
+def test_the_file_keeps_the_colours_of_its_lines() -> None:
+    names = [name for name in looks((*MAIN, *RIVALS)) if name not in ("nodal-load", "mujoco", "fixed-shapes", "stiff-spring")]
+    colours = Image.open(io.BytesIO(png(work_precision.draw(made_up_benchmark())))).convert("RGB").getcolors(100_000)
+    assert {to_rgb(look.light) for look in looks(names).values()} <= {tuple(part / 255.0 for part in colour) for _, colour in colours or []}
 
 
 def test_the_front_lies_below_the_points() -> None:

@@ -20,16 +20,19 @@ from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, CaseResult, Check, compare
 from cases.runs.estimates import EstimatedConsensus
 from cases.runs.request import Run
-from reports.findings.agreement import differences, spread
-from reports.findings.axes import axis_comparisons
+from reports.findings.agreement import differences, outward, spread
+from reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from reports.findings.failures import INCOMPLETE, troubles
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
-from reports.findings.raw_extremes import VISIBLE, counted_excess, counted_frequency
+from reports.findings.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
 from reports.page.answer import answer_of
 from reports.page.chapters import chapters_of
 from reports.page.content import Content
+from reports.page.facts import thesis
+from reports.page.facts.agreement import run_map
 from reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
+from tests.reports import pages
 from tests.reports.plotted_results import with_run, with_table
 from tests.reports.reported_results import reported_result
 
@@ -179,6 +182,44 @@ def test_differences_are_relative_to_the_other_engine_and_extremes_to_its_peak()
     assert extreme.relative == pytest.approx((mine.minimum - other.minimum) / reference.peak("strain_1"))
 
 
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+def test_a_difference_of_peaks_tells_which_engine_swings_further(factor: float) -> None:
+    result = reported_result("thesis-24")
+    smaller = [
+        dataclasses.replace(each, minimum=factor * each.minimum, maximum=factor * each.maximum)
+        for each in result.runs["reference"].measures
+    ]
+    result = with_run(result, "exudyn", measures=tuple(smaller))
+    signed = [outward(each.quantity, each.relative) for each in differences([result], "exudyn", "extreme")]
+    # minima are negative and maxima positive in these made-up signals; both are about as large as the peak, which is 1.01 of the signal's
+    assert signed == pytest.approx([factor - 1.0] * len(signed), rel=0.05)
+    (row,) = run_map([result]).rows
+    assert row["exudyn_extreme_difference"].value == max(signed, key=abs)
+
+
+def test_a_label_of_half_the_peak_is_missed_by_as_much_as_one_of_twice_the_peak() -> None:
+    assert misfit([0.5]) == pytest.approx(misfit([2.0])) == pytest.approx(2.0)
+    assert misfit([1.0, 1.0, 4.0]) == 1.0
+
+
+@pytest.mark.parametrize(("cubic", "converged", "worse"), [(1.0, 2.0, True), (2.0, 1.0, False), (0.4, 2.0, False), (0.6, 2.0, True)])
+def test_what_is_further_from_the_labels_fits_worse(cubic: float, converged: float, worse: bool) -> None:
+    axes = [AxisComparison("A.1", 1, "strain", 1e-4, {"thesis": cubic, "reference": converged})]
+    assert fits_worse(axes) is worse
+    assert not fits_worse([dataclasses.replace(axes[0], ratios={"reference": converged})])
+
+
+def test_figures_with_measured_curves_alone_are_told_apart(run_24: CaseResult) -> None:
+    assert [(axis.figure, axis.channel) for axis in measured_alone([run_24])] == [
+        ("3.7", "tip_acceleration"),
+        ("3.8", "strain"),
+        ("3.9", "strain"),
+    ]
+    (strain,) = (axis for axis in measured_alone([run_24]) if axis.figure == "3.8")
+    peak = max(run_24.runs["thesis"].peak(name) for name in CHANNELS[1:])
+    assert strain.ratios["thesis"] == pytest.approx(peak / 1.5e-4)  # the axis reads 0.015 percent
+
+
 def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
     found = {run.engine: run.status in INCOMPLETE for _, run in troubles([reported_result("thesis-24", statuses)])}
@@ -302,3 +343,20 @@ def test_classes_count_runs() -> None:
     assert rows["thesis"][-2:] == [2, 0]
     assert rows["reference"] == [0, 0, 2, 0, 0, 0, 0]
     assert rows["exudyn"][-1] == 1
+
+
+@pytest.mark.parametrize(("before", "explained"), [(0.0, True), (0.04, True), (-0.2, False), (0.08, False)])
+def test_counts_that_miss_the_thesis_words_before_the_return_are_no_explanation_of_them(
+    monkeypatch: pytest.MonkeyPatch, before: float, explained: bool
+) -> None:
+    medians = {"pre": before, "post": 0.12}
+    excesses = [
+        Excess(median=median, lowest=median, highest=median, count=3, visible=visible, half=half, channel=channel)
+        for visible in VISIBLE
+        for half, median in medians.items()
+        for channel in CHANNELS
+    ]
+    monkeypatch.setattr(thesis, "counted_excess", lambda _: excesses)
+    told = pages.text_of(pages.one_run())
+    assert "So the halves differ as the thesis says." in told
+    assert ("that part of its words this does not explain" in told) is not explained

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from reports.tables.table import Cell, Column, Table
-from reports.words import cost, counted, listed, number, percent, size
+from reports.words import angle, cost, counted, listed, number, percent, settings_words, size
 
 
 def made(**cells: object) -> Table:
@@ -68,8 +68,24 @@ def test_numbers_are_written_as_people_write_them() -> None:
     assert number(-1.5, ".1f") == "−1.5"
     assert number(-0.001, ".2f") == "0.00"  # no negative zero
     assert number(math.inf, ".1f") == "∞"
+    assert [number(value, ".2g") for value in (123.4, 99.7, -1234.0, 1e6, 0.00123)] == ["120", "100", "−1200", "1000000", "0.0012"]
+    assert [number(value, ".2g") for value in (1.4e-5, 1e-7, -2.5e9)] == ["1.4·10⁻⁵", "10⁻⁷", "−2.5·10⁹"]
+    assert number(1234.0, "+.2g") == "+1200"
+    assert settings_words({"tolerance": 1e-7, "time_step": 2.5e-12, "modes": 3}) == "tolerance 1e-7, time step 2.5e-12, modes 3"
     assert percent(0.0123) == "1.23\N{NO-BREAK SPACE}%"
     assert [size(share) for share in (0.123, -0.0123, 0.00123)] == [f"{text}\N{NO-BREAK SPACE}%" for text in ("12", "1.2", "0.12")]
     assert listed(["a", "b", "c"]) == "a, b and c"
     assert counted(1, "run") == "1\N{NO-BREAK SPACE}run"
     assert counted(2, "half", "halves") == "2\N{NO-BREAK SPACE}halves"
+
+
+def test_crank_angles_are_shown_within_one_turn() -> None:
+    assert [angle(degrees) for degrees in (0.0, 91.5, 360.0, 451.0, 540.0, -90.0)] == ["0°", "91.5°", "360°", "91°", "180°", "270°"]
+
+
+def test_a_table_tells_what_its_headings_mean() -> None:
+    table = Table(
+        "machine",
+        ("run", Column("f", "f₁", meaning="of all"), Column("g", "f₁", meaning="of all"), Column("h", in_page=False, meaning="no")),
+    )
+    assert table.meanings == {"f₁": "of all"}

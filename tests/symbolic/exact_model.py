@@ -40,6 +40,7 @@ class Evaluation(TypedDict):
     projected_force: Array  # (1 + n,) so that projected_mass_matrix @ accelerations = projected_force
     multiplier: Array  # (2,) force of the slider on the follower along n1 and n2, N
     slider_force: float  # N, its part along the follower's normal (-W', 1 - g)
+    bearings: Array  # (4,) forces of the ground on the base at P and on the crank at O, along n1 and n2 each, N
     kinetic_energy: float  # J
     strain_energy: float  # J
     gravity_energy: float  # J, zero at O
@@ -257,6 +258,10 @@ class _Mechanism:
         slider = mpmath.mpc(*mpmath.lu_solve(moving, mpmath.matrix(opening)))
         normal = mpmath.j * tangent
         fixed, here = slider * mpmath.expj(q2), closed(y)
+        points = len(self.weights) + 3  # the beam's, then the tip's, crank's and slider's
+        lacks = lacking[:points] + mpmath.j * lacking[points : 2 * points]
+        pivot = lacks[:-2].sum() - mpmath.mpc(p["force_1"], p["force_2"]) - fixed
+        at_crank = lacks[-2:].sum() + fixed
         return Evaluation(
             follower_angle=float(q2),
             slider_position=float(s),
@@ -267,6 +272,7 @@ class _Mechanism:
             projected_force=force.astype(float),
             multiplier=np.array([float(fixed.real), float(fixed.imag)]),
             slider_force=float(mpmath.re(slider * mpmath.conj(normal)) / abs(normal)),
+            bearings=np.array([pivot.real, pivot.imag, at_crank.real, at_crank.imag], dtype=float),
             kinetic_energy=float(np.dot(mass, speeds[:-2] ** 2) / 2),
             strain_energy=float(self.strain_energy(eta)),
             gravity_energy=float(-np.dot(weight, here[:-2])),

@@ -1,15 +1,23 @@
 """Who agrees with whom."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
-from cases.runs.comparison import REFERENCE, CaseResult, not_judged
-from reports.findings.agreement import differences, engines_of
+from cases.runs.comparison import REFERENCE, CaseResult, Kind, not_judged
+from reports.findings.agreement import differences, engines_of, outward
+from reports.findings.sharpness import sharpness
 from reports.page.answer import answer_of
 from reports.page.content import Content
+from reports.page.plot import Plot, Series
 from reports.tables import claims
 from reports.tables.table import Cell, Column, Mark, Table
-from reports.words import case_label
+from reports.words import QUANTITY, case_label, number, place
+
+#: Differences below this part of the tolerance are drawn at it: the logarithmic axis has no zero.
+LEAST_USED = 1e-5
+
+#: Kinds of numbers of which the chapter says how sharply they are compared -> the word for one of them.
+TOLD: Final[Mapping[Kind, str]] = {"frequency": "frequency", "extreme": "peak", "amplitude": "amplitude"}
 
 
 def agreement(content: Content) -> dict[str, Any] | None:
@@ -19,6 +27,7 @@ def agreement(content: Content) -> dict[str, Any] | None:
     if len(names) < 2:
         return None
     checks = [check for result in results for check in result.checks]
+    sharp = sharpness(results)
     judged = {check.engine for check in checks} | {check.other for check in checks}
     return {
         "answer": answer_of(content),
@@ -26,6 +35,10 @@ def agreement(content: Content) -> dict[str, Any] | None:
         "missed": [check for check in checks if not check.passed],
         "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
         "unjudged": {name: _why(results, name) for name in names if name not in judged},
+        "plot": _used(results) if checks else None,
+        "sharpness": {word: found for kind, word in TOLD.items() if (found := [each for each in sharp if each.kind == kind])},
+        "most_used": max((each.used for each in sharp), default=0.0),
+        "sharp": claims.sharp(sharp),
         "map": run_map(results),
         "summary": claims.summary(results),
         "departures": claims.departures(results),
@@ -35,6 +48,19 @@ def agreement(content: Content) -> dict[str, Any] | None:
 
 def _why(results: Sequence[CaseResult], name: str) -> str:
     return next((why for result in results if name in result.runs and (why := not_judged(result.runs[name]))), "nothing to compare with")
+
+
+def _used(results: Sequence[CaseResult]) -> Plot:
+    """The difference over the tolerance of every comparison, a row for each quantity, by engine."""
+    found = [(result.case.name, check) for result in results for check in result.checks if check.tolerance > 0.0]
+    series = []
+    for name in dict.fromkeys(check.engine for _, check in found):
+        mine = [(case, check, abs(check.difference) / check.tolerance) for case, check in found if check.engine == name]
+        texts = [f"{place(case, check.half, check.channel)}, {number(used, '.2g')} of the tolerance" for case, check, used in mine]
+        used = [max(used, LEAST_USED) for *_, used in mine]
+        series.append(Series(name, name, [QUANTITY[check.quantity] for _, check, _ in mine], used, texts, line=False))
+    quantities = [words for key, words in QUANTITY.items() if any(check.quantity == key for _, check in found)]
+    return Plot("compared.csv", "", "difference over tolerance", series, "y", categories=quantities, limit=(1.0, "tolerance"))
 
 
 def run_map(results: Sequence[CaseResult]) -> Table:
@@ -63,7 +89,7 @@ def _map_cells(result: CaseResult, name: str) -> dict[str, Cell]:
     mark: Mark = "missed" if beyond else "open" if why else "good"
     cells = {}
     for kind in ("frequency", "extreme"):
-        found = [found.relative for found in differences([result], name, kind)]
+        found = [outward(each.quantity, each.relative) for each in differences([result], name, kind)]
         largest = max(found, key=abs, default=None)
         cells[f"{name}_{kind}_difference"] = Cell(largest, "n. r." if largest is None else "", why, "open" if why else "good", opens)
     return cells | {f"{name}_beyond": Cell(None, "–", why, mark, opens) if why else Cell(beyond, mark=mark, run=opens)}

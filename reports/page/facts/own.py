@@ -33,10 +33,12 @@ def next_steps(content: Content) -> dict[str, Any] | None:
 def provenance(content: Content) -> dict[str, Any]:
     """Engines, versions, machine, settings, failures, assumptions, verification."""
     torque, weight = _gravity(content)
+    runs = [run for result in content.results for run in result.runs.values()]
     return {
         "troubles": content.troubles,
         "meanings": {status: meaning for status, meaning in MEANINGS.items() if status in {run.status for _, run in content.troubles}},
         "settled": MEANINGS[SETTLED],
+        "of_integration": list(dict.fromkeys(run.engine for run in runs if run.usable and run.estimate_of == "integration")),
         "study_failures": () if content.studies is None else content.studies.failures,
         "notices": content.notices,
         "of_thesis": bool(content.thesis_results),

@@ -4,7 +4,7 @@ from typing import Any
 
 from cases.library import inconsistencies
 from cases.library.thesis import RUNS
-from reports.findings.agreement import engines_of, resolvable
+from reports.findings.agreement import engines_of, outward, resolvable
 from reports.page.content import Content
 from reports.tables import engines, experiment
 from reports.tables.claims import table_departures
@@ -51,4 +51,4 @@ def run_by_run(content: Content) -> dict[str, Any]:
         }
         for result in content.results
     ]
-    return {"sections": sections, "tables": [section["table"] for section in sections]}
+    return {"sections": sections, "outward": outward, "tables": [section["table"] for section in sections]}

@@ -29,15 +29,15 @@ def open_points(content: Content) -> dict[str, Any] | None:
     found = content.studies.sensitivity
     return {
         "notable": NOTABLE,
-        "frequency": _strongest(found, "first_mode_frequency"),
-        "amplitude": _strongest(found, "first_mode_amplitude"),
+        "frequency": strongest(found, "first_mode_frequency"),
+        "amplitude": strongest(found, "first_mode_amplitude"),
         "failures": content.studies.failures,
         "plot": _sensitivity(found),
         "table": tables.sensitivity(found),
     }
 
 
-def _strongest(found: Sequence[Moved], quantity: str) -> list[tuple[str, float]]:
+def strongest(found: Sequence[Moved], quantity: str) -> list[tuple[str, float]]:
     """Changes and how far they move a quantity at most, the strongest first."""
     largest: dict[str, float] = {}
     for each in found:
@@ -53,9 +53,10 @@ def _sensitivity(found: Sequence[Moved]) -> Plot:
         moved = {each.change: each.relative_change or 0.0 for each in known if (each.run, each.half) == (run, half)}
         texts = [f"{change}: {size(share)}" for change, share in moved.items()]
         shown = [100.0 * share for share in moved.values()]
-        series.append(Series(f"{case_label(run)}, {HALF[half]}", "", list(moved), shown, texts, line=False))
+        name = case_label(run)
+        series.append(Series(f"{name}, {HALF[half]}", name, list(moved), shown, texts, hollow=half == "post", line=False))
     changes = list(dict.fromkeys(each.change for each in known))
-    return Plot("sensitivity.csv", "", "change of the first-mode frequency [%]", series, categories=changes, legend="bottom_left")
+    return Plot("sensitivity.csv", "", "change of the first-mode frequency [%]", series, categories=changes)
 
 
 def accuracy(content: Content) -> dict[str, Any] | None:
@@ -96,8 +97,8 @@ def _convergence(runs: Sequence[StudiedRun]) -> Plot | None:
     for name in ESTIMATED:
         errors = [run.errors[name] for run in finest]
         texts = [f"{n} modes: {size(error)}" for n, error in zip(modes, errors, strict=True)]
-        series.append(Series(name.replace("_", " "), "", modes, errors, texts))
-    return Plot("convergence.csv", "modes", "error, RMS over RMS", series, "y")
+        series.append(Series(name.replace("_", " "), name, modes, [100.0 * error for error in errors], texts))
+    return Plot("convergence.csv", "modes", "error, RMS over RMS [%]", series, "y")
 
 
 def _saved(found: Table) -> dict[str, float] | None:

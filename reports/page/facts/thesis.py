@@ -1,6 +1,6 @@
 """What belongs to the thesis: its model against the converged one, its statements, the experiment, its inconsistencies."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -9,15 +9,17 @@ from cases.experiment import statements
 from cases.experiment.stiffness import stiffness_reading
 from cases.library import inconsistencies
 from cases.measures import CHANNELS
+from cases.runs.comparison import REFERENCE
 from engines.registry import OWN
 from reports.findings.agreement import differences, engines_of
-from reports.findings.axes import axis_comparisons
-from reports.findings.conclusions import CANNOT_FOLLOW, MODEL, NOT
+from reports.findings.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
+from reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, MODEL, NOT, OUTCOMES
 from reports.findings.raw_extremes import Excess, counted_excess
 from reports.page.content import Content
+from reports.page.facts.studies import strongest
 from reports.tables import experiment as experiment_tables
 from reports.tables import thesis_view as tables
-from reports.words import HALF
+from reports.words import HALF, span
 
 #: Hz, the mode that section 3.4 reads off run 24.
 SECOND_MODE: Final = next(found.low for found in statements() if found.id == "second-mode")
@@ -38,9 +40,14 @@ def thesis(content: Content) -> dict[str, Any] | None:
     joints = content.frozen_crank.joints if content.frozen_crank is not None else ()
     return {
         "conclusions": conclusions,
+        "outcomes": {outcome: count for outcome in OUTCOMES if (count := sum(each.outcome == outcome for each in conclusions))},
         "contradicted": [each.statement.words for each in conclusions if each.outcome == NOT],
         "not_following": [each.statement.words for each in conclusions if each.outcome == CANNOT_FOLLOW],
         "medians": {half: float(np.median(ratios)) for half, ratios in found.items() if ratios},
+        "resolved": {half: len(ratios) for half, ratios in found.items()},
+        "alike": ALIKE,
+        "accurate": ACCURATE,
+        "fits_worse": fits_worse(axis_comparisons(results)),
         "fitted": fitted,
         "strains": {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF},
         "larger_after": _larger_after(excesses),
@@ -71,19 +78,37 @@ def experiment(content: Content) -> dict[str, Any] | None:
     """What is left of the experiment; None without a run of the thesis."""
     if not content.thesis_results:
         return None
-    axes = axis_comparisons(content.results)
+    axes, alone = axis_comparisons(content.results), measured_alone(content.results)
+    engines = [name for name in engines_of(content.results) if name in OWN]
     ratios: dict[str, dict[str, list[float]]] = {}
-    for channel in ("strain", "tip_acceleration"):
-        for engine in (name for name in engines_of(content.results) if name in OWN):
-            found = [axis.ratios[engine] for axis in axes if axis.channel == channel and engine in axis.ratios]
+    for channel in COLUMNS:
+        for engine in engines:
+            found = ratios_of(axes, channel, engine)
             if found:
                 ratios.setdefault(channel, {})[engine] = found
+    misfits = {channel: {name: misfit(found) for name, found in of_engines.items()} for channel, of_engines in ratios.items()}
     return {
         "model": MODEL,
+        "reference": REFERENCE,
         "ratios": ratios,
+        "ranges": {channel: _ranges(of_engines) for channel, of_engines in ratios.items()},
+        "misfits": misfits,
+        "fits_worse": fits_worse(axes),
+        "alone": max((axis for axis in alone if axis.channel == "strain"), key=lambda axis: axis.largest_label, default=None),
+        "stiffness": stiffness_reading([]),
+        "moved": strongest(content.studies.sensitivity, "first_mode_amplitude")[:1] if content.studies else [],
         "recorded": any(item.counts for item in content.comparisons),
-        "speeds": experiment_tables.speeds_and_axes(content.results, axes),
+        "speeds": experiment_tables.speeds_and_axes(content.results, axes, engines),
+        "alone_table": experiment_tables.measured_alone(alone, engines),
     }
+
+
+def _ranges(ratios: Mapping[str, Sequence[float]]) -> dict[str, list[str]]:
+    """Range of the ratios as the page tells it -> the engines of which it is told."""
+    told: dict[str, list[str]] = {}
+    for name, found in ratios.items():
+        told.setdefault(span(min(found), max(found), ".2f"), []).append(name)
+    return told
 
 
 def inconsistencies_found(content: Content) -> dict[str, Any] | None:

@@ -41,6 +41,7 @@ class Curve {
     }
     this.window = window;
     this.redraw?.();
+    this.zoomed?.(window);
   }
 
   zoomBy(factor, about) {
@@ -71,6 +72,7 @@ class Curve {
     else this.chosen(at);
   }
 
+  /** With the cursor at a place; null: without. */
   draw(at) {
     const { context: pen, width, height } = fitted(this.canvas);
     if (!this.motion || width === 0) return;
@@ -95,13 +97,13 @@ class Curve {
     pen.save();
     pen.beginPath(); pen.rect(left, above - 4, width - left - right, height - above - below + 8); pen.clip();
     for (const engine of this.engines) {
-      const { width: broad, dash } = this.looks[engine], cursor = motion.cursors[engine], values = this.series[engine];
+      const { width: broad, dash, offset } = this.looks[engine], cursor = motion.cursors[engine], values = this.series[engine];
       stroke(pen, this.engineColour(engine), Math.max(1.4, 0.85 * broad), () => {
         for (let k = 0; k < values.length; k++) {
           if (cursor[Math.min(k + 1, values.length - 1)] < from || cursor[Math.max(0, k - 1)] > to) continue;
           pen.lineTo(x(cursor[k]), y(values[k]));
         }
-      }, "butt", dash);
+      }, "butt", dash, offset);
     }
     if (quick) {
       pen.font = "600 12px system-ui, sans-serif"; pen.textAlign = "left";
@@ -116,10 +118,10 @@ class Curve {
       pen.strokeStyle = colours["quick-wash"]; pen.lineWidth = 5; pen.strokeText("quick return", ...place);
       pen.fillStyle = colours["quick-ink"]; pen.fillText("quick return", ...place);
     }
-    stroke(pen, colours.ink, 1.3, () => { pen.moveTo(x(at), above); pen.lineTo(x(at), height - below); }, "butt");
+    if (at !== null) stroke(pen, colours.ink, 1.3, () => { pen.moveTo(x(at), above); pen.lineTo(x(at), height - below); }, "butt");
     if (this.hover !== null) stroke(pen, colours.soft, 1, () => { pen.moveTo(x(this.hover), above); pen.lineTo(x(this.hover), height - below); }, "butt", [3, 3]);
-    for (const engine of this.engines) {
-      const where = this.hover ?? at;
+    const where = this.hover ?? at;
+    if (where !== null) for (const engine of this.engines) {
       dot(pen, [x(where), y(this.signal.factor * motion.value(engine, this.signal.name, where))], 3.5, this.engineColour(engine), colours.ground, 1);
     }
     pen.restore();
@@ -164,7 +166,7 @@ class Curve {
   }
 
   cursorText(cursor) {
-    return this.motion.cyclic ? `${written(this.motion.begin + this.motion.turning * cursor)}°` : `${written(cursor)} s`;
+    return this.motion.cyclic ? angleText(this.motion.begin + this.motion.turning * cursor) : `${written(cursor)} s`;
   }
 }
 
@@ -174,6 +176,9 @@ function ticks(low, high, most) {
   const step = [1, 2, 5, 10].map((round) => round * decade).find((round) => round >= raw * (1 - 1e-12));
   return Array.from({ length: Math.floor(high / step + 1e-9) - Math.ceil(low / step - 1e-9) + 1 }, (_, k) => (Math.ceil(low / step - 1e-9) + k) * step);
 }
+
+/** A crank angle from 0 to 360 degrees: 451 is 91°. */
+const angleText = (degrees) => `${written(degrees >= 0 && degrees <= 360 ? degrees : (degrees % 360 + 360) % 360)}°`;
 
 /** A number as people write it. */
 function written(value, digits = 6) {

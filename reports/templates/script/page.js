@@ -4,14 +4,14 @@ const element = (id) => document.getElementById(id);
 const DATA = JSON.parse(element("view").textContent);
 const looks = DATA.looks;
 const SPEEDS = [1, 2, 5, 10, 20, 50, 100];
-const state = { run: DATA.start, engines: DATA.engines, at: 0, signal: "tip_acceleration", bend: "auto", chapter: "" };
+const state = { run: DATA.start, engines: DATA.engines, at: 0, signal: "tip_acceleration", bend: "auto", stress: true, chapter: "", section: "" };
 const still = window.matchMedia("(prefers-reduced-motion: reduce)");
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 let motion = null, playing = false, before = 0, factor = 1, loading = 0, writing = 0;
 let showPlots = () => {};  // of the chapters, where there are any: called when engines, run, colours or width change
 
-const isDark = () => (document.documentElement.dataset.theme ?? (dark.matches ? "dark" : "light")) === "dark";
-const engineColour = (name) => looks[name] ? looks[name][isDark() ? "dark" : "light"] : colour("soft");
+const isDark = () => !onPaper() && (document.documentElement.dataset.theme ?? (dark.matches ? "dark" : "light")) === "dark";
+const engineColour = (name) => Object.hasOwn(looks, name) ? looks[name][isDark() ? "dark" : "light"] : colour("soft");
 const drawnOrder = () => state.engines.filter((name) => motion?.tables[name]).sort((a, b) => looks[a].order - looks[b].order);
 const runOf = (name) => DATA.runs.find((run) => run.name === name);
 const signalOf = (name) => ({ name, ...DATA.signals[name] });
@@ -30,7 +30,9 @@ function readAddress(hash) {
   if (Object.hasOwn(DATA.signals, given.get("signal") ?? "")) wanted.signal = given.get("signal");
   if (given.has("at") && Number.isFinite(Number(given.get("at")))) wanted.at = Math.max(0, Number(given.get("at")));
   if (given.get("bend") === "auto" || Number(given.get("bend")) >= 1) wanted.bend = given.get("bend");
+  if (given.has("stress")) wanted.stress = given.get("stress") !== "off";
   if (given.has("chapter")) wanted.chapter = chapters().some((found) => found.id === given.get("chapter")) ? given.get("chapter") : "";
+  if (given.has("chapter")) wanted.section = sectionIn(wanted.chapter, given.get("section")) ? given.get("section") : "";
   return { wanted, at: given.has("at") };
 }
 
@@ -43,7 +45,9 @@ function writeAddress() {
 function writeNow() {
   const told = new URLSearchParams({ run: state.run, engines: state.engines.join(","), at: String(Number(state.at.toFixed(3))), signal: state.signal });
   if (state.bend !== "auto") told.set("bend", state.bend);
+  if (!state.stress) told.set("stress", "off");
   if (state.chapter) told.set("chapter", state.chapter);
+  if (state.chapter && state.section) told.set("section", state.section);
   history.replaceState(null, "", `#${told.toString().replaceAll("%2C", ",")}`);
 }
 
@@ -51,10 +55,10 @@ function writeNow() {
 async function follow({ newURL }) {
   const { hash } = new URL(newURL), { wanted, at } = readAddress(hash);
   clearTimeout(writing);
-  const opened = wanted.chapter !== state.chapter;
+  const opened = wanted.chapter !== state.chapter || wanted.section !== "";
   if (at) pause();
   await change(wanted);
-  if (opened && wanted.chapter) openChapter(wanted.chapter);
+  if (opened && wanted.chapter) openChapter(wanted.chapter, wanted.section);
   else if (hash.includes("run=") && !wanted.chapter && opened) window.scrollTo({ top: 0 });
 }
 
@@ -82,13 +86,17 @@ function show() {
   if (any) {
     state.at = Math.min(state.at, motion.span);
     factor = state.bend === "auto" ? motion.factor(names.length ? names : motion.engines) : Number(state.bend);
-    stage.show(motion, names, factor, looks);
+    stage.show(motion, names, factor, looks, state.stress ? run.stress : null);
     curve.show(motion, names, looks, signalOf(state.signal));
-    layOutValues();
+    layOutValues(element("values"), curve);
     element("at").max = motion.span;
   }
   element("bend").options[0].textContent = state.bend === "auto" ? `automatic: × ${written(factor)}` : "automatic";
   element("bend").value = state.bend;
+  if (element("stress")) {
+    element("stress").checked = state.stress;
+    element("stressed").hidden = !run.stress;
+  }
   element("signal").value = state.signal;
   const mm = (length) => `${written(1000 * length, 3)} mm`;
   element("caption").textContent = `${run.title} · follower ${mm(run.scene.follower)}, crank ${mm(run.scene.crank)}${any && motion.cyclic ? `, one turn in ${written(1000 * motion.duration, 4)} ms` : ""}`;
@@ -132,21 +140,26 @@ function moveTo(at) {
   if (!playing) writeAddress();
 }
 
-/** What stands above the curve: places for the cursor and each engine's value, filled by `readOut`. */
-function layOutValues() {
-  element("values").replaceChildren(textOf("span", "", "where"), ...curve.engines.map((name) => {
+/** What stands above a curve: places for the cursor and each engine's value, filled by `tellValues`. */
+function layOutValues(holder, shown) {
+  holder.replaceChildren(textOf("span", "", "where"), ...shown.engines.map((name) => {
     const item = textOf("span", "", "value"), mark = textOf("i", "");
     mark.style.background = engineColour(name);
     item.append(mark, `${name} `, textOf("b", ""));
     return item;
-  }), textOf("span", DATA.signals[state.signal].unit));
+  }), textOf("span", shown.signal.unit));
+}
+
+/** The values at a cursor; null: none. */
+function tellValues(holder, shown, at) {
+  const [where, ...items] = holder.children, { name: column, factor: scale } = shown.signal;
+  where.textContent = at === null ? "" : shown.cursorText(Number(at.toFixed(motion.cyclic ? 1 : 4)));
+  shown.engines.forEach((name, k) => { items[k].lastChild.textContent = at === null ? "" : written(scale * motion.value(name, column, at), 4); });
 }
 
 function readOut() {
-  const shown = curve.hover ?? state.at, scale = DATA.signals[state.signal].factor, [where, ...items] = element("values").children;
-  where.textContent = curve.cursorText(Number(shown.toFixed(motion.cyclic ? 1 : 4)));
-  curve.engines.forEach((name, k) => { items[k].lastChild.textContent = written(scale * motion.value(name, state.signal, shown), 4); });
-  const range = element("at"), told = `${motion.cyclic ? `crank ${written(Math.round(motion.begin + motion.turning * state.at))}°, ` : ""}${written(Math.round(1000 * motion.timeAt(state.at)))} ms`;
+  tellValues(element("values"), curve, curve.hover ?? state.at);
+  const range = element("at"), told = `${motion.cyclic ? `crank ${angleText(Math.round(motion.begin + motion.turning * state.at))}, ` : ""}${written(Math.round(1000 * motion.timeAt(state.at)))} ms`;
   range.value = state.at;
   element("where").textContent = told;
   if (!playing) range.setAttribute("aria-valuetext", told);
@@ -213,11 +226,17 @@ function signalTable(signals) {
 
 const chapters = () => [...document.querySelectorAll("details.chapter")];
 
-function openChapter(id) {
+/** A part of a chapter that has a name of its own; null: there is none of that name. */
+const sectionIn = (chapter, id) => [...document.getElementById(chapter)?.querySelectorAll("[data-section]") ?? []].find((found) => found.id === id) ?? null;
+
+function openChapter(id, section = "") {
   const found = chapters().find((chapter) => chapter.id === id);
   if (!found) return;
   found.open = true;
-  found.scrollIntoView({ block: "start" });
+  const part = sectionIn(id, section);
+  if (part?.tagName === "DETAILS") part.open = true;
+  showPlots();
+  (part ?? found).scrollIntoView({ block: "start" });
 }
 
 // ---- wiring
@@ -228,6 +247,7 @@ element("signal").append(...Object.entries(DATA.signals).map(([name, { label }])
 element("signal").addEventListener("change", (event) => change({ signal: event.target.value }));
 element("bend").append(new Option("automatic", "auto"), ...SPEEDS.map((times) => new Option(`× ${times}`, times)));
 element("bend").addEventListener("change", (event) => change({ bend: event.target.value }));
+element("stress")?.addEventListener("change", (event) => change({ stress: event.target.checked }));
 element("speed").append(...SPEEDS.map((times) => new Option(times === 1 ? "as it is" : `1/${times}`, times)));
 element("zoom-in").addEventListener("click", () => curve.zoomBy(0.5, state.at));
 element("zoom-out").addEventListener("click", () => curve.zoomBy(2, state.at));
@@ -244,17 +264,36 @@ for (const box of document.querySelectorAll("#engines input")) box.addEventListe
 for (const button of document.querySelectorAll("#run-buttons button")) button.addEventListener("click", () => change({ run: button.value }));
 element("run")?.addEventListener("change", (event) => change({ run: event.target.value }));
 for (const chapter of chapters()) chapter.addEventListener("toggle", () => {
-  if (chapter.open) state.chapter = chapter.id;
-  else if (state.chapter === chapter.id) state.chapter = "";
+  if (onPaper()) return;
+  if (chapter.open && state.chapter !== chapter.id) [state.chapter, state.section] = [chapter.id, ""];
+  else if (!chapter.open && state.chapter === chapter.id) [state.chapter, state.section] = ["", ""];
   if (chapter.open) showPlots();
   writeAddress();
 });
+for (const part of document.querySelectorAll("details:not(.chapter)")) part.addEventListener("toggle", () => { if (part.open) showPlots(); });
 window.addEventListener("hashchange", follow);
 window.addEventListener("resize", () => { if (motion) moveTo(state.at); showPlots(); });
 dark.addEventListener("change", () => show());
+
+// ---- on paper
+
+let opened = [];  // for printing
+
+/** On paper everything is laid out for its width, in light colours: the chapters that are open, with all that they hold, or all of them. */
 window.addEventListener("beforeprint", () => {
+  if (onPaper()) return;
   pause();
+  document.documentElement.dataset.print = "";
+  const printed = chapters().some((chapter) => chapter.open) ? chapters().filter((chapter) => chapter.open) : chapters();
+  opened = printed.flatMap((chapter) => [chapter, ...chapter.querySelectorAll("details")]).filter((found) => !found.open);
+  for (const found of opened) found.open = true;
+  if (motion) show();
   if (motion?.engines.length) stills();
+});
+window.addEventListener("afterprint", () => {
+  for (const found of opened) found.open = false;
+  delete document.documentElement.dataset.print;
+  if (motion) show();
 });
 
 /** On paper nothing moves: four instants of the motion instead. */
@@ -264,7 +303,7 @@ function stills() {
     canvas.style.cssText = "width:420px;height:240px";
     const still = new Stage(canvas, engineColour), at = motion.span * k / 4;
     document.body.append(canvas);  // a canvas that is not laid out has no size
-    still.show(motion, drawnOrder(), factor, looks);
+    still.show(motion, drawnOrder(), factor, looks, state.stress ? runOf(state.run).stress : null);
     still.draw(at);
     canvas.setAttribute("aria-label", curve.cursorText(at));
     element("stills").append(canvas);
@@ -282,7 +321,7 @@ async function start() {
   await change(wanted);
   const wish = motion.turnSeconds ? 6 / motion.turnSeconds : 1;
   element("speed").value = SPEEDS.findLast((times) => times <= Math.max(1, wish)) ?? 1;
-  if (wanted.chapter) openChapter(wanted.chapter);
+  if (wanted.chapter) openChapter(wanted.chapter, wanted.section);
   document.documentElement.dataset.ready = "true";
   if (!at && !still.matches) play();
 }

@@ -2,11 +2,15 @@
 
 const TEXT = "14px system-ui, sans-serif", BOLD = "600 14px system-ui, sans-serif", SMALL = "12px system-ui, sans-serif";
 
+const BAND = 0.1;  // of the follower's length: how far the largest stress reaches from the arm
 const ARROW = -2.35;  // where on the crank's circle the way of turning stands, rad
 
-/** A canvas made sharp for the screen; its context in CSS pixels, with width and height. */
+/** Whether the page is laid out for printing. */
+const onPaper = () => "print" in document.documentElement.dataset;
+
+/** A canvas made sharp for screen or paper; its context in CSS pixels, with width and height. */
 function fitted(canvas) {
-  const ratio = Math.max(1, window.devicePixelRatio || 1);
+  const ratio = onPaper() ? 3 : Math.max(1, window.devicePixelRatio || 1);
   const { clientWidth: width, clientHeight: height } = canvas;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio);
@@ -21,7 +25,7 @@ function fitted(canvas) {
 
 /** The page's colour of a name, e.g. "ink". */
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-const palette = () => Object.fromEntries(["ink", "soft", "faint", "line", "ground", "quick", "quick-ink", "quick-wash"].map((name) => [name, colour(name)]));
+const palette = () => Object.fromEntries(["ink", "soft", "faint", "line", "ground", "quick", "quick-ink", "quick-wash", "stress"].map((name) => [name, colour(name)]));
 
 class Stage {
   constructor(canvas, engineColour) {
@@ -31,8 +35,8 @@ class Stage {
   }
 
   /** What stays while the mechanism moves; `engines` in the order in which they are drawn. */
-  show(motion, engines, factor, looks) {
-    Object.assign(this, { motion, engines: engines.filter((name) => motion.hasShape(name)), factor, looks });
+  show(motion, engines, factor, looks, stress = null) {
+    Object.assign(this, { motion, engines: engines.filter((name) => motion.hasShape(name)), factor, looks, stress });
     this.bounds = motion.bounds(this.engines, factor);
     this.kept = {};
     this.colours = palette();
@@ -65,9 +69,11 @@ class Stage {
     const end = [P[0] + scale * follower * Math.cos(chord), P[1] + scale * follower * Math.sin(chord)];
     stroke(pen, colours.soft, 1, () => { pen.moveTo(...P); pen.lineTo(...end); }, "butt", [5, 4]);
     this.trail(pen, at, place);
+    const banded = this.stress ? this.engines.indexOf(this.stress.engine) : -1;
+    const edges = banded >= 0 ? this.band(pen, lines[banded], scale, compact) : [];
     this.engines.forEach((name, k) => {
-      const { width: broad, dash } = this.looks[name];
-      stroke(pen, this.engineColour(name), broad, () => smooth(pen, lines[k]), "butt", dash);
+      const { width: broad, dash, offset } = this.looks[name];
+      stroke(pen, this.engineColour(name), broad, () => smooth(pen, lines[k]), "butt", dash, offset);
       if (tip) this.tipBody(pen, lines[k], this.engineColour(name), broad);
     });
 
@@ -77,7 +83,7 @@ class Stage {
     this.sliderBox(pen, C, chord, colours, compact ? 0.8 : 1);
     for (const joint of [O, P, C]) dot(pen, joint, compact ? 3.5 : 4.5, colours.ground, colours.ink, 2);
     this.bar(pen, width, height, scale, colours);
-    this.labels(pen, { O, P, C, radius, quick, lines, width, height, compact });
+    this.labels(pen, { O, P, C, radius, quick, lines, edges, width, height, compact });
   }
 
   /** The way of turning, on the crank's circle. */
@@ -111,6 +117,28 @@ class Stage {
     pen.globalAlpha = 1;
   }
 
+  /** Least and greatest stress of the turn across the arm, as a light band along it, and how much its width means; gives its edges. */
+  band(pen, line, scale, compact) {
+    const { low, high, largest, at, engine } = this.stress, unit = BAND * scale * this.motion.scene.follower / largest;
+    const places = alongLine(line, low.length), edge = (values) => places.map(([x, y, nx, ny], k) => [x + unit * values[k] * nx, y + unit * values[k] * ny]);
+    const upper = edge(high), lower = edge(low), tone = this.colours.stress;
+    pen.globalAlpha = 0.2;
+    pen.fillStyle = tone;
+    pen.beginPath(); [...upper, ...lower.toReversed()].forEach((point, k) => k ? pen.lineTo(...point) : pen.moveTo(...point)); pen.fill();
+    pen.globalAlpha = 1;
+    for (const side of [upper, lower]) stroke(pen, tone, 1, () => side.forEach((point, k) => k ? pen.lineTo(...point) : pen.moveTo(...point)));
+    if (at !== null) {
+      const k = Math.round(at * (places.length - 1));
+      stroke(pen, tone, 2, () => { pen.moveTo(...upper[k]); pen.lineTo(...lower[k]); }, "butt");
+    }
+    const round = roundBelow(largest), length = unit * round, x = 18, y = 26;
+    stroke(pen, tone, 2, () => { pen.moveTo(x, y); pen.lineTo(x, y + length); pen.moveTo(x - 4, y); pen.lineTo(x + 4, y); pen.moveTo(x - 4, y + length); pen.lineTo(x + 4, y + length); }, "butt");
+    pen.font = SMALL; pen.textAlign = "left"; pen.textBaseline = "middle"; pen.fillStyle = this.colours.ink;
+    pen.fillText(`${written(round)} MPa`, x + 9, y + length / 2 - (compact ? 0 : 8));
+    if (!compact) pen.fillText(`bending stress over the turn, ${engine}`, x + 9, y + length / 2 + 8);
+    return [upper, lower];
+  }
+
   tipBody(pen, line, fill, broad) {
     const [a, b] = line.slice(-2), angle = Math.atan2(b[1] - a[1], b[0] - a[0]);
     pen.save();
@@ -142,7 +170,7 @@ class Stage {
   }
 
   /** Names, each at the first of its places where it covers nothing; it stays there as long as it can. */
-  labels(pen, { O, P, C, radius, quick, lines, width, height, compact }) {
+  labels(pen, { O, P, C, radius, quick, lines, edges, width, height, compact }) {
     const { colours } = this, middle = lines.length ? lines[lines.length - 1] : [P, C], [before, nose] = middle.slice(-2);
     const chord = direction(P, C), arm = direction(O, C), end = direction(before, nose), across = ([x, y]) => [-y, x], back = ([x, y]) => [-x, -y];
     const sides = (point, normal, gap) => [[point, normal, gap], [point, back(normal), gap]];
@@ -160,9 +188,10 @@ class Stage {
       const radial = [0.6, -0.6, 0.9, -0.9, 0.3, -0.3, 1.2, -1.2].map((angle) => [Math.cos(angle), Math.sin(angle)]);
       wanted.push(["quick return", BOLD, radial.map((way) => [[O[0] + radius * way[0], O[1] + radius * way[1]], way, 7])]);
     }
-    const taken = [...lines, [O, C], [P, [P[0] + 2 * (C[0] - P[0]), P[1] + 2 * (C[1] - P[1])]]].flatMap(sampled).map((point) => around(point, 3, 3));
+    const taken = [...lines, ...edges, [O, C], [P, [P[0] + 2 * (C[0] - P[0]), P[1] + 2 * (C[1] - P[1])]]].flatMap(sampled).map((point) => around(point, 3, 3));
     taken.push(...[O, P].map(([x, y]) => around([x, y + 5], 12, 12)), around(C, 15, 12), ...lines.map((line) => around(line[line.length - 1], 9, 14)));
     if (quick !== null) for (let k = -12; k <= 12; k++) taken.push(around([O[0] + radius * Math.cos(quick * k / 12), O[1] + radius * Math.sin(quick * k / 12)], 5, 5));
+    if (edges.length) taken.push([0, 0, compact ? 90 : 300, 70]);
     taken.push([width - 150, height - 36, width, height], around([O[0] + radius * Math.cos(ARROW), O[1] + radius * Math.sin(ARROW)], 7, 7));
     pen.textAlign = "center"; pen.textBaseline = "middle";
     for (const [text, font, places] of wanted) {
@@ -184,6 +213,16 @@ const around = ([x, y], w, h) => [x - w, y - h, x + w, y + h];
 const direction = ([x, y], [toX, toY]) => { const length = Math.hypot(toX - x, toY - y) || 1; return [(toX - x) / length, (toY - y) / length]; };
 const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
 
+/** So many places evenly along a polyline, each with the normal there: across the line to its left as it is seen. */
+function alongLine(line, count) {
+  const parts = line.length - 1;
+  return Array.from({ length: count }, (_, k) => {
+    const along = k / (count - 1) * parts, n = Math.min(Math.floor(along), parts - 1), part = along - n;
+    const [a, b] = [line[n], line[n + 1]], [dx, dy] = direction(a, b);
+    return [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]), dy, -dx];
+  });
+}
+
 /** Points along a polyline, some pixels apart. */
 function sampled(line) {
   return line.slice(1).flatMap(([x, y], k) => {
@@ -192,9 +231,9 @@ function sampled(line) {
   });
 }
 
-function stroke(pen, style, width, path, cap = "round", dash = []) {
+function stroke(pen, style, width, path, cap = "round", dash = [], offset = 0) {
   pen.strokeStyle = style; pen.lineWidth = width; pen.lineCap = cap;
-  pen.setLineDash(dash);
+  pen.setLineDash(dash); pen.lineDashOffset = offset;
   pen.beginPath(); path(); pen.stroke();
   pen.setLineDash([]);
 }

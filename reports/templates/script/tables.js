@@ -1,4 +1,4 @@
-// Tables: sorted by a heading, filtered by words.
+// Tables: sorted by a heading, filtered by words; remarks of their cells.
 
 for (const button of document.querySelectorAll("button.sort")) button.addEventListener("click", () => {
   const head = button.closest("th"), table = head.closest("table"), body = table.tBodies[0];
@@ -24,3 +24,14 @@ for (const field of document.querySelectorAll("input.filter")) field.addEventLis
     row.hidden = !words.every((word) => text.includes(word));
   }
 });
+
+// Remarks of cells: a title shows them to a mouse alone, a click or a touch to everybody.
+
+const remark = document.getElementById("remark");
+for (const cell of document.querySelectorAll("button.remark")) cell.addEventListener("click", () => {
+  remark.firstElementChild.textContent = `${cell.textContent}: ${cell.title}`;
+  remark.hidden = false;
+});
+const closed = () => { remark.hidden = true; };
+remark.querySelector("button").addEventListener("click", closed);
+document.addEventListener("keydown", (event) => { if (event.key === "Escape") closed(); });

@@ -3,13 +3,17 @@
 import dataclasses
 import math
 import re
+import time
 
 import pytest
 
-from cases.conformance import GROUPS, conform
+from cases.conformance import GROUPS, checks_of, conform
 from cases.conformance.bench import Bench
-from cases.conformance.repetition import fingerprint, repetition
+from cases.conformance.checks import Fault, looked_at
+from cases.conformance.quantities import followed
+from cases.conformance.repetition import PARTS, Elsewhere, elsewhere, repetition, scenes_in_turn
 from cases.conformance.scenes import BASE, CHANGES
+from cases.conformance.settings import stated_errors
 from engines.base import AnyEngine, Comparison, Simulation
 from engines.exudyn.engine import ExudynEngine
 from engines.exudyn.settings import ExudynSettings
@@ -18,12 +22,26 @@ from engines.mujoco.settings import ChainSettings
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import engine
 from engines.relative import rms
+from engines.simple import QUANTITIES
 from engines.start import Start
 from reference_model.mechanism import Mechanism, Scene, changed
 from tests.cases.conformance.mutants import MUTANTS as FIRST
 from tests.cases.conformance.second_mutants import SECOND
+from tests.cases.conformance.third_mutants import (
+    THIRD,
+    BuiltForAFollower,
+    Coarse,
+    Keeps,
+    KeepsCrank,
+    KeepsFollower,
+    KeepsTip,
+    RaisesInCheck,
+    Slow,
+    Threaded,
+)
+from tests.engines.test_simple import ToyEngine
 
-MUTANTS = FIRST | SECOND
+MUTANTS = FIRST | SECOND | THIRD
 
 
 class EightLinks(MujocoEngine):
@@ -59,6 +77,9 @@ class Stiffer(ReferenceEngine):
         return super().prepare(changed(mechanism, stiffness), start, settings)
 
 
+#: Time of a quick trial in which the slow engine makes a few runs, and what may be compiled or loaded besides, s.
+SHORT = 4.0
+TO_COMPILE = 60.0
 #: One of a column, one of a quantity that is 2 % off, one of frequencies: what takes seconds.
 _QUICK = ("percent", "stiffness 2 %", "frequencies in rad/s")
 
@@ -121,20 +142,89 @@ def test_coarse_engines_that_say_so_are_not_accused(coarse: AnyEngine) -> None:
 
 
 @pytest.mark.parametrize(("part", "status"), [(0.01, "passed"), (0.1, "failed")])
-def test_threads_may_add_in_another_order(part: float, status: str) -> None:
+def test_last_digits_may_differ(part: float, status: str) -> None:
     """By a part of the engine's own error; here in the force, by some millionths of it."""
     bench = Bench(ReferenceEngine())
-    errors, other = bench.estimates(dataclasses.replace(bench.mild, duration=0.1)), fingerprint(bench.engine)
+    errors, found = bench.estimates(dataclasses.replace(bench.mild, duration=0.1)), scenes_in_turn(bench.engine)
     assert errors is not None
-    other["slider_force"] = other["slider_force"] + part * errors["slider_force"]
-    (check,) = [check for check in repetition(Bench(bench.engine, other)) if "process" in check.check]
-    assert check.status == status
+    first = found["the mild scene"]
+    other = first | {"slider_force": first["slider_force"] + part * errors["slider_force"]}
+    alone = {"the mild scene": first, "in another process": other} | {name: found[name] for name in PARTS}
+    checks = {check.check: check.status for check in repetition(bench, Elsewhere(found, alone))}
+    assert checks.pop("the same from another process") == status
+    assert set(checks.values()) == {"passed"}
+
+
+def test_threads_may_add_in_another_order() -> None:
+    """Compared are processes that have one thread each, not the caller, who may have many."""
+    other = elsewhere(Threaded())
+    assert not other.reason
+    assert all(check.status == "passed" for check in repetition(Bench(Threaded()), other))
+
+
+@pytest.mark.parametrize(("kind", "part"), [(KeepsCrank, "crank"), (KeepsTip, "tip"), (KeepsFollower, "follower")])
+def test_a_part_kept_of_an_earlier_scene_is_named(kind: type[Keeps], part: str) -> None:
+    failed = [check for check in repetition(Bench(kind()), elsewhere(kind())) if check.status == "failed"]
+    assert [check.check for check in failed] == [f"nothing kept of an earlier {part}"]
+    assert f"the {part} of an earlier scene is kept" in failed[0].cause
+
+
+def test_a_model_that_is_kept_until_the_follower_is_another_one_is_found() -> None:
+    failed = [check for check in repetition(Bench(BuiltForAFollower()), elsewhere(BuiltForAFollower())) if check.status == "failed"]
+    assert {check.check.rsplit(" ", 1)[1] for check in failed} == {"crank", "tip"}
+
+
+def test_an_exception_in_check_costs_one_quantity() -> None:
+    bench, told = Bench(RaisesInCheck()), set[str]()
+    checks = {
+        change.name: looked_at(change.name, followed, bench, bench.scene, change, False, told)
+        for change in CHANGES
+        if change.name in ("slider.inertia", "tip.mass")
+    }
+    assert checks["slider.inertia"].status == "failed"
+    assert "KeyError" in checks["slider.inertia"].cause
+    assert checks["tip.mass"].status == "passed"
+
+
+def test_an_exception_in_the_first_check_is_told() -> None:
+    (check,) = checks_of("motion", type("Raising", (ReferenceEngine,), {"check": lambda self, mechanism: 1 / 0})())
+    assert check.status == "failed"
+    assert "ZeroDivisionError" in check.cause
+
+
+def test_a_quick_trial_says_what_it_left_out() -> None:
+    began = time.monotonic()
+    found = conform(Slow(), groups=("motion", "quantities"), seconds=SHORT, quiet=True)
+    assert time.monotonic() - began < 3.0 * SHORT + TO_COMPILE
+    assert {check.status for check in found.checks} <= {"passed", "not judged"}
+    assert found.left_out
+    assert f"{len(found.left_out)} checks are left out" in found.verdict
+    assert all(check.cause and check.advice for check in found.checks if check.left_out)
+
+
+def test_a_quick_trial_without_time_for_the_motion_is_not_judged() -> None:
+    assert conform(Slow(), groups=("motion", "resolution"), seconds=1e-3, quiet=True).conforms is None
+
+
+def test_an_engine_that_is_coarse_by_default_is_not_accused_of_its_order_of_accuracies() -> None:
+    found = {check.check: check for check in conform(Coarse(), groups=("resolution",), quiet=True).checks}
+    assert found["ladder: a smaller accuracy is finer"].status == "passed"
+
+
+def test_guessed_errors_are_measured() -> None:
+    """A guess 3.5 times too small; the toy's motion is made up, so that any true statement about it is a large one."""
+    guessed, honest = (
+        type("Stated", (ToyEngine,), {"quantities": tuple(QUANTITIES), "errors": {4: error, 8: 0.01}})() for error in (0.3, 2.0)
+    )
+    with pytest.raises(Fault, match=r"`errors` states 0.3 for resolution 4, measured in thesis-24 it is 1.*times as much"):
+        stated_errors(guessed, None)
+    assert "measured" in stated_errors(honest, None)
 
 
 def test_a_class_that_no_other_process_can_import_is_not_accused() -> None:
     found = conform(type("Local", (ReferenceEngine,), {})(), groups=("repetition",))
     assert found.conforms
-    (check,) = [check for check in found.checks if "process" in check.check]
+    (check,) = [check for check in found.checks if check.check == "the same from another process"]
     assert check.status == "not judged"
     assert "entry point" in check.advice
 

@@ -15,6 +15,7 @@ from cases.judging.verdicts import (
     LATER,
     MEANINGS,
     NOT_CONVERGED,
+    OWN_EQUATIONS,
     REFUSED,
     Breakdown,
     Evidence,
@@ -118,4 +119,4 @@ def test_who_claims_nothing_is_not_compared() -> None:
 
 
 def test_every_kind_is_explained() -> None:
-    assert set(MEANINGS) == {ACCURATE, NOT_CONVERGED, CONTRADICTED, ENDED, DIVERGED, REFUSED}
+    assert set(MEANINGS) == {ACCURATE, OWN_EQUATIONS, NOT_CONVERGED, CONTRADICTED, ENDED, DIVERGED, REFUSED}

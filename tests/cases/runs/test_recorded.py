@@ -12,7 +12,7 @@ from cases.case_file import load_case
 from cases.errors import CaseError
 from cases.recorded import read_table
 from cases.runs.comparison import CaseResult, compare
-from cases.runs.differences import column_differences, mistakes
+from cases.runs.differences import column_differences, explanations
 from cases.runs.recorded import recorded_run
 from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, TRANSIENT, Run, RunRequest
 from cases.runs.steady_state import steady_state
@@ -78,7 +78,7 @@ def test_a_table_from_the_standard_start_is_held_against_the_same_turn(transient
     assert {check.channel for check in result.checks} == {None, *COLUMNS[2:]}
     # the reference claims 0.1 % at its default
     assert column_differences(run, in_turn_5)["strain_2"] < 1e-3
-    assert mistakes(run, in_turn_5, CASE.mechanism) == {}
+    assert explanations(run, in_turn_5, CASE) == {}
 
 
 def test_what_is_off_by_more_than_is_claimed_is_told_apart(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
@@ -86,7 +86,7 @@ def test_what_is_off_by_more_than_is_claimed_is_told_apart(transient: pd.DataFra
     result = held(run, in_turn_5)
     assert result.passed is False
     assert {check.channel for check in result.missed if check.quantity in ("minimum", "maximum")} == {"strain_2", "tip_deflection"}
-    told = mistakes(run, in_turn_5, CASE.mechanism)
+    told = explanations(run, in_turn_5, CASE)
     assert set(told) == {"strain_2", "tip_deflection"}
     assert "sign" in told["strain_2"]
     assert "millimetres" in told["tip_deflection"]
@@ -157,7 +157,7 @@ def test_one_wrong_column_is_named_and_does_not_make_another_start_of_it(
     others = {name: transient[name] for name in ("strain_1", "strain_3")}
     run = recorded(transient, **others | {name: change(transient) for name, change in changes.items()})
     assert run.turn == 5
-    told = mistakes(run, in_turn_5, CASE.mechanism)
+    told = explanations(run, in_turn_5, CASE)
     assert set(told) == set(changes)
     for word in words:
         assert word in told[next(iter(changes))]
@@ -171,7 +171,7 @@ def test_the_class_of_a_table_covers_every_column(transient: pd.DataFrame, in_tu
 
 def test_where_all_is_late_the_crank_angle_is_named(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     run = recorded(settled, crank_angle=settled["crank_angle"] - np.pi)
-    told = mistakes(run, steady, CASE.mechanism)
+    told = explanations(run, steady, CASE)
     assert run.status == SETTLED
     assert "180 deg too" in told["crank_angle"]
     assert not told.keys() & {"tip_deflection", "tip_acceleration", "strain_2"}

@@ -1,0 +1,78 @@
+"""What it takes to make an engine's machine code: once on a machine, and to load it in every new process.
+
+An engine's first output step is timed in two processes, one after the other, that share a folder for machine code which is empty at first.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from cases.case_file import load_case
+from cases.jobs.job import Job
+from cases.jobs.workshop import Workshop
+from engines.accurate import run_once
+from engines.registry import engine
+from engines.start import standard_start
+from reference_model.machine_code import VARIABLE
+
+#: The scene of the step; the code is the same for all.
+_CASE: Final = "thesis-24"
+
+
+@dataclass(frozen=True)
+class Compiling:
+    """Wall times, s, of the first output step of an engine whose code is compiled."""
+
+    engine: str
+    compile_seconds: float  # where no code is there
+    load_seconds: float  # where another process has left it
+
+
+def compiling(workshop: Workshop, names: Sequence[str], *, compute: bool = True) -> list[Compiling]:
+    """Of those of some engines that compile code, from the store where it is there.
+
+    Args:
+        workshop: where.
+        names: of engines.
+        compute: False: what is not stored is left out.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; what was measured is stored.
+    """
+    jobs = [
+        Job(f"compiling {name}", measured, (name,), "compiling", (name,), ("cases.benchmark",))
+        for name in names
+        if engine(name).compiles and not engine(name).unavailable()
+    ]
+    outcomes = workshop.outcomes(jobs, "compiling") if compute else [workshop.stored(job) for job in jobs]
+    return [outcome.value for outcome in outcomes if outcome is not None and outcome.value is not None]
+
+
+def measured(name: str) -> Compiling:
+    """Both times of an engine, in processes of their own."""
+    with tempfile.TemporaryDirectory() as folder:
+        compile_seconds, load_seconds = (_in_a_new_process(name, folder) for _ in range(2))
+    return Compiling(name, compile_seconds, load_seconds)
+
+
+def _in_a_new_process(name: str, folder: str) -> float:
+    command = [sys.executable, "-m", __name__, name]
+    return float(subprocess.run(command, env={**os.environ, VARIABLE: folder}, capture_output=True, text=True, check=True).stdout)
+
+
+def first_step(name: str) -> float:
+    """Wall time (s) of an engine's first output step in this process, imports apart."""
+    case, chosen = load_case(_CASE), engine(name)
+    settings = chosen.settings_for(chosen.default_accuracy, case.mechanism)
+    began = time.perf_counter()
+    run_once(chosen, case.mechanism, standard_start(case.mechanism), case.output_step, case.output_step, settings)
+    return time.perf_counter() - began
+
+
+if __name__ == "__main__":
+    print(first_step(sys.argv[1]))

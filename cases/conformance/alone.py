@@ -1,0 +1,85 @@
+"""The follower alone, where the engine has a model of it: its columns, and its quantities one by one."""
+
+import functools
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final
+
+from cases.conformance.bench import TELLING, Bench, Motion, columns_of, truth
+from cases.conformance.checks import Check, Fault, looked_at, some
+from cases.conformance.models import acts_as_if
+from cases.conformance.motion import findings
+from cases.conformance.quantities import followed
+from cases.conformance.scenes import BASE, Change
+from cases.mistakes import share_of
+from engines.base import EngineFailure, Refusal
+from engines.relative import rms
+from reference_model.mechanism import FollowerAlone, SpinUp, Tip
+
+_DURATION: Final = 0.6  # s: the base has turned steadily for a while
+#: The mild scene's follower on a base that is turned: it bends by a hundredth of its length.
+SCENE: Final = FollowerAlone(spin_up=SpinUp(speed=6.0, time=0.4), base=BASE.base, follower=BASE.follower, tip=BASE.tip)
+#: Every quantity that a follower alone has, but for those that show in nothing.
+CHANGES: Final = (
+    Change("base.spin_up_speed", {"spin_up.speed": 8.0}),
+    Change("base.spin_up_time", {"spin_up.time": 0.3}),
+    Change("mechanism.gravity along n1", {"gravity": (9.81, 0.0)}, alike={"gravity acts with the wrong sign": {"gravity": (-9.81, 0.0)}}),
+    Change("mechanism.gravity along n2", {"gravity": (0.0, 9.81)}, alike={"gravity acts with the wrong sign": {"gravity": (0.0, -9.81)}}),
+    Change("follower.length", {"follower.length": 0.64}),
+    Change("follower.mass_per_length", {"follower.mass_per_length": 0.6}),
+    Change("follower.bending_stiffness", {"follower.bending_stiffness": 12.0}),
+    Change("follower.damping", {"follower.damping": 8.0}),
+    Change("tip.mass", {"tip.mass": 0.12}),
+    Change("tip.inertia", {"tip.inertia": 8e-4}),
+    Change("tip.center_of_mass", {"tip.center_of_mass": 0.08}, {"tip.inertia": 8e-4}),
+)
+
+
+def alone(bench: Bench) -> Iterator[Check]:
+    """All checks of the follower alone; one that says so where the engine has no model of it."""
+    try:
+        bench.solver(SCENE).check(SCENE)
+    except Refusal as refusal:
+        yield Check("the follower alone", "passed", f"refused: {refusal}")
+        return
+    told = set[str]()
+    check = looked_at("the follower alone", _columns, bench, SCENE, told)
+    yield check
+    if check.status == "failed" and not told:
+        yield Check("the follower alone: quantities", "not judged", "its motion is wrong already", "mend that first")
+        return
+    look = functools.partial(followed, wrong=False, told=told, duration=_DURATION)
+    checks = [looked_at(f"the follower alone: {change.name}", look, bench, SCENE, change) for change in CHANGES]
+    yield from checks
+    words = "the follower alone, with everything on"
+    if any(check.status == "failed" for check in checks):
+        yield Check(words, "not judged", "its quantities are not followed one by one", "mend those first")
+    else:
+        yield looked_at(words, _columns, bench, _everything(), told)
+
+
+def _everything() -> FollowerAlone:
+    tip = Tip(mass=0.08, inertia=8e-4, center_of_mass=0.05)
+    follower = replace(BASE.follower, damping=2.0)
+    return FollowerAlone(spin_up=SCENE.spin_up, base=SCENE.base, follower=follower, tip=tip, gravity=(4.0, -7.0))
+
+
+def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
+    """The columns against reference; those whose rows are wrong are added to `told`."""
+    motion = Motion(scene, _DURATION)
+    try:
+        found = findings(bench, motion, told)
+    except EngineFailure as failure:
+        raise Fault(f"none is delivered: {failure.cause}", failure.advice) from failure
+    run, known = bench.run(motion), truth(motion).columns
+    off = {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known)}
+    if not found:
+        return f"{len(off)} columns, the worst off by {share_of(max(off.values()))}"
+    if all(finding.explained for finding in found.values()):
+        told.update(found)
+        raise Fault("; ".join(finding.cause for finding in list(found.values())[:3]), next(iter(found.values())).advice)
+    moves = {name: run[name] for name in columns_of(run, TELLING, known) if name not in told}
+    if model := acts_as_if(motion, moves, bench.tolerances(motion)):
+        raise Fault(model.cause, model.advice)
+    worst = sorted(found, key=lambda name: -off[name])
+    raise Fault(f"{some([f'{name} is off by {share_of(off[name])}' for name in worst])}", "compare it with reference's follower alone")

@@ -1,0 +1,130 @@
+"""The rows of a trajectory: with another output step, and in pieces, they are those of the same motion."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from cases.conformance.bench import Bench, columns_of, solution
+from cases.conformance.checks import Array, Check, Fault, LeftOut, some
+from cases.conformance.scenes import OUTPUT_STEP
+from cases.explanation import explain
+from cases.mistakes import IN_TIME, lateness, share_of
+from engines.base import EngineFailure
+from engines.relative import rms
+from engines.start import standard_start
+from reference_model.mechanism import Mechanism
+
+#: Output steps that are tried besides the usual one, in its units: coarser, finer, and such as no usual step of an engine divides.
+_STEPS: Final = (4.0, 2.5, 0.5, 1.3)
+#: Rows that are computed with the finer and the odd ones.
+_ROWS: Final = 120
+#: Part of a column's swing that may change with the output step where the engine says nothing of its error.
+_SAME: Final = 0.02
+#: Part of a column's swing that it may depart from its own interpolation, times what this costs the converged solution.
+_INTERPOLATED: Final = 2.0
+#: The largest part of a difference that lateness may leave where the rows of both runs are late.
+_LATE: Final = 0.3
+#: Columns that are told one by one.
+_ONE_BY_ONE: Final = 3
+_AT_ITS_INSTANT: Final = (
+    "compute it from the state at the instant of the row, not from rows before and after: end a step of the solver there, or interpolate"
+)
+
+
+def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
+    """Columns that come late with a coarser output step, and columns that depend on it otherwise; "" where there are none."""
+    late, depending = dict[str, Check](), dict[str, Check]()
+    tolerances, run = bench.tolerances(bench.mild), bench.run(bench.mild)
+    name = "the same with another output step"
+    for times in _STEPS:
+        step, told = times * OUTPUT_STEP, f"{times:g} ms between rows in place of {1e3 * OUTPUT_STEP:g}"
+        rows = int((len(run) - 1) // times) if times == _STEPS[0] else _ROWS
+        motion = replace(bench.mild, duration=step * rows, output_step=step)
+        try:
+            there = bench.run(motion)
+        except LeftOut as left_out:
+            return late, depending or {"": Check(name, left_out.status, left_out.cause, left_out.advice)}
+        except EngineFailure as failure:
+            return late | {"time": Check(name, "failed", f"with {told}: {failure.cause}", failure.advice)}, depending
+        changed = dict[str, float]()
+        known, right = solution(motion), solution(bench.mild)
+        for column in columns_of(run, known=right):
+            if column in late or column in depending:
+                continue
+            fine, at = run[column], times * np.arange(len(there), dtype=np.float64)
+            off = rms(there[column] - CubicSpline(np.arange(len(fine)), fine)(at))
+            blurred = rms(known[column] - CubicSpline(np.arange(len(fine)), right[column])(at))
+            if off <= allowed(column, fine, tolerances, 1e-4) + _INTERPOLATED * blurred:
+                continue
+            mistakes = lateness(there[column], there[column], np.array([at, np.full(len(at), times - 1.0)]), fine)
+            expected = CubicSpline(np.arange(len(fine)), fine)(at)
+            if explained := explain(there[column], expected, mistakes, most=_LATE):
+                late[column] = Check(f"{name}: {column}", "failed", f"{column} {explained.words}", IN_TIME)
+            else:
+                changed[column] = off / max(_swing(fine), 1e-300)
+        depending |= _changed(name, told, changed)
+    return late, depending or {"": Check(name, "passed" if not late else "not judged")}
+
+
+def _changed(name: str, told: str, shares: Mapping[str, float]) -> dict[str, Check]:
+    """Columns that change with the output step, by which part of their swing: one by one, or together where they are many."""
+    if len(shares) <= _ONE_BY_ONE:
+        return {
+            column: Check(f"{name}: {column}", "failed", f"{column} changes by {share_of(share)} with {told}", _AT_ITS_INSTANT)
+            for column, share in shares.items()
+        }
+    worst = sorted(shares, key=lambda column: -shares[column])
+    first = ", ".join(f"{column} by {share_of(shares[column])}" for column in worst[:_ONE_BY_ONE])
+    more = f", and {len(worst) - _ONE_BY_ONE} more columns"
+    return dict.fromkeys(shares, Check(name, "failed", f"with {told} {first} change{more}", _AT_ITS_INSTANT))
+
+
+def allowed(column: str, values: Array, tolerances: Mapping[str, float] | None, part: float, times: float = 1.0) -> float:
+    """By how much a column may differ from another run's: as the engine says, and by a part of its swing."""
+    return _SAME * _swing(values) if tolerances is None else max(times * tolerances.get(column, 0.0), part * _swing(values))
+
+
+def _swing(values: Array) -> float:
+    return rms(values - np.mean(values))
+
+
+def pieces(bench: Bench, wrong: Iterable[str]) -> None:
+    """A simulation advanced in pieces goes on where it stood."""
+    rows, scene, run, tolerances = 60, bench.scene, bench.run(bench.mild), bench.tolerances(bench.mild)
+    assert isinstance(scene, Mechanism)
+    span = rows * OUTPUT_STEP
+    simulation = bench.engine.prepare(scene, standard_start(scene), bench.settings(scene))
+    try:
+        parts = [simulation.advance(span, OUTPUT_STEP) for _ in range(3)]
+    except Exception as error:  # an author's engine may raise anything
+        cause = f"advancing a second time raises {type(error).__name__}: {error}"
+        raise Fault(cause, "keep the state between calls of advance") from error
+    keep = "keep the state in the simulation and begin each piece with the row that the one before ended with"
+    for number, piece in enumerate(parts):
+        begin, first = number * rows, piece["time"][0]
+        if len(piece) != rows + 1:
+            raise Fault(f"piece {number + 1} has {len(piece)} rows in place of {rows + 1}", keep)
+        if abs(first - number * span) > 0.1 * OUTPUT_STEP:
+            cause = f"the time of piece {number + 1} begins at {first:.4g} s, not where the one before ended"
+            if abs(first) < 0.1 * OUTPUT_STEP:
+                cause = "the time begins at zero again in each piece"
+            raise Fault(cause, "count time in the simulation: `self.time` plus the grid")
+        if number and abs(simulation.time - 3 * span) > 0.1 * OUTPUT_STEP:
+            cause = f"`time` of the simulation is {simulation.time:.4g} s after {3 * rows} ms"
+            raise Fault(cause, "add the duration to it in each advance")
+        off = [
+            column
+            for column in columns_of(run)
+            if rms(piece[column] - run[column][begin : begin + len(piece)])
+            > max(allowed(column, run[column], tolerances, 1e-3, 3.0), 1e-12)
+            if column not in wrong
+        ]
+        if off and all(column in ("dissipated_energy", "drive_work") for column in off):
+            raise Fault(f"{' and '.join(off)} begins anew in each piece", "sum from the start of the simulation")
+        if off and abs(piece["crank_angle"][0] - run["crank_angle"][0]) < 1e-9:
+            raise Fault("each piece begins in the start again", keep)
+        if off:
+            raise Fault(f"in pieces {some(off)} goes another way than in one go, from {begin} ms on", keep)

@@ -1,0 +1,110 @@
+"""An engine's settings: each does something; and the errors that a `SimpleEngine` states are those that are measured."""
+
+import contextlib
+import dataclasses
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from cases.case_file import load_case
+from cases.conformance.bench import Bench, Motion, solution
+from cases.conformance.checks import Check, Fault, Unjudged, looked_at
+from cases.conformance.together import everything
+from cases.jobs.display import span
+from engines.base import EngineFailure
+from engines.relative import relative_error
+from engines.settings import SettingError, Settings
+from engines.simple import SimpleEngine, SimpleSettings
+from reference_model.mechanism import Mechanism
+
+#: Duration of the runs by which settings are told apart, s: 50 rows.
+_DURATION: Final = 0.05
+#: Factors by which a number is changed until a change shows; what is zero becomes this part of what is accepted at most.
+_FACTORS: Final = (0.5, 2.0, 0.01, 100.0)
+_OF_ZERO: Final = 0.1
+#: By how many times the time of a run must change to be seen, the shortest of so many runs.
+_COST: Final = 1.5
+_TIMED: Final = 3
+#: The case and the time (s) in which the errors of a `SimpleEngine` are stated, and the time in which one may be measured.
+_MEASURED_IN: Final = "thesis-24"
+_MEASURED_OVER: Final = 2.0
+_AFFORDABLE: Final = 60.0
+#: By how many times a measured error may exceed the one that is stated.
+_UNDERSTATED: Final = 1.5
+
+
+def settings_at_work(bench: Bench) -> Iterator[Check]:
+    """A check for each setting."""
+    for field in dataclasses.fields(bench.engine.settings_type):
+        yield looked_at(f"setting {field.name}", _does_something, bench, field)
+
+
+def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
+    tried, scenes = list[Any](), [bench.scene]
+    with contextlib.suppress(Unjudged):
+        scenes.append(everything(bench)[0])
+    for scene in scenes:
+        settings = bench.settings(scene)
+        motion = Motion(scene, _DURATION)
+        for value in _others(field, getattr(settings, field.name)):
+            try:
+                changed = settings.replaced(**{field.name: value})
+                plain, other = bench.run(motion, settings), bench.run(motion, changed)
+            except (SettingError, EngineFailure):
+                return ""  # whether it breaks down or is not accepted: it is looked at
+            tried.append(value)
+            if any(not np.array_equal(values, other[name]) for name, values in plain.columns.items()):
+                return ""
+            if _costs_otherwise(bench, motion, (settings, changed)):
+                return "it changes what a run costs"
+    if not tried:
+        raise Unjudged("no other value is accepted")
+    words = ", ".join(f"{value:g}" if isinstance(value, float) else str(value) for value in dict.fromkeys(tried))
+    raise Fault(f"{field.name} does nothing: with {words} neither the motion nor its cost is another", "use it, or leave it out")
+
+
+def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Settings]) -> bool:
+    """Whether two runs cost something else: by what their solvers count, or where they count nothing by the time that they take."""
+    counts = [{key: value for key, value in bench.run(motion, each).statistics.items() if not key.endswith("seconds")} for each in settings]
+    if any(counts):
+        return counts[0] != counts[1]
+    plain, other = (min(motion.by(bench.engine, each).solve_seconds for _ in range(_TIMED)) for each in settings)
+    return not 1.0 / _COST < other / plain < _COST
+
+
+def _others(field: "dataclasses.Field[Any]", present: Any) -> Iterator[Any]:
+    """Other values of a setting that are accepted."""
+    known: Mapping[str, Any] = field.metadata
+    if isinstance(present, bool):
+        yield not present
+    elif isinstance(present, (int, float)):
+        low, high = known.get("low", -np.inf), known.get("high", np.inf)
+        candidates = [factor * present for factor in _FACTORS] if present else [_OF_ZERO * high, _OF_ZERO**2 * high]
+        kept = [min(max(value, low), high) for value in candidates if np.isfinite(value)]
+        kind = type(present)
+        yield from (value for value in dict.fromkeys(kind(value) for value in kept) if value != present)
+    else:
+        yield from (choice for choice in known.get("choices", ()) if choice != present)
+
+
+def stated_errors(engine: SimpleEngine, seconds: float | None) -> str:
+    """The error of the coarsest resolution, in run 24 over two seconds as `SimpleEngine.errors` are defined."""
+    resolution, stated = min(engine.errors.items())
+    scene = load_case(_MEASURED_IN).mechanism
+    assert isinstance(scene, Mechanism)
+    engine.check(scene)
+    tolerance = engine.settings_for(stated, scene).tolerance
+    settings = SimpleSettings(resolution=resolution, tolerance=tolerance)
+    motion, began = Motion(scene, _MEASURED_OVER), time.monotonic()
+    replace(motion, duration=0.05 * _MEASURED_OVER).by(engine, settings)
+    ahead, affordable = 20.0 * (time.monotonic() - began), _AFFORDABLE if seconds is None else 0.2 * seconds
+    if ahead > affordable:
+        raise Unjudged(f"left out: to measure one takes about {span(ahead)}", "measure them as docs/engine.md does")
+    measured = relative_error(motion.by(engine, settings)["tip_deflection"], solution(motion)["tip_deflection"])
+    if measured > _UNDERSTATED * stated:
+        cause = f"`errors` states {stated:.2g} for resolution {resolution}, measured in {_MEASURED_IN} it is {measured:.2g}"
+        raise Fault(f"{cause}, {measured / stated:.2g} times as much", "measure `errors` as docs/engine.md does, all of them")
+    return f"resolution {resolution}: {stated:.2g} is stated, {measured:.2g} measured"

@@ -1,0 +1,95 @@
+"""Everything that the engine accepts in one scene: quantities that are followed one by one may err in pairs."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from cases.conformance.bench import Bench, Motion, columns_of, truth
+from cases.conformance.checks import Check, Fault, Unjudged, looked_at, some
+from cases.conformance.motion import Amiss, findings
+from cases.mistakes import share_of
+from engines.base import EngineFailure, Refusal
+from engines.relative import rms
+from reference_model.mechanism import Mechanism, changed
+
+#: Duration of the motion, s: three quarters of a turn.
+_DURATION: Final = 0.4
+#: What a scene may have beside the mild one's: name -> values. Each is added where the engine accepts it.
+PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "crank.initial_angle": {"crank.initial_angle": 2.3},
+    "mechanism.gravity": {"gravity": (5.0, -7.0)},
+    "base.damping": {"base.damping": 0.03},
+    "follower.damping": {"follower.damping": 2.0},
+    "tip.center_of_mass": {"tip.center_of_mass": 0.06, "tip.inertia": 4e-4},
+    "tip.force": {"tip.force": (-1.0, 1.5), "tip.force_from": 3.3, "tip.force_to": 5.3},
+    "slider.mass": {"slider.mass": 0.3},
+    "slider.inertia": {"slider.inertia": 1e-3},
+    "slider.joint_stiffness": {"slider.joint_stiffness": 2e4},
+    "slider.joint_damping": {"slider.joint_damping": 40.0},
+}
+#: The largest part of an error that may remain without a quantity that takes part in it.
+_VANISHES: Final = 0.3
+_NAME: Final = "quantities together"
+
+
+def together(bench: Bench, wrong: Amiss) -> Iterator[Check]:
+    """The scene with everything, its columns, and which quantities do not go together."""
+    if wrong.motion:
+        yield Check(_NAME, "not judged", "the motion in the mild scene is wrong already", "mend that first")
+    else:
+        yield looked_at(_NAME, _look, bench, wrong)
+
+
+def _look(bench: Bench, wrong: Amiss) -> str:
+    scene, parts = everything(bench)
+    motion = Motion(scene, _DURATION)
+    try:
+        found = findings(bench, motion, wrong.columns)
+    except EngineFailure as failure:
+        raise Fault(f"with {', '.join(parts)} at once the run breaks down: {failure.cause}", failure.advice) from failure
+    if not found:
+        return f"{len(parts)} at once: {', '.join(parts)}"
+    if len(found) <= 2 and all(finding.explained for finding in found.values()):
+        raise Fault("; ".join(finding.cause for finding in found.values()), next(iter(found.values())).advice)
+    off = _off(bench, motion)
+    worst = max(found, key=lambda name: off[name])
+    told = f"with everything at once {worst} is off by {share_of(off[worst])}"
+    if not (concerned := [name for name in parts if _vanishes_without(bench, name, parts, worst, off[worst])]):
+        raise Fault(f"{told}; no single quantity is to blame ({', '.join(parts)})", "leave out one after the other")
+    names = " and ".join(concerned) if len(concerned) <= 2 else some(concerned)
+    raise Fault(f"{told}; it is not without {names.replace(' and ', ', nor without ')}", f"look where {names} act together")
+
+
+def everything(bench: Bench) -> tuple[Mechanism, list[str]]:
+    """The scene, and what it has beside the mild one's. Raises Unjudged where the engine accepts nothing."""
+    scene, parts = bench.scene, list[str]()
+    for name in PARTS:
+        other = changed(scene, PARTS[name])
+        try:
+            bench.engine.check(other)
+        except Refusal:
+            continue
+        scene, parts = other, [*parts, name]
+    if len(parts) < 2:
+        raise Unjudged("the engine accepts nothing beside what the mild scene has")
+    return scene, parts
+
+
+def _off(bench: Bench, motion: Motion) -> dict[str, float]:
+    """How far each column is off, relative to its size."""
+    run, known = bench.run(motion), truth(motion).columns
+    return {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known)}
+
+
+def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, off: float) -> bool:
+    """Whether a column is right in the scene without one of its parts."""
+    if name == "slider.joint_stiffness" and "slider.joint_damping" in parts:
+        return False  # a damper needs its spring
+    scene = bench.scene
+    for other in parts:
+        if other != name:
+            scene = changed(scene, PARTS[other])
+    try:
+        bench.engine.check(scene)
+        return _off(bench, Motion(scene, _DURATION)).get(column, 0.0) <= _VANISHES * off
+    except (Refusal, EngineFailure):
+        return False

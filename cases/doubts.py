@@ -1,0 +1,76 @@
+"""Values of a scene that can be, but are hardly meant: told, never refused."""
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+from reference_model.mechanism import Follower, Mechanism, Scene
+
+#: Lengths of a follower in m: from a watch's lever to a crane's jib.
+_LENGTHS: Final = (1e-3, 20.0)
+#: Densities of solids in kg/m^3: from rigid foam to platinum and its like.
+_DENSITIES: Final = (20.0, 25e3)
+#: Pa. Soft plastics and rubbers lie below, every metal's modulus in MPa for GPa as well.
+_SOFT: Final = 0.5e9
+#: Pa. No solid is stiffer than diamond (1.1e12 Pa).
+_HARD: Final = 1.5e12
+#: kg/m^3 and Pa. What is heavier is metal, glass or stone, and lead, the softest in use, has 16 GPa.
+_METAL_DENSITY, _METAL_MODULUS = 2500.0, 10e9
+#: Moduli of metals in Pa, with which a person compares.
+_METALS: Final = "aluminium has 70 GPa, steel 210 GPa"
+#: A slider-crank's arm carries a tool of some times its own mass at most.
+_HEAVIEST_TIP: Final = 5.0
+#: rad/s; beyond 19,000 rpm, where only spindles turn.
+_FASTEST: Final = 2e3
+
+
+def doubts(scene: Scene) -> Iterator[str]:
+    """Sentences on values that can be, but are hardly meant."""
+    follower, tip = scene.follower, scene.tip
+    yield from _of_follower(follower)
+    if tip is not None and tip.mass > _HEAVIEST_TIP * follower.mass:
+        yield f"tip.mass is {tip.mass:.6g} kg, {tip.mass / follower.mass:.3g} times the follower's ({follower.mass:.3g} kg): is that meant?"
+    if tip is not None and abs(tip.center_of_mass) > follower.length:
+        yield f"tip.center_of_mass is {tip.center_of_mass:.6g} m, more than the follower's length ({follower.length:.6g} m): is that meant?"
+    if not isinstance(scene, Mechanism):
+        return
+    if abs(centre := scene.crank.center_of_mass) > scene.pivot_distance:
+        yield f"crank.center_of_mass is {centre:.6g} m, more than the pivot distance ({scene.pivot_distance:.6g} m): is that meant?"
+    if abs(speed := scene.crank.drive.initial_speed) > _FASTEST:
+        yield f"the crank turns at {speed * 30.0 / math.pi:.6g} rpm: is that meant?"
+
+
+def _of_follower(follower: Follower) -> Iterator[str]:
+    if not _LENGTHS[0] <= follower.length <= _LENGTHS[1]:
+        yield f"follower.length is {follower.length:.6g} m: is that meant?"
+    if follower.thickness > 0.25 * follower.length:
+        yield (
+            f"follower.thickness is {follower.thickness:.6g} m, more than a quarter of the length ({follower.length:.6g} m): that is no"
+            " slender beam, and shear is not modelled"
+        )
+    if follower.thickness > follower.width:
+        yield (
+            f"follower.thickness is {follower.thickness:.6g} m, more than the width ({follower.width:.6g} m): the thickness lies in the"
+            " plane of motion, so the follower bends about the stiff side of its section; if it should bend about the thin side,"
+            " exchange them"
+        )
+    if not _DENSITIES[0] <= follower.density <= _DENSITIES[1]:
+        yield f"follower.mass_per_length (or density) and the section make a density of {follower.density:.3g} kg/m^3: is that meant?"
+    if not follower.is_rigid and (doubt := _of_modulus(follower.elastic_modulus, follower.density)):
+        shown = _shown(follower.elastic_modulus)
+        yield f"follower.bending_stiffness (or elastic_modulus) and the section make a modulus of {shown}, {doubt}"
+
+
+def _of_modulus(modulus: float, density: float) -> str:
+    """What is doubtful about an elastic modulus (Pa) at a density (kg/m^3), as a clause; "" if nothing."""
+    if modulus > _HARD:
+        return f"and no material is that stiff ({_METALS}, diamond 1100 GPa): is that meant?"
+    if modulus < _METAL_MODULUS and density > _METAL_DENSITY:
+        return f"as plastics or rubber have it, and a density of {density:.4g} kg/m^3, as metals have it ({_METALS}): is that meant?"
+    if modulus < _SOFT:
+        return f"which fits rubber or a soft plastic ({_METALS}, stiff plastics 2 to 4 GPa): is that meant?"
+    return ""
+
+
+def _shown(modulus: float) -> str:
+    return f"{modulus / 1e9:.3g} GPa" if modulus >= 1e9 else f"{modulus / 1e6:.3g} MPa"

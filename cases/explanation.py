@@ -1,0 +1,82 @@
+"""Names the mistake that makes what is found, out of many that could: one rule for columns, scenes, starts and frequencies."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.relative import rms
+
+Array = NDArray[np.float64]
+
+#: The largest part of a difference that a mistake may leave unexplained.
+EXPLAINED: Final = 0.15
+#: By how many times more than the best any other mistake must leave unexplained for the best to be named.
+_CLEARLY: Final = 2.0
+#: Part of a difference, and part of the noise, below which what is left says nothing about which mistake is the right one. The noise is a
+#: bound that errors reach a third of.
+_UNTOLD: Final = 0.01
+_OF_NOISE: Final = 1.0 / 3.0
+#: Predictions that differ by less than this part of the difference are one and the same.
+_SAME: Final = 1e-6
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A mistake, and what would be found if it was made.
+
+    Attributes:
+        words: what is wrong.
+        advice: what to do.
+        values: what would be found, shape (n,).
+        fitted: whether a number in it was chosen to fit: it is tried only where no other mistake explains what is found.
+        gross: whether a coarse engine without any mistake cannot come out like that.
+    """
+
+    words: str
+    advice: str
+    values: Array
+    fitted: bool = False
+    gross: bool = True
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """The mistake that explains what is found, and how much of the difference it leaves (in the unit of the values)."""
+
+    words: str
+    advice: str
+    left: float
+
+
+def explain(
+    found: Array, expected: Array, hypotheses: Iterable[Hypothesis], noise: float = 0.0, most: float = EXPLAINED
+) -> Explanation | None:
+    """The one mistake that explains a difference; None where there is none, or where several explain it about as well.
+
+    Args:
+        found: what is there, shape (n,).
+        expected: what should be there.
+        hypotheses: mistakes that could have been made; the first of those that predict the same is named.
+        noise: by how much `found` may be off (RMS) without any mistake.
+        most: the largest part of the difference that a mistake may leave.
+    """
+    off = rms(found - expected)
+    if off == 0.0:
+        return None
+    allowed = max(most * off, min(noise, 0.5 * off))
+    left = [(rms(found - each.values), each) for each in hypotheses]
+    for fitted in (False, True):
+        tried = [(rest, each) for rest, each in left if each.fitted is fitted and np.isfinite(rest)]
+        if not tried:
+            continue
+        least, best = min(tried, key=lambda pair: pair[0])
+        if least > allowed:
+            continue
+        clear = _CLEARLY * max(least, _UNTOLD * off, _OF_NOISE * min(noise, off))
+        rivals = [each for rest, each in tried if rest < clear and rms(each.values - best.values) > _SAME * off]
+        first = next(each for _, each in tried if rms(each.values - best.values) <= _SAME * off)
+        return None if rivals else Explanation(first.words, first.advice, least)
+    return None

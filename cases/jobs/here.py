@@ -1,0 +1,37 @@
+"""Computes jobs in the caller's own process, one after the other: what a notebook or a test defines is nowhere else to be had."""
+
+import time
+from collections.abc import Generator, Sequence
+
+from cases.jobs.job import Job, Limits, Outcome, V, Watch
+from engines import progress
+
+
+class ThisProcess:
+    """The executor without processes. Limits are not kept, and a job that crashes takes the caller along.
+
+    Args:
+        quiet: whether nobody is to be told how far the jobs are.
+    """
+
+    at_once = 1
+    limits = Limits()
+
+    def __init__(self, quiet: bool = True) -> None:
+        self.quiet = quiet
+
+    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
+        """See `cases.jobs.job.Executor`."""
+        for job in jobs:
+            began = time.monotonic()
+            if watch is not None:
+                watch(job, None)
+                progress.listen(lambda how_far, job=job, watch=watch: watch(job, how_far))  # type: ignore[misc]
+            try:
+                value = job.function(*job.arguments)
+            except Exception as error:
+                yield Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error, seconds=time.monotonic() - began)
+            else:
+                yield Outcome(job, value, seconds=time.monotonic() - began)
+            finally:
+                progress.listen(None)

@@ -1,0 +1,85 @@
+"""What the parts of a machine must bear: stress along the arm, forces in joints and bearings, torque, and the distance to resonance."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.loads.peak import Claim, Peak, of_column, of_vector
+from cases.loads.resonance import Resonance, of_motion, resonance
+from cases.loads.stress import ArmStress, Factor, arm_stress, safety
+from cases.runs.request import Run
+from reference_model.mechanism import Mechanism, Scene
+
+__all__ = ["Claim", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "of_motion", "resonance"]
+
+Array = NDArray[np.float64]
+
+#: What is measured besides the stress -> its SI unit.
+UNITS: Final = {"pivot_force": "N", "crank_force": "N", "slider_force": "N", "crank_torque": "N m", "tip_deflection": "m"}
+
+
+@dataclass(frozen=True)
+class Loads:
+    """What an engine finds that the parts must bear; None where it does not give what that is made of.
+
+    Attributes:
+        stress: along the arm.
+        modulus: of the arm's material, Pa; infinite for a rigid one.
+        peaks: of each of `UNITS`, forces in the bearings P and O and at the slider, drive's torque, tip's deflection.
+        yield_factor: yield strength over the largest stress.
+        fatigue_factor: fatigue strength over the stress amplitude.
+    """
+
+    stress: ArmStress | None
+    modulus: float
+    peaks: Mapping[str, Peak | None]
+    yield_factor: Factor | None
+    fatigue_factor: Factor | None
+
+    @property
+    def strain(self) -> Peak | None:
+        """Largest surface strain along the arm."""
+        return None if self.stress is None else self.stress.largest.times(1.0 / self.modulus)
+
+
+def loads_of(scene: Scene, columns: Mapping[str, Array], claim: Claim) -> Loads:
+    """What the parts bear in a cycle or a trajectory.
+
+    Args:
+        scene: the mechanism, or a follower alone.
+        columns: of it.
+        claim: by how much a column may be off at a crank angle, by the engine's own estimate.
+    """
+    follower, stress = scene.follower, arm_stress(scene, columns, claim)
+    peaks = {name: of_vector(name, columns, claim) or of_column(name, columns, claim) for name in UNITS}
+    return Loads(
+        stress,
+        follower.elastic_modulus,
+        peaks,
+        None if stress is None else safety(follower.yield_strength, stress.largest),
+        None if stress is None else safety(follower.fatigue_strength, stress.amplitude),
+    )
+
+
+def loads_of_run(mechanism: Mechanism, run: Run) -> Loads | None:
+    """What the parts bear in the cycle of a run; None where it has none that can be used."""
+    return loads_of(mechanism, run.cycle, _Claimed(run)) if run.usable else None
+
+
+@dataclass(frozen=True)
+class _Claimed:
+    """What a run says of a column in the half cycle of a crank angle: its estimate, and how far its cycle may be from steady."""
+
+    run: Run
+
+    def __call__(self, column: str, angle: float) -> float | None:
+        begin, end = self.run.cycle["crank_angle"][[0, -1]]
+        half = "pre" if 2.0 * abs(angle - begin) <= abs(end - begin) else "post"
+        estimate = self.run.extreme_estimates.get(column, {}).get(half)
+        if estimate is None:
+            return None
+        known = (self.run.settling_errors or {}).get(column)
+        return estimate + (known if known is not None else (self.run.settling_error or 0.0) * float(np.ptp(self.run.cycle[column])))

@@ -1,0 +1,292 @@
+"""The bending moment along the whole arm, from the columns of a trajectory, and how far the places between leave it open.
+
+An engine gives the moment at the interior twelfths of the length and at the slider. At the ends moment and slope follow from Newton's and
+Euler's laws for the bodies there, with q2 the angle of the base, theta that of the flexible end, n the normal, a the acceleration of the
+flexible end along it, e the tip body's centre of mass beyond the end, R the force of the bearing, f the force on the tip, c the damping of
+the beam, which acts between it and the base:
+
+    base   M(0) = J_b q2'' + c_b q2' - turning torque - integral of c x dW/dt over x,  dM(0)/dx = R n + integral of c dW/dt over x
+    tip    M(L) = -J theta'' - m e (a + e theta'' - g n),                              dM(L)/dx = m (a + e theta'' - g n) - f n
+
+On either side of the slider the moment is smooth; its slope jumps there by the slider's force, and the moment itself where the slider has
+rotary inertia. Each side is interpolated apart, by polynomials through the nearest known places. What they may miss is seen where every
+other twelfth is left out.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import simpson
+from scipy.interpolate import CubicSpline
+
+from reference_model.columns import MOMENTS, PLACES, SHAPE
+from reference_model.mechanism import FollowerAlone, Scene
+from reference_model.tip_force import tip_force
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.intp]
+
+TWELFTHS: Final = PLACES + 1
+#: Places in each twelfth of the length at which the moment is looked at.
+IN_A_TWELFTH: Final = 10
+#: Of the moment at the tip, by how much it may be off because the curvature is summed up from twelfth to twelfth: the rule's error is a
+#: twelfth of the square of the spacing times the jump of the slope at the slider, 0.6 % of the sum where the slider bends the arm.
+OF_ANGLE: Final = 0.01
+#: Known places that the interpolating polynomial goes through, where a side has as many.
+THROUGH: Final = 6
+#: Twelfths that are nearer to the slider than this part of a twelfth are left out: the slope between two such places would be noise.
+TOO_NEAR: Final = 1.0 / 3.0
+#: A known slope at an end is a further place beyond it, at this part of a twelfth: its moment is off by 5e-5 of what a parabola's is.
+BEYOND: Final = 0.01
+#: Of what the interpolation misses without every other twelfth, what it may miss with all of them. At half the spacing a polynomial of
+#: degree one misses a quarter, one of higher degree less. Half is on the safe side: in 15 combinations of natural modes no place is
+#: missed by more (`tests/cases/test_loads.py`).
+REST: Final = 0.5
+
+
+@dataclass(frozen=True)
+class KnownMoments:
+    """Where the moment is known.
+
+    Attributes:
+        length: of the arm, m.
+        twelfths: moments from the base to the tip, N m, shape (rows, 13).
+        slider: arc length of the slider, m, shape (rows,); infinite where there is none.
+        inboard: moment on the inner side of the slider, N m, shape (rows,).
+        outboard: on its outer side, likewise.
+        base_slope: N, shape (rows,); None where it is not known.
+        tip_slope: likewise.
+        ends_open: by how much the moments at base and tip may be off, N m, shape (rows,) each.
+    """
+
+    length: float
+    twelfths: Array
+    slider: Array
+    inboard: Array
+    outboard: Array
+    base_slope: Array | None
+    tip_slope: Array | None
+    ends_open: tuple[Array, Array]
+
+    @property
+    def spacing(self) -> float:
+        """Length of a twelfth, m."""
+        return self.length / TWELFTHS
+
+    @property
+    def places(self) -> Array:
+        """Arc lengths at which the moment is looked at, m, shape (places,)."""
+        return np.linspace(0.0, self.length, TWELFTHS * IN_A_TWELFTH + 1)
+
+    @property
+    def at_slider(self) -> Array | None:
+        """Moment on the side of the slider where its magnitude is larger, N m, shape (rows,); None where there is no slider."""
+        larger = np.where(np.abs(self.inboard) > np.abs(self.outboard), self.inboard, self.outboard)
+        return larger if np.isfinite(self.slider).all() else None
+
+    def every(self, step: int) -> "KnownMoments":
+        """The same at every so many rows."""
+        of_rows: dict[str, Any] = {name: value[::step] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        base, tip = self.ends_open
+        return replace(self, **of_rows, ends_open=(base[::step], tip[::step]))
+
+
+def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
+    """What the columns and the bodies at slider, base and tip say of the moment along the arm.
+
+    Args:
+        scene: gives the bodies.
+        columns: those of a trajectory or of a cycle, each of shape (rows,), the moments among them.
+
+    Raises:
+        KeyError: the engine does not give the moments.
+    """
+    time, tip = columns["time"], scene.tip_body
+    base, base_open = _at_base(scene, columns)
+    nothing = np.zeros(time.size)
+    has_slider = "moment_slider" in columns
+    outboard = columns["moment_slider"] if has_slider else nothing
+    rolls = 0.0 if isinstance(scene, FollowerAlone) else scene.slider.inertia
+    known = KnownMoments(
+        length=scene.follower.length,
+        twelfths=np.column_stack([base, *(columns[name] for name in MOMENTS), nothing]),
+        slider=columns["slider_position"] if has_slider else np.full(time.size, np.inf),
+        inboard=outboard,
+        outboard=outboard,
+        base_slope=_base_slope(scene, columns),
+        tip_slope=None,
+        ends_open=(base_open, nothing),
+    )
+    end, at_slider = _angles(scene, columns, known)
+    if rolls > 0.0:
+        known = replace(known, inboard=outboard - rolls * _second_derivative(time, at_slider)[0])
+        end, _ = _angles(scene, columns, known)
+    turns = nothing, nothing
+    if tip.inertia > 0.0 or tip.center_of_mass != 0.0:
+        for _ in range(2):  # the moment at the end bends the last twelfth, which turns the end
+            turns = _second_derivative(time, end)
+            known.twelfths[:, -1], off = _at_tip(scene, columns, end, turns)
+            end, _ = _angles(scene, columns, known)
+        known = replace(known, ends_open=(base_open, off))
+    return replace(known, tip_slope=_tip_slope(scene, columns, end, turns[0]))
+
+
+def _at_base(scene: Scene, columns: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Moment at the base, N m, and how far off the rows leave it; shape (rows,) each."""
+    base, time, angle = scene.base, columns["time"], columns["follower_angle"]
+    turning = columns.get("base_torque", np.zeros(time.size))
+    acceleration, off = _second_derivative(time, angle)
+    moment = base.inertia * acceleration + base.damping * CubicSpline(time, angle)(time, 1) - turning
+    return moment - _damping(scene, columns, power=1), base.inertia * off
+
+
+def _base_slope(scene: Scene, columns: Mapping[str, Array]) -> Array | None:
+    """Slope of the moment at the base, N, shape (rows,); None where the engine does not give the force of the bearing."""
+    if "pivot_force_x" not in columns:
+        return None
+    across = _across(np.array([columns["pivot_force_x"], columns["pivot_force_y"]]), columns["follower_angle"])
+    return across + _damping(scene, columns, power=0)
+
+
+def _damping(scene: Scene, columns: Mapping[str, Array], power: int) -> Array:
+    """What the beam's damping pushes the base with across the arm, N, or N m with `power` 1; none where there are no shapes, (rows,)."""
+    follower, time = scene.follower, columns["time"]
+    if follower.damping == 0.0 or not set(SHAPE) <= set(columns):
+        return np.zeros(time.size)
+    deflections = np.array([np.zeros(time.size), *(columns[name] for name in SHAPE), columns["tip_deflection"]])
+    x = np.linspace(0.0, follower.length, TWELFTHS + 1)
+    rates = CubicSpline(time, deflections, axis=1)(time, 1)
+    return np.asarray(follower.damping * simpson(x[:, None] ** power * rates, x=x, axis=0))
+
+
+def _across(vector: Array, angle: Array) -> Array:
+    """Part of a vector in the fixed frame, shape (2, rows) or (2, 1), along the normal of an angle."""
+    return np.asarray(vector[1] * np.cos(angle) - vector[0] * np.sin(angle))
+
+
+def _at_tip(scene: Scene, columns: Mapping[str, Array], angle: Array, turns: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Moment at the flexible end, N m, and how far off the rows leave it; `angle` is the end's, rad; shape (rows,) each."""
+    tip, weight = scene.tip_body, _across(np.array(scene.gravity)[:, None], angle)
+    about_end = tip.inertia + tip.mass * tip.center_of_mass**2
+    turned, static = -about_end * turns[0], tip.mass * tip.center_of_mass * (columns["tip_acceleration"] - weight)
+    return turned - static, about_end * turns[1] + OF_ANGLE * np.abs(turned)
+
+
+def _tip_slope(scene: Scene, columns: Mapping[str, Array], angle: Array, turning: Array) -> Array:
+    """Slope of the moment at the flexible end, N, shape (rows,)."""
+    tip, weight = scene.tip_body, _across(np.array(scene.gravity)[:, None], angle)
+    force = _across(tip_force(tip, columns["crank_angle"]), angle) if tip.is_forced else 0.0
+    return np.asarray(tip.mass * (columns["tip_acceleration"] + tip.center_of_mass * turning - weight) - force)
+
+
+def _angles(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> tuple[Array, Array]:
+    """Angle of the centre line in the fixed frame at the flexible end and at the slider, rad, shape (rows,) each.
+
+    It is that of the base and the curvature summed up by the trapezoidal rule between known places, which misses `OF_ANGLE` of the sum but
+    misses it smoothly in time, as second derivatives need it.
+    """
+    rows, numbers = known.slider.size, np.arange(TWELFTHS + 1.0)
+    slider = np.minimum(known.slider / known.spacing, TWELFTHS)
+    places = np.column_stack([np.broadcast_to(numbers, (rows, numbers.size)), slider])
+    inner, outer = (np.column_stack([known.twelfths, each]) for each in (known.inboard, known.outboard))
+    order = np.argsort(places, axis=1, kind="stable")
+    places, inner, outer = (np.take_along_axis(each, order, axis=1) for each in (places, inner, outer))
+    steps = known.spacing * np.diff(places) * (outer[:, :-1] + inner[:, 1:]) / (2.0 * scene.follower.bending_stiffness)
+    angles = columns["follower_angle"][:, None] + np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1)
+    return angles[:, -1], np.take_along_axis(angles, np.argmax(order, axis=1)[:, None], axis=1)[:, 0]
+
+
+def _second_derivative(time: Array, values: Array) -> tuple[Array, Array]:
+    """That of the cubic spline through a signal, and by how much that through every other sample differs from it."""
+    found = CubicSpline(time, values)(time, 2)
+    fewer = np.append(np.arange(0, time.size - 1, 2), time.size - 1)
+    return found, np.abs(CubicSpline(time[fewer], values[fewer])(time, 2) - found)
+
+
+def interpolated(x: Array, known: KnownMoments, parity: int | None = None) -> Array:
+    """Moments at arc lengths `x` (m, shape (m,)), N m, shape (rows, m); with a `parity` from the ends and the twelfths of that parity."""
+    numbers = np.arange(TWELFTHS + 1)
+    kept = numbers[(numbers % TWELFTHS == 0) | (numbers % 2 == parity) | (parity is None)]
+    found = np.empty((known.slider.size, x.size))
+    for rows, inner, outer in _groups(known, kept):
+        ahead = np.broadcast_to(x, (rows.size, x.size)) <= known.slider[rows, None]
+        for wanted, nodes in ((ahead, _nodes(known, rows, inner, inner=True)), (~ahead, _nodes(known, rows, outer, inner=False))):
+            some = wanted.any(axis=0)
+            if some.any():
+                block = np.ix_(rows, some)
+                found[block] = np.where(wanted[:, some], _polynomials(*nodes, x[some]), found[block])
+    return found
+
+
+def _groups(known: KnownMoments, kept: Numbers) -> Iterator[tuple[Numbers, Numbers, Numbers]]:
+    """Rows whose slider lies between the same twelfths, with the numbers of those on either side of it that are not too near."""
+    place = known.slider / known.spacing
+    inner = np.maximum(np.searchsorted(kept, place - TOO_NEAR), 1)  # the ends stay
+    outer = np.where(np.isfinite(place), np.minimum(np.searchsorted(kept, place + TOO_NEAR, side="right"), kept.size - 1), kept.size)
+    for a, b in sorted(set(zip(inner.tolist(), outer.tolist(), strict=True))):
+        yield np.flatnonzero((inner == a) & (outer == b)), kept[:a], kept[b:]
+
+
+def _nodes(known: KnownMoments, rows: Numbers, numbers: Numbers, inner: bool) -> tuple[Array, Array]:
+    """Arc lengths (m) and moments (N m) of the known places on one side of the slider, ascending, shape (rows, n) each."""
+    places = list(np.broadcast_to(numbers * known.spacing, (rows.size, numbers.size)).T)
+    moments, beyond = list(known.twelfths[np.ix_(rows, numbers)].T), BEYOND * known.spacing
+    if numbers.size and numbers[0] == 0 and known.base_slope is not None:
+        places.insert(0, np.full(rows.size, -beyond))
+        moments.insert(0, moments[0] - beyond * known.base_slope[rows])
+    if numbers.size and numbers[-1] == TWELFTHS and known.tip_slope is not None:
+        places.append(np.full(rows.size, known.length + beyond))
+        moments.append(moments[-1] + beyond * known.tip_slope[rows])
+    if np.isfinite(known.slider[rows]).all():
+        at = len(places) if inner else 0
+        places.insert(at, known.slider[rows])
+        moments.insert(at, (known.inboard if inner else known.outboard)[rows])
+    return np.array(places).T, np.array(moments).T
+
+
+def _polynomials(nodes: Array, values: Array, x: Array) -> Array:
+    """At `x` (shape (m,)) the polynomials through the nearest of some nodes (shape (rows, n)), in Lagrange's form; shape (rows, m)."""
+    count = nodes.shape[1]
+    through = min(THROUGH, count)
+    cell = (x[None, :, None] > nodes[:, None, :]).sum(axis=2) - 1
+    first = np.clip(cell - (through - 2) // 2, 0, count - through)
+    index = first[..., None] + np.arange(through)
+    near, its = (np.take_along_axis(each[:, None, :], index, axis=2) for each in (nodes, values))
+    found = np.zeros(first.shape)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a slider at the very end leaves a side without length, where nothing is asked
+        for j in range(through):
+            weight = np.ones(first.shape)
+            for k in range(through):
+                if k != j:
+                    weight *= (x - near[..., k]) / (near[..., j] - near[..., k])
+            found += weight * its[..., j]
+    return found
+
+
+def left_out(known: KnownMoments) -> Array:
+    """By how much the moment at each twelfth is missed where every other one is left out, N m, shape (rows, 13); 0 at the ends."""
+    missed = np.zeros(known.twelfths.shape)
+    for parity in (0, 1):
+        others = np.arange(1 + parity, TWELFTHS, 2)
+        missed[:, others] = np.abs(interpolated(known.spacing * others.astype(float), known, parity) - known.twelfths[:, others])
+    return missed
+
+
+def between(x: Array, missed: Array, known: KnownMoments) -> Array:
+    """By how much the interpolation may miss the moment at each place, N m, shape (rows, m).
+
+    It is the largest of what is `missed` at the four nearest twelfths, less near a known place, and no less than what an end is off by.
+    """
+    twelfth, (base, tip) = known.spacing, known.ends_open
+    cell = np.minimum((x / twelfth).astype(int), TWELFTHS - 1)
+    near = [np.clip(cell + step, 0, TWELFTHS) for step in (-1, 0, 1, 2)]
+    worst = REST * np.max([missed[:, numbers] for numbers in near], axis=0)
+    distance = np.abs(x - known.slider[:, None])
+    for end in (cell, cell + 1):
+        used = np.abs(end * twelfth - known.slider[:, None]) > TOO_NEAR * twelfth
+        distance = np.where(used, np.minimum(distance, np.abs(x - end * twelfth)), distance)
+    at_base, at_tip = (np.maximum(0.0, 1.0 - away / twelfth) for away in (x, known.length - x))
+    return np.maximum(worst * np.minimum(1.0, 2.0 * distance / twelfth), base[:, None] * at_base + tip[:, None] * at_tip)

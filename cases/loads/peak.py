@@ -1,0 +1,80 @@
+"""The largest magnitude of a signal: how large, where, at which crank angle, and how far off it may be."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.measures.extremes import extremes
+
+Array = NDArray[np.float64]
+
+#: By how much a column may be off at a crank angle (rad), in its unit, by the engine's own estimate; None where it has none.
+Claim = Callable[[str, float], float | None]
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A largest magnitude, in SI units.
+
+    Attributes:
+        value: not negative.
+        crank_angle: where it is reached, rad, from 0 to a turn; None without a crank.
+        time: likewise, s.
+        uncertainty: by how much rows, and places between those that an engine gives, leave it open.
+        estimate: of the engine's own error; None where there is none.
+        place: arc length from P at which it is reached, m; None where it is not the arm's.
+    """
+
+    value: float
+    crank_angle: float | None
+    time: float
+    uncertainty: float
+    estimate: float | None
+    place: float | None = None
+
+    @property
+    def error(self) -> float | None:
+        """How far off it may be in all; None where the engine does not say what it errs by."""
+        return None if self.estimate is None else self.uncertainty + self.estimate
+
+    def times(self, factor: float) -> "Peak":
+        """The same in another unit, or as another quantity proportional to it."""
+        estimate = None if self.estimate is None else factor * self.estimate
+        return replace(self, value=factor * self.value, uncertainty=factor * self.uncertainty, estimate=estimate)
+
+
+def peak_of(signal: Array, columns: Mapping[str, Array], claim: Callable[[float], float | None], place: float | None = None) -> Peak:
+    """Peak of the magnitude of a signal given at the rows of `columns`.
+
+    Args:
+        signal: shape (rows,).
+        columns: of a trajectory; its time, and crank angle if there is a crank.
+        claim: crank angle (rad, continuous; 0 without a crank) -> by how much the signal may be off by the engine's own estimate.
+        place: arc length that it is of, m.
+    """
+    time = columns["time"]
+    found = max(extremes(time, signal, time[0], time[-1]), key=lambda extreme: abs(extreme.value))
+    angle = float(np.interp(found.time, time, columns["crank_angle"])) if "crank_angle" in columns else None
+    turned = None if angle is None else angle % (2.0 * math.pi)
+    return Peak(abs(found.value), turned, found.time, found.uncertainty, claim(angle or 0.0), place)
+
+
+def of_column(name: str, columns: Mapping[str, Array], claim: Claim) -> Peak | None:
+    """Peak of a column; None where the engine does not give it."""
+    return peak_of(columns[name], columns, lambda angle: claim(name, angle)) if name in columns else None
+
+
+def of_vector(name: str, columns: Mapping[str, Array], claim: Claim) -> Peak | None:
+    """Peak of the length of a vector whose parts are the columns `name`_x and `name`_y."""
+    parts = f"{name}_x", f"{name}_y"
+    if not set(parts) <= set(columns):
+        return None
+
+    def both(angle: float) -> float | None:
+        errors = [error for part in parts if (error := claim(part, angle)) is not None]
+        return math.hypot(*errors) if len(errors) == len(parts) else None
+
+    return peak_of(np.hypot(*(columns[part] for part in parts)), columns, both)

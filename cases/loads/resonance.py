@@ -1,0 +1,83 @@
+"""How far the crank's speed is from driving the first mode in resonance."""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+
+from cases.measures.time_scale import TURN, time_scale
+from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import frozen_crank_modes
+from reference_model.rigid import crank_pace
+
+#: Crank angles of half a turn, the other half mirrors it, at which frequencies are averaged: the mean of a smooth periodic function by
+#: as many even angles is exact to round-off in all scenes of the library but those whose crank reaches nearly to P.
+ANGLES: Final = 25
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """First mode and crank.
+
+    Attributes:
+        first_mode: mean over the turn of the first frequency with the crank held, Hz.
+        lowest: least of these frequencies, Hz.
+        crank: turns of the crank per second, Hz.
+    """
+
+    first_mode: float
+    lowest: float
+    crank: float
+
+    @property
+    def ratio(self) -> float:
+        """Oscillations of the first mode in a turn."""
+        return self.first_mode / self.crank
+
+    @property
+    def harmonic(self) -> int:
+        """The harmonic of the crank's speed that is nearest to the first mode; at least the first."""
+        return max(1, round(self.ratio))
+
+    @property
+    def resonant_speed(self) -> float:
+        """Speed of the crank at which that harmonic meets the first mode, rad/s."""
+        return 2.0 * math.pi * self.first_mode / self.harmonic
+
+    @property
+    def detuning(self) -> float:
+        """By what part of itself the crank's speed would have to grow to be that one; negative where it would have to fall."""
+        return self.ratio / self.harmonic - 1.0
+
+    @property
+    def sentence(self) -> str:
+        """Which harmonic of the crank's speed is nearest, and at which speed the two meet."""
+        ending = {1: "st", 2: "nd", 3: "rd"}.get(self.harmonic % 10 if self.harmonic % 100 not in (11, 12, 13) else 0, "th")
+        speed, way = 30.0 / math.pi * self.resonant_speed, "faster" if self.detuning > 0.0 else "slower"
+        nearest = f"the {self.harmonic}{ending} harmonic is nearest to the first mode"
+        return f"{nearest}; the two meet at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {way}"
+
+
+@cache
+def resonance(mechanism: Mechanism) -> Resonance | None:
+    """First mode and crank of a scene; None where nothing vibrates, or the crank stands still."""
+    pace = crank_pace(mechanism)
+    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.joint_stiffness == 0.0:
+        return None
+    found = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in np.linspace(0.0, math.pi, ANGLES)])
+    return Resonance(float(np.trapezoid(found) / (ANGLES - 1)), float(found.min()), pace / (2.0 * math.pi))
+
+
+def of_motion(mechanism: Mechanism) -> float:
+    """By how much the mean first frequency differs while the crank turns, and may give way, from that with the crank held; Hz.
+
+    To first order in the coupling of the modes (`cases.measures.moving_mode`); 0 where nothing vibrates.
+    """
+    scale = time_scale(mechanism)
+    if scale is None:
+        return 0.0
+    angles = TURN[:-1]
+    running = scale.running_frequencies(angles, np.full(angles.size, crank_pace(mechanism)))[:, 0]
+    return float(np.mean(running - scale.frequencies(angles)[:, 0]))

@@ -1,0 +1,54 @@
+"""White noise in the difference of two signals: how much of it there is, and above which frequency nothing else is."""
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Rows below which a spectrum is too coarse to tell noise.
+FEWEST_ROWS: Final = 64
+#: Part of the mean square of a difference that noise must be to be called what it looks like.
+MOST_OF_IT: Final = 0.5
+#: Factor of the level by which the power of a band may be off, and how many standard errors of the band's mean besides.
+_FLAT: Final = 1.5
+_ERRORS: Final = 3.0
+
+
+class Noise(NamedTuple):
+    """White noise: its RMS, in the signal's unit, and the frequency (Hz) above which the signal is nothing else."""
+
+    rms: float
+    above: float
+
+
+def white_noise(time: Array, difference: Array) -> Noise | None:
+    """The noise that most of a difference is, or None.
+
+    The power of white noise is the same at all frequencies. Its level is taken from the upper half of the spectrum; band by band, each
+    down to half the frequency, the spectrum is followed as long as it keeps to that level.
+
+    Args:
+        time: s, shape (n,), evenly spaced; of uneven rows noise is not told.
+        difference: of a signal from what it should be, shape (n,).
+    """
+    steps, n = np.diff(time), len(time)
+    if n < FEWEST_ROWS or np.max(steps) > 1.01 * np.min(steps):
+        return None
+    mean_square = float(np.mean(difference**2))
+    power = 2.0 * np.abs(np.fft.rfft(difference)[1 : (n + 1) // 2]) ** 2 / n**2  # of each frequency in the mean square
+    lowest = len(power) // 2
+    level = float(np.mean(power[lowest:]))
+    if level == 0.0 or not _is_flat(power[lowest : 3 * lowest // 2], level) or len(power) * level < MOST_OF_IT * mean_square:
+        return None
+    while lowest and _is_flat(power[lowest // 2 : lowest], level):
+        lowest //= 2
+    return Noise(math.sqrt(len(power) * level), lowest / (n * float(np.mean(steps))))
+
+
+def _is_flat(band: Array, level: float) -> bool:
+    """Whether the mean power of a band is the level. Single powers of white noise scatter as much as they are large."""
+    error = 1.0 + _ERRORS / math.sqrt(len(band))
+    return level / (_FLAT * error) <= float(np.mean(band)) <= _FLAT * error * level

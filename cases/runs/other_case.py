@@ -1,0 +1,192 @@
+"""Which case of the library a recorded table is of, where it does not fit the case that it is compared with.
+
+A turn of the crank has traits that follow from the scene in closed form or nearly so: how long it takes, where the slider is nearest and
+farthest, how far the arm reaches, the first natural frequency, the size of deflection and slider force. Each is a positive number, and
+a table's is compared with what a case lets expect as a ratio. An engine on the given case says how far the expectation itself is off.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from cases.case import Case
+from cases.library import case_names, library_case
+from cases.runs.request import NOTHING, Run
+from engines.relative import rms
+from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import frozen_crank_modes
+from reference_model.rigid import crank_pace, rigid_kinetostatics, static_deflection
+
+
+class Trait(NamedTuple):
+    """A trait: how it is told, and by which factor a table may be off from what its own case lets expect."""
+
+    words: str  # with places for the table's value, the given case's, and that case's name
+    factor: float
+    elsewhere: float = 1.0  # times as much, of the logarithm, where the given case is not the table's own
+
+
+#: The first mode is fitted with the shapes of the given case: the frequency is up to 5 % off in the thesis' runs if these are not its own.
+_WRONG_SHAPE: Final = 2.0
+#: An engine that is 10 % off in the deflection keeps the length of a turn to 1e-4 and places of the slider to 1e-3. One cubic, the coarsest
+#: model known here, has a first frequency that is 13 % too high, but the length of the turn and all places are right.
+TRAITS: Final[Mapping[str, Trait]] = {
+    "turn": Trait("a turn takes {:.4g} s in it, {:.4g} s in {}", 1.003),
+    "nearest": Trait("the slider comes as near as {:.4g} m to P in it, {:.4g} m in {}", 1.005),
+    "farthest": Trait("the slider goes as far as {:.4g} m from P in it, {:.4g} m in {}", 1.005),
+    "reach": Trait("the tip is {:.4g} m beyond O when the slider is farthest, {:.4g} m in {}", 1.01),
+    "pre frequency": Trait("its first mode has {:.3g} Hz before the return, {:.3g} Hz in {}", 1.04, _WRONG_SHAPE),
+    "post frequency": Trait("its first mode has {:.3g} Hz after the return, {:.3g} Hz in {}", 1.04, _WRONG_SHAPE),
+    # These two grow with vibration, which depends on how near a harmonic of the crank is to the first mode.
+    "deflection": Trait("the tip deflects by {:.2g} m RMS in it, by {:.2g} m in {}", 2.5),
+    "force": Trait("the slider force is {:.3g} N RMS in it, {:.3g} N in {}", 1.6),
+}
+#: By so much nearer than another case's a trait of the given case may be before the other is ruled out: the scatter of measured traits.
+_SCATTER: Final = 0.25  # of the logarithm of a trait's factor
+#: Traits that a table must show to be said to be of another case.
+FEWEST: Final = 2
+#: Cases that are named.
+MOST_NAMED: Final = 3
+#: Traits that a single wrong column may explain as well: a unit, a factor.
+_WEAK: Final = frozenset(("deflection", "force"))
+_ANGLES: Final = 24  # of a turn, at which frequencies and forces of a case are taken
+
+
+class OtherCases(NamedTuple):
+    """Cases of the library that fit a table which does not fit its own.
+
+    Attributes:
+        names: none where the given case fits, and where no case of the library does.
+        told: how it shows that the given case does not fit (a clause); "" where it fits.
+        sure: whether more shows it than the size of single columns.
+    """
+
+    names: tuple[str, ...] = ()
+    told: str = ""
+    sure: bool = False
+
+
+def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
+    """Which cases of the library fit a table better than the given one.
+
+    Args:
+        run: of the table.
+        other: of an engine on the given case, in the same turn or the same state.
+        case: the given one.
+    """
+    shown, right, expected = _of_run(run), _of_run(other), _of_mechanism(case.mechanism)
+    names = [name for name in TRAITS if name in shown and name in right and name in expected]
+    own = {name: _off(shown[name], right[name], name) for name in names}
+    odd = [name for name in names if own[name] > 1.0]
+    if not odd or len(names) < FEWEST:
+        return OtherCases()
+    worth_telling = [name for name in odd if name != "post frequency" or "pre frequency" not in odd][:2]
+    told = "; ".join(TRAITS[name].words.format(shown[name], right[name], case.name) for name in worth_telling)
+    fitting: dict[str, float] = {}
+    for candidate in case_names():
+        mechanism = _scene(candidate)
+        if mechanism is None or mechanism == case.mechanism or _rotation(mechanism) != _rotation(case.mechanism):
+            continue
+        worst = None
+        for some in ([name for name in names if "frequency" not in name], names):  # frequencies take longest
+            theirs = _of_mechanism(mechanism, some)
+            corrections = {name: right[name] / expected[name] for name in some}
+            worst = _fits(shown, theirs, own, corrections) if len(theirs) == len(some) else None
+            if worst is None:
+                break
+        if worst is not None:
+            fitting[candidate] = worst
+    return OtherCases(_best(fitting), told, not _WEAK.issuperset(odd))
+
+
+def cases_of_pace(turn: float, slider: tuple[float, float] | None) -> tuple[str, ...]:
+    """Cases of the library that turn at a pace, and whose slider goes as near and as far, if that is known, in either rotation.
+
+    Args:
+        turn: how long a turn takes, s.
+        slider: its least and its greatest distance from P, m.
+    """
+    shown = {"turn": turn} | (dict(zip(("nearest", "farthest"), slider, strict=True)) if slider else {})
+    shown = {name: value for name, value in shown.items() if value > 0.0}
+    scenes = {name: scene for name in case_names() if (scene := _scene(name)) is not None}
+    found = {name: _fits(shown, _of_mechanism(scene, list(shown)), {}, {}) for name, scene in scenes.items()}
+    return _best({name: worst for name, worst in found.items() if worst is not None})
+
+
+def _best(fitting: Mapping[str, float]) -> tuple[str, ...]:
+    """Those that fit about as well as the best one, in the library's order, the thesis' runs first."""
+    least = min(fitting.values(), default=0.0)
+    return tuple(name for name, worst in fitting.items() if worst <= least + _SCATTER)[:MOST_NAMED]
+
+
+def _scene(name: str) -> Mechanism | None:
+    """The mechanism of a case of the library whose crank turns; None: it has none."""
+    scene = library_case(name).scene
+    return scene if isinstance(scene, Mechanism) and crank_pace(scene) > 0.0 else None
+
+
+def _rotation(mechanism: Mechanism) -> bool:
+    return mechanism.crank.drive.initial_speed >= 0.0
+
+
+def _of_run(run: Run) -> dict[str, float]:
+    """The traits that a turn shows."""
+    cycle = run.cycle
+    found = {"turn": float(cycle["time"][-1] - cycle["time"][0])}
+    if "slider_position" in cycle:
+        found |= {"nearest": float(np.min(cycle["slider_position"])), "farthest": float(np.max(cycle["slider_position"]))}
+    if "tip_x" in cycle:
+        found["reach"] = -float(cycle["tip_x"][0])
+    for half in ("pre", "post"):
+        found[f"{half} frequency"] = run.consensus_frequency(half) or 0.0
+    for name, column in (("deflection", "tip_deflection"), ("force", "slider_force")):
+        found[name] = rms(cycle[column]) if column in cycle else 0.0
+    return {name: value for name, value in found.items() if value > NOTHING}
+
+
+def _of_mechanism(mechanism: Mechanism, names: list[str] | None = None) -> dict[str, float]:
+    """The traits that a scene lets expect, all or those of some names."""
+    pace, crank, angles = crank_pace(mechanism), mechanism.crank, np.linspace(0.0, 2.0 * math.pi, _ANGLES, endpoint=False)
+    found = {
+        "turn": 2.0 * math.pi / pace,
+        "nearest": mechanism.pivot_distance - crank.length,
+        "farthest": mechanism.pivot_distance + crank.length,
+        "reach": mechanism.follower.length - mechanism.pivot_distance,
+        "deflection": static_deflection(mechanism, pace),
+        "force": rms(rigid_kinetostatics(mechanism, angles, pace)[0]),
+    }
+    halves = [name for name in TRAITS if "frequency" in name and (names is None or name in names)]
+    if halves and not mechanism.follower.is_rigid:
+        half = angles[: _ANGLES // 2 + 1]  # the other mirrors it
+        found |= dict.fromkeys(halves, float(np.mean([frozen_crank_modes(mechanism, float(angle), 1).frequencies[0] for angle in half])))
+    return {name: value for name, value in found.items() if value > NOTHING and (names is None or name in names)}
+
+
+def _off(value: float, expected: float, name: str) -> float:
+    """How far a trait is off, in the factor that it may be off by."""
+    return abs(math.log(value / expected)) / math.log(TRAITS[name].factor)
+
+
+def _fits(
+    shown: Mapping[str, float], expected: Mapping[str, float], own: Mapping[str, float], corrections: Mapping[str, float]
+) -> float | None:
+    """By how much the trait is off that is farthest off, of all that are expected; None: a case with these traits does not fit.
+
+    Args:
+        shown: by the table.
+        expected: of the case that is tried.
+        own: how far each trait is from the given case's; the case that is tried fits none much worse.
+        corrections: factors by which an engine's traits on the given case differ from the expected ones; as they may be less in the case
+            that is tried, the expectation may be met with or without them.
+    """
+    off = {
+        name: min(_off(shown[name], value * factor, name) for factor in (1.0, corrections.get(name, 1.0)))
+        for name, value in expected.items()
+    }
+    for name, each in off.items():
+        elsewhere = TRAITS[name].elsewhere
+        if each > min(elsewhere, own.get(name, math.inf) + _SCATTER if elsewhere == 1.0 else math.inf):
+            return None
+    return max(off.values())

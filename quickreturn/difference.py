@@ -1,0 +1,122 @@
+"""How far two trajectories are from each other, column by column."""
+
+import math
+import os
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cases.errors import CaseError
+from cases.recorded import RecordedTable, read_table, table_of
+from cases.shown import Cell, Rows, Shown
+from engines.relative import rms
+from engines.trajectory import Trajectory
+from quickreturn.solution import Solution
+from reference_model.columns import COLUMNS
+
+Array = NDArray[np.float64]
+Places = NDArray[np.intp]
+#: A table: a path, a DataFrame or a dictionary of arrays with units in the headings, or what `simulate` returns.
+AnyTable = str | os.PathLike[str] | Mapping[str, ArrayLike] | Solution | Trajectory | Any
+
+#: Of a time step: instants that are no farther apart are the same. Times written with five digits are rounded by less.
+_SAME_INSTANT: Final = 1e-2
+
+
+class Differences(Shown, Mapping[str, float]):
+    """RMS(ours - theirs) / RMS(theirs) by column, over the rows that both have.
+
+    Attributes:
+        absolute: column -> RMS of the difference, in the column's SI unit.
+        rows: how many rows both have.
+        step: the time between two of them, s.
+    """
+
+    def __init__(self, relative: Mapping[str, float], absolute: Mapping[str, float], rows: int, step: float) -> None:
+        self._relative, self.absolute, self.rows, self.step = dict(relative), dict(absolute), rows, step
+
+    def __getitem__(self, column: str) -> float:
+        return self._relative[column]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._relative)
+
+    def __len__(self) -> int:
+        return len(self._relative)
+
+    def _parts(self) -> Iterator[Cell]:
+        rows = [(name, f"{share:.2e}", f"{self.absolute[name]:.2e}", COLUMNS[name].unit) for name, share in self.items()]
+        yield f"{self.rows} rows, {self.step:.4g} s apart"
+        yield Rows(rows, ("column", "relative", "RMS", "unit"))
+
+
+def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
+    """The relative RMS difference of each column that both have, over the rows at the same instants. Nothing is interpolated.
+
+    Args:
+        ours: what `simulate` returns, the path of a table, a DataFrame or a dictionary of arrays; units stand in the headings.
+        theirs: likewise; the differences are relative to it. A column that is zero throughout gives infinity, or 0 if it is zero in both.
+
+    Raises:
+        CaseError: a table that cannot be read; no column in common; rows at other instants. One table may have more rows than the other,
+            between its rows and beyond them.
+    """
+    mine, its = as_table(ours, "ours").columns, as_table(theirs, "theirs").columns
+    names = [name for name in COLUMNS if name in mine and name in its and name != "time"]
+    if not names:
+        told = f"ours holds {', '.join(mine)}, theirs {', '.join(its)}"
+        raise CaseError("difference", None, None, "the two tables have no column in common but the time", told)
+    at, there = _common_rows(mine["time"], its["time"])
+    absolute = {name: rms(mine[name][at] - its[name][there]) for name in names}
+    relative = {name: _over(absolute[name], rms(its[name][there])) for name in names}
+    return Differences(relative, absolute, len(at), float(np.median(np.diff(its["time"][there]))))
+
+
+def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
+    """Any kind of table as a recorded one, which declares its case if that is known; `name`: of one without a file.
+
+    Raises:
+        CaseError: it cannot be read, or is none.
+    """
+    if isinstance(given, Solution):
+        return table_of(given.trajectory.columns, name, given.case.name)
+    if isinstance(given, Trajectory):
+        return table_of(given.columns, name)
+    if isinstance(given, (str, os.PathLike)):
+        return read_table(os.fspath(given))
+    if hasattr(given, "keys") and hasattr(given, "__getitem__"):
+        case = getattr(given, "attrs", {}).get("case")
+        return table_of({heading: given[heading] for heading in given.keys()}, name, case if isinstance(case, str) else None)  # noqa: SIM118
+    raise CaseError(
+        name, None, None, f"{type(given).__name__} is no table", "give a path, a DataFrame, a dictionary of arrays or a solution"
+    )
+
+
+def _common_rows(mine: Array, its: Array) -> tuple[Places, Places]:
+    """Places of the rows at the same instants, as many in each. CaseError: where both have rows, neither has all instants of the other."""
+    within = max(mine[0], its[0]), min(mine[-1], its[-1])
+    near = _SAME_INSTANT * min(float(np.min(np.diff(times), initial=np.inf)) for times in (mine, its))
+    rows, other_rows = (np.flatnonzero((times >= within[0] - near) & (times <= within[1] + near)) for times in (mine, its))
+    if min(len(rows), len(other_rows)) < 2:
+        told = f"ours goes from {mine[0]:g} to {mine[-1]:g} s, theirs from {its[0]:g} to {its[-1]:g} s"
+        raise CaseError("difference", "time", None, "the two tables have fewer than two rows in common", told)
+    if len(rows) <= len(other_rows):
+        return rows, other_rows[_nearest(mine[rows], its[other_rows], near)]
+    return rows[_nearest(its[other_rows], mine[rows], near)], other_rows
+
+
+def _nearest(times: Array, others: Array, near: float) -> Places:
+    """The place of each instant among the others. CaseError: one is not there."""
+    after = np.clip(np.searchsorted(others, times), 1, len(others) - 1)
+    places = np.where(times - others[after - 1] < others[after] - times, after - 1, after)
+    alone = np.abs(others[places] - times) > near
+    if np.any(alone):
+        told = f"one table has a row at {times[np.argmax(alone)]:.6g} s, the other has none"
+        raise CaseError("difference", "time", None, told, "give both the same output step, or one a multiple of the other's")
+    return places
+
+
+def _over(size: float, of: float) -> float:
+    return size / of if of > 0.0 else 0.0 if size == 0.0 else math.inf

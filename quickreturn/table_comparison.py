@@ -1,0 +1,153 @@
+"""A recorded table held against engines: what departs, by how much, and why."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from cases.errors import CaseError
+from cases.recorded import RecordedTable
+from cases.runs.comparison import CaseResult, Check, hold_against_engines
+from cases.runs.differences import column_differences, explanations
+from cases.runs.request import Run
+from cases.shown import Cell, Rows, Shown
+from engines.registry import MAIN
+from quickreturn.accuracy import checked
+from quickreturn.catalogue import AnyCase, one_case, prepared
+from quickreturn.cross_validation import given_settings, opened
+from quickreturn.difference import AnyTable, as_table
+from quickreturn.verdict_text import parts_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from quickreturn.catalogue import AnyEngineOrTable
+
+
+class TableComparison(Shown):
+    """What a table is worth beside engines, in the turn of the crank or the steady state that it shows.
+
+    Attributes:
+        result: runs of the engines and of the table, and all comparisons.
+        name: of the table.
+    """
+
+    def __init__(self, result: CaseResult, name: str) -> None:
+        self.result, self.name = result, name
+
+    @property
+    def run(self) -> Run:
+        """All that is known of the table: the turn that is compared, its measures, what is uncertain of them."""
+        return self.result.recorded[self.name]
+
+    @property
+    def rows(self) -> tuple[Check, ...]:
+        """Every number of the table held against an engine's: both values, by how much they differ and may differ, whether it passed."""
+        return tuple(check for check in self.result.table_checks if check.engine == self.name)
+
+    @property
+    def missed(self) -> tuple[Check, ...]:
+        """Those rows in which they differ by more than the engine claims and the table's measures are uncertain."""
+        return tuple(check for check in self.rows if not check.passed)
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether no row is missed; None if nothing could be judged."""
+        return not self.missed if self.rows else None
+
+    @property
+    def accuracy_class(self) -> str | None:
+        """The least of 0.1, 0.3, 1, 3 and 10 % that covers its deviation from `reference`, or "worse"; None if that did not run."""
+        return self.result.whole.accuracy_class(self.name)
+
+    @property
+    def verdict(self) -> str:
+        """A sentence: what came of it."""
+        if not self.rows:
+            return f"{self.name} could not be judged: {self.run.remark or self.result.whole.reason}"
+        others = " and ".join(dict.fromkeys(check.other for check in self.missed or self.rows))
+        if not self.missed:
+            return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons"
+        return f"{self.name} departs from {others} by more than is claimed in {len(self.missed)} of {len(self.rows)} comparisons"
+
+    @cached_property
+    def differences(self) -> dict[str, dict[str, float]]:
+        """Engine -> column -> RMS difference over the engine's RMS, at equal crank angles of the turn that is compared."""
+        return {other.engine: column_differences(self.run, other) for other in self._opposite}
+
+    @cached_property
+    def explanations(self) -> dict[str, str]:
+        """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is none of this case's tables."""
+        return next((explanations(self.run, other, self.result.case) for other in self._opposite), {})
+
+    @property
+    def frame(self) -> "pd.DataFrame":
+        """The rows as a table."""
+        import pandas as pd
+
+        return pd.DataFrame([check.as_dict() for check in self.rows])
+
+    @property
+    def _opposite(self) -> list[Run]:
+        """The engines that it can be held against."""
+        return [other for other in self.result.runs.values() if self.run.usable and other.usable]
+
+    def _parts(self) -> list[Cell]:
+        return parts_of_tables(self.result, [self])
+
+
+def compare(
+    case: AnyCase,
+    table: AnyTable,
+    engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]" = MAIN,
+    *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
+) -> TableComparison:
+    """Hold a table against engines in the turn of the crank or the steady state that it shows. Results are kept as they come.
+
+    Args:
+        case: a name, a path or a `Case`.
+        table: a path, a DataFrame or a dictionary of arrays whose headings have units ("tip_deflection [mm]"; none: SI), or what `simulate`
+            returns: `time` and any columns of a trajectory.
+        engines: names, or engines that are installed, one or several; default: the four main ones.
+        accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
+        settings: of an engine, by its name: {"mujoco": {"links": 16}}.
+        jobs: how many processes at a time; None: one per core.
+        quiet: whether nothing is shown on standard error meanwhile.
+
+    Raises:
+        CaseError: no such case; the table cannot be read, declares another case, or has no whole turn of the crank.
+        UnknownEngine, Refusal, SettingError, StoreError, KeyboardInterrupt: as of `run`.
+    """
+    scene, texts = one_case(case), given_settings(settings)
+    names, of_engines, others = prepared([scene], engines, texts)
+    tables = [as_table(table), *others.get(scene.name, ())]
+    refuse_same_names(names, tables)
+    results = hold_against_engines(scene, tables, opened(jobs, quiet), names, checked(accuracy), of_engines)
+    return next(found for result in results for found in tables_in(result) if found.name == tables[0].name)
+
+
+def tables_in(result: CaseResult) -> list[TableComparison]:
+    """All tables of a result."""
+    return [TableComparison(result, name) for name in result.recorded]
+
+
+def refuse_same_names(engines: Sequence[str], tables: Sequence[RecordedTable]) -> None:
+    """CaseError: two tables, or a table and an engine, have one name."""
+    called = [*engines, *(table.name for table in tables)]
+    for name in called:
+        if called.count(name) > 1:
+            raise CaseError(name, None, None, "two tables or engines have this name", "give each file a name of its own")
+
+
+def parts_of_tables(result: CaseResult, tables: Sequence[TableComparison]) -> list[Cell]:
+    """What a person reads of the tables of a result: measures and verdicts, differences by column, and what explains them."""
+    parts = parts_of(result)
+    found = {(table, engine): shares for table in tables for engine, shares in table.differences.items()}
+    if columns := dict.fromkeys(column for shares in found.values() for column in shares):
+        heads = [engine if len(tables) == 1 else f"{table.name} - {engine}" for table, engine in found]
+        rows = [[f"  {column}", *(f"{each[column]:.1e}" if column in each else "-" for each in found.values())] for column in columns]
+        parts += ["  RMS difference in this turn, over the engine's RMS:", Rows(rows, ("", *heads))]
+    return [*parts, *(f"  {table.name}: {sentence}" for table in tables for sentence in table.explanations.values())]

@@ -1,0 +1,103 @@
+"""What the parts of a machine bear, by each engine on each case, and by the one whose numbers lead."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from cases.case import Case
+from cases.loads import Loads, Resonance, loads_of_run, of_motion, resonance
+from cases.runs.comparison import REFERENCE, CaseResult
+from reports.words import degrees, off_by, quantity
+
+
+@dataclass(frozen=True)
+class CaseLoads:
+    """What engines find on a case.
+
+    Attributes:
+        case: the case.
+        loads: by engine, of those with a cycle that can be used.
+        models: engines whose discretization is their model, so that a difference is no error of theirs.
+    """
+
+    case: Case
+    loads: dict[str, Loads]
+    models: frozenset[str] = frozenset()
+
+    @property
+    def lead(self) -> str:
+        """The engine whose numbers are told: `reference`, else the first that gives a stress; "" where none does, or it is zero."""
+        stressed = [name for name, found in self.loads.items() if found.stress is not None and found.stress.largest.value > 0.0]
+        return REFERENCE if REFERENCE in stressed else next(iter(stressed), "")
+
+    @cached_property
+    def resonance(self) -> Resonance | None:
+        """First mode and crank."""
+        return resonance(self.case.mechanism)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the arm holds, by the engine that leads (a sentence); "" where no strength is given."""
+        loads = self.loads[self.lead]
+        factors = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
+        known = {against: factor for against, factor in factors.items() if factor is not None}
+        if not known:
+            return ""
+        told = " and ".join(f"{factor.value:.3g} against {against}" for against, factor in known.items())
+        close = any(abs(factor.value - 1.0) <= (factor.error or 0.0) for factor in known.values())
+        broken = any(factor.value < 1.0 for factor in known.values())
+        verdict = "Whether the arm holds is too close to tell" if close else "The arm does not hold" if broken else "The arm holds"
+        below = ", below one" if broken and len(known) == 1 else ""
+        return f"{verdict}: the safety factor is {told}{below}."
+
+    @cached_property
+    def of_motion(self) -> float:
+        """By how much turning changes the mean first frequency, Hz, which the crank held does not tell."""
+        return abs(of_motion(self.case.mechanism))
+
+    def departures(self) -> dict[str, float]:
+        """Largest stress of the other engines that simulate the same model, over that of the one that leads, less one."""
+        same = {name: found for name, found in self.loads.items() if name not in self.models}
+        stress = {name: found.stress.largest.value for name, found in same.items() if found.stress is not None}
+        lead = stress.pop(self.lead, 0.0)
+        return {name: value / lead - 1.0 for name, value in stress.items()} if lead else {}
+
+
+def loads_of_case(result: CaseResult) -> CaseLoads:
+    """What engines find on a case; recorded tables are left out, for they need not have the moments."""
+    mechanism = result.case.mechanism
+    found = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
+    return CaseLoads(result.case, found, frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration"))
+
+
+def leading_loads(result: CaseResult) -> CaseLoads:
+    """The same of the engine alone whose numbers are told."""
+    mechanism, names = result.case.mechanism, sorted(result.runs, key=lambda name: name != REFERENCE)
+    for name in names:
+        loads = loads_of_run(mechanism, result.runs[name])
+        if loads is not None and loads.stress is not None:
+            return CaseLoads(result.case, {name: loads})
+    return CaseLoads(result.case, {})
+
+
+def loads_of_cases(results: Sequence[CaseResult]) -> list[CaseLoads]:
+    """The same of several cases."""
+    return [loads_of_case(result) for result in results]
+
+
+def stress_text(loads: Loads, length: float) -> str:
+    """The largest stress and where it is, with the safety factors, in a line; `length` is the arm's, m. There must be a stress."""
+    assert loads.stress is not None
+    found, places = loads.stress.largest, []
+    if found.place is not None:
+        places.append(f"{1e3 * found.place:.0f} mm from P ({100.0 * found.place / length:.0f} % of the arm)")
+    if found.crank_angle is not None:
+        places.append(f"crank at {degrees(found.crank_angle)}")
+    error = "" if found.error is None else f" ({off_by(found.error, found.value)})"
+    factors = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
+    safety = [f"{factor.value:.3g} against {against}" for against, factor in factors.items() if factor is not None]
+    told = [
+        f"largest stress {quantity(found.value, 'MPa')}{error}, {', '.join(places)}",
+        *([f"safety {', '.join(safety)}"] if safety else []),
+    ]
+    return "; ".join(told)

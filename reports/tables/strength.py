@@ -1,0 +1,93 @@
+"""What the parts of a machine bear: a row for each number of each engine on each case."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from cases.loads import UNITS, Factor, Loads, Peak
+from reports.findings.loads import CaseLoads
+from reports.tables.table import CASE, Cell, Column, Columns, Table
+from reports.words import TIED, off_by, quantity
+
+#: Number -> its name in the page, and the unit that it is written in there.
+NAMES: Final = {
+    "stress": ("largest stress", "MPa"),
+    "strain": ("the same as strain", "µε"),
+    "stress_amplitude": ("stress amplitude", "MPa"),
+    "stress_mean": ("mean stress there", "MPa"),
+    "yield_factor": ("safety against yielding", ""),
+    "fatigue_factor": ("safety against fatigue", ""),
+    "crank_torque": ("torque of the drive", "N m"),
+    "pivot_force": ("force in the bearing P", "N"),
+    "crank_force": ("force in the bearing O", "N"),
+    "slider_force": ("force at the slider", "N"),
+    "tip_deflection": ("deflection of the tip", "mm"),
+    "mean_first_frequency": ("first mode, mean over the turn", "Hz"),
+    "frequency_ratio": ("the same over the crank's frequency", ""),
+}
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of `NAMES`, in SI units; what is not known is None.
+
+    Attributes:
+        name: of the number.
+        value: the number.
+        unit: SI.
+        error: how far off it may be.
+        place: arc length from P, m.
+        crank_angle: rad, from 0 to a turn.
+    """
+
+    name: str
+    value: float
+    unit: str
+    error: float | None = None
+    place: float | None = None
+    crank_angle: float | None = None
+
+
+def numbers(loads: Loads) -> Iterator[Number]:
+    """What there is to say of what an engine found."""
+    if loads.stress is not None:
+        yield _peak("stress", loads.stress.largest, "Pa")
+        if loads.strain is not None:
+            yield _peak("strain", loads.strain, "1")
+        yield _peak("stress_amplitude", loads.stress.amplitude, "Pa")
+        yield Number("stress_mean", loads.stress.mean, "Pa", place=loads.stress.amplitude.place)
+    factors: dict[str, Factor | None] = {"yield_factor": loads.yield_factor, "fatigue_factor": loads.fatigue_factor}
+    yield from (Number(name, factor.value, "1", factor.error) for name, factor in factors.items() if factor is not None)
+    yield from (_peak(name, peak, UNITS[name]) for name in NAMES if (peak := loads.peaks.get(name)) is not None)
+
+
+def of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
+    """All numbers of a case, each with its engine; of those that no engine is asked for, without one."""
+    for engine, loads in case.loads.items():
+        yield from ((engine, number) for number in numbers(loads))
+    if case.resonance is not None:
+        yield "", Number("mean_first_frequency", case.resonance.first_mode, "Hz", case.of_motion)
+        yield "", Number("frequency_ratio", case.resonance.ratio, "1", case.of_motion / case.resonance.crank)
+
+
+def strength(cases: Sequence[CaseLoads]) -> Table:
+    """The table."""
+    columns: Columns = (
+        *(CASE, "engine", Column("quantity", words=lambda name: NAMES[name][0])),
+        Column("value", unit="[SI]", form=".4g"),
+        Column("error", "off by", unit="[SI]", form=".2g", meaning="what rows and places leave open, and the engine's own estimate"),
+        Column("unit", in_page=False),
+        Column("place", "from P", "mm", ".0f", meaning="arc length"),
+        Column("crank_angle", "crank at", "°", ".0f"),
+    )
+    found = Table("strength", columns)
+    for case in cases:
+        for engine, number in of_case(case):
+            text = quantity(number.value, NAMES[number.name][1]).strip(TIED)
+            off = Cell(None) if number.error is None else Cell(number.error, off_by(number.error, number.value))
+            found.add(number, case=case.case.name, engine=engine, quantity=number.name, value=Cell(number.value, text), error=off)
+    return found
+
+
+def _peak(name: str, peak: Peak, unit: str) -> Number:
+    return Number(name, peak.value, unit, peak.error, peak.place, peak.crank_angle)

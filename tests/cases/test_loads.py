@@ -1,0 +1,206 @@
+"""What the parts bear, held against closed forms, natural modes on a fine grid, and gauges at many places."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cases.case_file import load_case
+from cases.jobs.key import hash_of
+from cases.loads import loads_of, resonance
+from cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out
+from cases.loads.stress import arm_stress, safety, section_modulus
+from engines.own.reference import ReferenceEngine, ReferenceSettings
+from engines.start import standard_start
+from reference_model.columns import MOMENTS
+from reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, Tip
+from reference_model.natural_modes import supported_modes
+from reference_model.rigid import rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
+from tests.engines.scenes import run_24
+
+Columns = dict[str, Any]
+SPEED = 12.0  # rad/s
+#: Everything that gives an end of the arm, or the slider, a moment of its own, and a force on the tip.
+LOADED = run_24(
+    crank={"drive": PrescribedSpeed(speed=SPEED)},
+    base=Base(inertia=2e-3, damping=0.05),
+    tip=Tip(mass=0.4, inertia=3e-3, center_of_mass=0.03, force=(3.0, 20.0), force_from=1.0, force_to=5.0),
+    slider=Slider(mass=0.2, inertia=2e-3),
+    gravity=(0.0, -9.80665),
+    follower={"bending_stiffness": math.inf, "yield_strength": 200e6, "fatigue_strength": 80e6},
+)
+
+
+def nothing_known(column: str, angle: float) -> None:
+    """An engine without estimates."""
+
+
+def rigid_cycle(mechanism: Mechanism, rows: int = 721) -> Columns:
+    """A turn of the rigid mechanism in closed form, equations 9.1 to 9.11, as the columns of an engine."""
+    angle = np.pi + np.linspace(0.0, 2.0 * np.pi, rows)
+    motion = rigid_motion(mechanism, angle, SPEED)
+    pivot, crank = rigid_bearing_forces(mechanism, angle, SPEED)
+    length, moments = mechanism.follower.length, {}
+    for number, name in enumerate(MOMENTS, 1):
+        moments[name] = rigid_bending_moment(mechanism, number * length / 12.0, angle, SPEED)
+    at_slider = rigid_bending_moment(mechanism, motion.slider_position, angle, SPEED)  # type: ignore[arg-type]  # arrays do as well
+    return {
+        "time": (angle - np.pi) / SPEED,
+        "crank_angle": angle,
+        "follower_angle": motion.follower_angle,
+        "slider_position": motion.slider_position,
+        "tip_acceleration": length * motion.follower_acceleration,
+        "moment_slider": at_slider,
+        "slider_force": rigid_kinetostatics(mechanism, angle, SPEED)[0],
+        **{
+            f"{name}_force_{axis}": part
+            for name, parts in (("pivot", pivot), ("crank", crank))
+            for axis, part in zip("xy", parts, strict=True)
+        },
+        **moments,
+    }
+
+
+@pytest.fixture(scope="module")
+def rigid() -> Columns:
+    return rigid_cycle(LOADED)
+
+
+def test_moment_along_a_rigid_arm_is_that_of_the_closed_form(rigid: Columns) -> None:
+    known = known_moments(LOADED, rigid)
+    x = np.linspace(0.0, LOADED.follower.length, 61)
+    found = interpolated(x, known)
+    right = np.column_stack([rigid_bending_moment(LOADED, place, rigid["crank_angle"], SPEED) for place in x])
+    right = np.where(np.isclose(x, rigid["slider_position"][:, None], rtol=0.0, atol=1e-9), found, right)  # it jumps there
+    # the moment is a cubic on either side: what is left is the follower's angular acceleration at base and tip, by splines through the
+    # rows, which err by (2 pi / 720)^2 / 12 of its highest harmonics, the tenth or so of which still counts
+    assert np.abs(found - right).max() < 2e-3 * np.abs(right).max()
+    inner = (x > x[5]) & (x < x[-6])
+    assert np.abs(found - right)[:, inner].max() < 1e-5 * np.abs(right).max()
+
+
+def test_largest_stress_and_amplitude_of_a_rigid_arm(rigid: Columns) -> None:
+    found = arm_stress(LOADED, rigid, nothing_known)
+    assert found is not None
+    fine = np.linspace(0.0, LOADED.follower.length, 361)
+    angles = np.pi + np.linspace(0.0, 2.0 * np.pi, 721)
+    right = np.array([rigid_bending_moment(LOADED, place, angles, SPEED) for place in fine]) / section_modulus(LOADED.follower)
+    place, row = np.unravel_index(int(np.abs(right).argmax()), right.shape)
+    # half a step of the grid on either side of a corner leaves 3e-3
+    assert abs(found.largest.value - abs(right[place, row])) <= found.largest.uncertainty + 3e-3 * found.largest.value
+    assert found.largest.uncertainty < 0.01 * found.largest.value
+    assert found.largest.place == pytest.approx(fine[place], abs=3e-3)
+    assert found.largest.crank_angle == pytest.approx(angles[row] % (2.0 * np.pi), abs=0.02)
+    half = np.ptp(right, axis=1) / 2.0
+    assert abs(found.amplitude.value - half.max()) <= found.amplitude.uncertainty + 3e-3 * half.max()
+    assert found.amplitude.place == pytest.approx(fine[half.argmax()], abs=6e-3)  # places are 5.3 mm apart
+    assert found.mean == pytest.approx((right[half.argmax()].max() + right[half.argmax()].min()) / 2.0, abs=0.02 * half.max())
+
+
+def test_forces_and_safety(rigid: Columns) -> None:
+    loads = loads_of(LOADED, rigid, lambda column, angle: 0.01 if "force" in column else 1e-3)
+    assert loads.stress is not None
+    angles = np.pi + np.linspace(0.0, 2.0 * np.pi, 14401)
+    for name, force in zip(("pivot_force", "crank_force"), rigid_bearing_forces(LOADED, angles, SPEED), strict=True):
+        peak, size = loads.peaks[name], np.hypot(*force)
+        assert peak is not None
+        assert abs(peak.value - size.max()) <= peak.uncertainty + 1e-5 * peak.value  # the tip's force comes and goes with corners
+        assert peak.uncertainty < 1e-3 * peak.value
+        assert peak.estimate == pytest.approx(0.01 * math.sqrt(2.0))
+        assert peak.crank_angle == pytest.approx(angles[size.argmax()] % (2.0 * np.pi), abs=0.01)
+    assert loads.peaks["crank_torque"] is None  # the engine does not give it
+    assert loads.strain is not None
+    assert loads.strain.value == 0.0  # a rigid arm is stressed and not strained
+    assert loads.yield_factor is not None
+    assert loads.yield_factor.value == pytest.approx(200e6 / loads.stress.largest.value)
+    error = loads.stress.largest.error
+    assert error is not None
+    assert loads.yield_factor.error == pytest.approx(loads.yield_factor.value * error / loads.stress.largest.value)
+    assert loads.fatigue_factor is not None
+    assert loads.fatigue_factor.value == pytest.approx(80e6 / loads.stress.amplitude.value)
+    assert safety(None, loads.stress.largest) is None
+    assert loads_of(LOADED, {"time": rigid["time"]}, nothing_known).stress is None
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_natural_modes_are_met_within_what_is_left_open(count: int) -> None:
+    """Moments made of modes of the beam supported at the moving slider, known in closed form everywhere."""
+    mechanism, generator = run_24(), np.random.default_rng(count)
+    length, rows = mechanism.follower.length, 60
+    fine, twelfths = np.linspace(0.0, length, 481), np.linspace(0.0, length, 13)
+    slider = mechanism.pivot_distance + mechanism.crank.length * np.cos(np.linspace(0.0, 2.0 * np.pi, rows))
+    right, at_twelfths, at_slider, slopes = np.empty((rows, fine.size)), np.empty((rows, 13)), np.empty(rows), np.empty((rows, 2))
+    for row, s in enumerate(slider):
+        modes = supported_modes(mechanism, s, count)
+        weights = generator.normal(size=count) / np.abs(modes.curvature(fine)).max(axis=1)
+        right[row], at_twelfths[row] = weights @ modes.curvature(fine), weights @ modes.curvature(twelfths)
+        at_slider[row], slopes[row] = (weights @ modes.curvature(np.array([s])))[0], weights @ modes.deflection(np.array([0.0, length]), 3)
+    exact = np.zeros(rows)
+    known = KnownMoments(length, at_twelfths, slider, at_slider, at_slider, *slopes.T, (exact, exact))
+    found, left_open = interpolated(fine, known), between(fine, left_out(known), known)
+    peaks, peak = np.abs(right).max(axis=1), np.abs(right).max()
+    largest, upper = np.abs(found).max(axis=1), (np.abs(found) + left_open).max(axis=1)
+    # the largest moment of each row within what is left open, which is no excuse either
+    assert np.all(np.abs(largest - peaks) <= upper - largest + 1e-4 * peak)
+    assert np.median((upper - largest) / peaks) < (1e-3 if count < 4 else 1e-2)
+    # and so are all places but few, which are off by little
+    beyond = np.abs(found - right) > left_open + 1e-3 * peak
+    assert beyond.mean() < 0.005
+
+
+def test_gauges_anywhere_read_what_is_recovered_there() -> None:
+    """The model's own strain at twelve places other than the twelfths, in run 24 with a heavy tip beyond the end."""
+    mechanism = run_24(tip={"center_of_mass": 0.0127})
+    length, settings = mechanism.follower.length, ReferenceSettings(modes=5, tolerance=1e-7)
+    gauges = np.array([0.02, 0.13, 0.21, 0.31, 0.44, 0.55, 0.63, 0.71, 0.8, 0.87, 0.94, 0.98]) * length
+    size = mechanism.follower.thickness / (2.0 * mechanism.follower.bending_stiffness)
+
+    def with_gauges(three: np.ndarray) -> tuple[Columns, np.ndarray]:
+        scene = dataclasses.replace(mechanism, follower=dataclasses.replace(mechanism.follower, strain_gauges=tuple(three.tolist())))
+        columns = ReferenceEngine().prepare(scene, standard_start(scene), settings).advance(0.4, 1e-3).columns
+        return columns, np.column_stack([columns[f"strain_{number}"] for number in (1, 2, 3)])
+
+    for three in gauges.reshape(4, 3):
+        columns, strains = with_gauges(three)
+        known = known_moments(mechanism, columns)
+        found, left_open = (size * each for each in (interpolated(three, known), between(three, left_out(known), known)))
+        # 1e-4 of the peak: at the ends accelerations are known by splines through rows of 1 ms, and the arm vibrates with up to 200 Hz
+        assert np.all(np.abs(found - strains) <= left_open + 1e-4 * size * np.abs(known.twelfths).max())
+    strain = loads_of(mechanism, columns, nothing_known).strain
+    assert strain is not None
+    assert strain.place is not None
+    # the strain falls from the corner at the slider by 1 / (s (1 - s / L)) of itself for each metre: 5e-4 for 0.1 mm
+    _, strains = with_gauges(strain.place + 1e-4 * np.array([-1.0, 0.0, 1.0]))
+    assert np.abs(strains).max() == pytest.approx(strain.value, rel=1e-3)
+    assert np.abs(strains[:, 1]).argmax() == pytest.approx(strain.time / 1e-3, abs=1.0)
+
+
+def test_what_the_material_bears_does_not_change_what_a_result_is_stored_under() -> None:
+    plain, known = (dataclasses.replace(run_24().follower, yield_strength=strength) for strength in (None, 240e6))
+    assert hash_of(plain) == hash_of(known)
+    assert hash_of(plain) != hash_of(dataclasses.replace(known, thickness=1e-3))
+    case = load_case("example", {"follower.yield_strength": "250 MPa"})
+    assert case.values["follower"]["yield_strength"] == 250e6
+    assert "yield_strength" not in load_case("thesis-24").values["follower"]
+
+
+def test_resonance_of_a_uniform_beam_is_that_of_the_textbook() -> None:
+    """A crank that hardly reaches leaves the support at 0.7 L: pinned, supported, free, without bodies; beta L = 3.88535145."""
+    bare = run_24(base=Base(), tip=None)
+    beam, drive = bare.follower, PrescribedSpeed(speed=-20.0)
+    scene = dataclasses.replace(
+        bare, pivot_distance=0.7 * beam.length, crank=dataclasses.replace(bare.crank, length=1e-4 * beam.length, drive=drive)
+    )
+    right = 3.88535145**2 / (2.0 * math.pi * beam.length**2) * math.sqrt(beam.bending_stiffness / beam.mass_per_length)
+    found = resonance(scene)
+    assert found is not None
+    # the first power of the crank's length averages out over the turn, its square is 1e-8
+    assert found.first_mode == pytest.approx(right, rel=1e-6)
+    assert found.crank == pytest.approx(20.0 / (2.0 * math.pi))
+    assert found.ratio == pytest.approx(right * 2.0 * math.pi / 20.0, rel=1e-6)
+    assert found.harmonic == round(found.ratio)
+    assert found.resonant_speed * found.harmonic == pytest.approx(2.0 * math.pi * right, rel=1e-6)
+    assert found.resonant_speed == pytest.approx(20.0 * (1.0 + found.detuning))
+    assert resonance(run_24(follower={"bending_stiffness": math.inf})) is None

@@ -1,0 +1,57 @@
+"""What `--help` says: whole sentences within 80 columns, nothing cut off."""
+
+import re
+
+import pytest
+
+from quickreturn.command_line import COMMANDS, first_sentence
+from tests.quickreturn.conftest import Call
+
+WIDTH = 80
+#: What may follow the last sentence of an option.
+DEFAULT = r" +\[(default: [^\]]+|required)\]"
+
+
+def entries(lines: list[str]) -> list[str]:
+    """The texts of a list of options or commands, each on one line, without the names before them."""
+    column = min(found.end() for line in lines if (found := re.match(r"  \S.*?  +(?=\S)", line)))
+    texts: list[str] = []
+    for line in lines:
+        if line[2] != " ":  # a name stands there
+            texts.append("")
+        texts[-1] = f"{texts[-1]} {line[column:]}".strip()
+    return texts
+
+
+@pytest.mark.parametrize("name", ["", *COMMANDS])
+def test_every_help_text_consists_of_whole_sentences(call: Call, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
+    answer = call(*filter(None, [name]), "--help")
+    assert (answer.code, answer.errors) == (0, "")
+    assert max(map(len, answer.output.splitlines())) <= WIDTH
+    usage, *paragraphs = answer.output.strip().split("\n\n")
+    assert usage.startswith("Usage: quickreturn")
+    assert len(paragraphs) >= 2
+    for paragraph in paragraphs:
+        head, *lines = paragraph.splitlines()
+        texts = entries(lines) if head in ("Options:", "Commands:") else [" ".join(paragraph.split())]
+        for text in texts:
+            assert re.fullmatch(rf"[A-Z].*[^.]\.({DEFAULT})?", text), text
+            assert "..." not in text, text
+
+
+def test_every_command_is_listed_with_the_first_sentence_of_its_help(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
+    listed = " ".join(call("--help").output.partition("Commands:\n")[2].split())
+    for name in COMMANDS:
+        sentence = first_sentence(call(name, "--help").output.split("\n\n")[1])
+        assert sentence.endswith(".")
+        assert f"{name} {sentence}" in listed
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [("One. Two.", "One."), ("One\n  line. More.", "One line."), ("A file .csv is read.", "A file .csv is read."), ("", "")],
+)
+def test_the_first_sentence_ends_at_a_point_before_a_blank(text: str, sentence: str) -> None:
+    assert first_sentence(text) == sentence

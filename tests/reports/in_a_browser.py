@@ -1,0 +1,83 @@
+"""A report of made-up runs opened in Chromium: fixtures of the tests of the page."""
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from reports.machine import machine_facts
+from reports.page.content import Content
+from reports.report import write
+from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.reported_results import reported_result
+from tests.reports.test_report import studies
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+if CHROMIUM is None and os.environ.get("CI") != "true":
+    pytest.skip("no Chromium was found (Debian: apt-get install chromium)", allow_module_level=True)
+
+Open = Callable[..., Page]
+RESULTS = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5), reported_result("thesis-17", seed=9)]
+
+
+#: Keeps what is on each canvas since it was cleared last: texts with their boxes in pixels of the page, places and colours of lines.
+WATCHING = """(() => {
+    const pen = CanvasRenderingContext2D.prototype, { clearRect, fillText, lineTo, stroke } = pen;
+    const seen = window.seen = new Map(), nothing = () => ({ texts: [], points: [], colours: new Set() });
+    const of = ({ canvas }) => seen.get(canvas) ?? seen.set(canvas, nothing()).get(canvas);
+    pen.clearRect = function (...box) { seen.delete(this.canvas); clearRect.apply(this, box); };
+    pen.fillText = function (text, x, y) {
+        const box = this.measureText(text), side = (name) => box[`actualBoundingBox${name}`];
+        of(this).texts.push([text, x - side("Left"), y - side("Ascent"), x + side("Right"), y + side("Descent")]);
+        fillText.call(this, text, x, y);
+    };
+    pen.lineTo = function (x, y) { of(this).points.push([x, y]); lineTo.call(this, x, y); };
+    pen.stroke = function () { of(this).colours.add(this.strokeStyle); stroke.call(this); };
+})()"""
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A report on three made-up runs, in one of which an engine failed."""
+    folder = tmp_path_factory.mktemp("page")
+    benchmarks = [made_up_benchmark(timed=True), made_up_benchmark("thesis-17")]
+    write(Content(results=RESULTS, studies=studies(), benchmarks=benchmarks, facts=machine_facts()), folder)
+    return (folder / "index.html").as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    assert CHROMIUM is not None, "no Chromium was found, and CI is true"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def opened(browser: Browser, address: str) -> Iterator[Open]:
+    """Open the page at a place in it; whatever the browser complains of fails the test."""
+    complaints: list[str] = []
+    contexts = []
+
+    def open_page(
+        place: str = "", url: str = address, width: int = 1400, height: int = 900, watched: bool = False, **about: object
+    ) -> Page:
+        context = browser.new_context(viewport={"width": width, "height": height}, **about)  # type: ignore[arg-type]
+        contexts.append(context)
+        page = context.new_page()
+        if watched:
+            page.add_init_script(WATCHING)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+        page.on("request", lambda request: complaints.append(request.url) if request.url.startswith("http") else None)
+        page.goto(url + place)
+        page.wait_for_selector("html[data-ready=true]", timeout=10_000)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert complaints == []
