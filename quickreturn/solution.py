@@ -187,10 +187,9 @@ class Solution(Shown):
         name, beside = ESTIMATE[found.estimate_of]
         asked = "" if found.accuracy is None else f"asked: {found.accuracy:g}"
         rows = []
-        for column in ESTIMATED:
-            relative = found.error_estimates[column]
-            size, words = rms(self.trajectory[column]), column.removeprefix("tip_").removeprefix("slider_").replace("_", " ")
-            unit = COLUMNS[column].unit
+        for column in (each for each in ESTIMATED if each in self.trajectory.columns):
+            relative, size, unit = found.error_estimates[column], rms(self.trajectory[column]), COLUMNS[column].unit
+            words = column.removeprefix("tip_").removeprefix("slider_").replace("_", " ")
             if column == "tip_deflection" and relative is None and found.error_estimate is not None:
                 relative, size, words = found.error_estimate, self.case.scene.follower.length, "tip's place"
             about = "; ".join(filter(None, (asked, beside))) if column == "tip_deflection" else ""

@@ -1,11 +1,13 @@
 """Three lines of Python: what `import quickreturn as qr` offers, on engines that cost nothing."""
 
 import json
+import re
 import subprocess
 import sys
 import time
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import quickreturn as qr
+from engines.trajectory import FollowerTrajectory
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.quickreturn.scene_file import SCENE
@@ -240,6 +243,15 @@ def test_a_missing_xarray_is_one_sentence_that_names_the_extra(place: Path, monk
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(ModuleNotFoundError, match=r"^to_xarray needs the package xarray: pip install 'quickreturn\[notebook\]'$"):
         solution.to_xarray()
+
+
+def test_a_follower_alone_shows_no_estimate_of_columns_that_it_lacks(place: Path) -> None:
+    whole = qr.simulate("small.toml", "fake")
+    columns = {name: values for name, values in whole.trajectory.columns.items() if name in FollowerTrajectory.required}
+    alone = replace(whole, result=replace(whole.result, trajectory=FollowerTrajectory(columns, 0.1)))
+    assert re.search(r"^ +force ", repr(whole), re.MULTILINE)
+    assert not re.search(r"^ +force ", repr(alone), re.MULTILINE)
+    assert re.search(r"^ +strain 3 ", repr(alone), re.MULTILINE)
 
 
 class Compiling(FakeEngine):
