@@ -48,7 +48,8 @@ def _without_exponent(text: str) -> str:
     if not mark:
         return text
     if LEAST <= int(power) <= GREATEST:
-        return f"{float(text):{'+' if text.startswith('+') else ''}.{max(0, len(digits.partition('.')[2]) - int(power))}f}"
+        decimals = max(0, len(digits.partition(".")[2]) - int(power))
+        return format(float(text), f"{'+' if text.startswith('+') else ''}.{decimals}f")
     of_ten = f"10{str(int(power)).translate(RAISED)}"
     return f"{digits.removesuffix('1')}{of_ten}" if digits in ("1", "+1", "-1") else f"{digits}·{of_ten}"
 

@@ -17,7 +17,7 @@ from reports.page.view import View, cycles, shown_first, trajectories
 from reports.tables.table import csv_text
 
 #: The script's parts, in their order; and those of chapters.
-SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js")
+SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js", "paper.js")
 OF_CHAPTERS: Final = ("tables.js", "marks.js", "chart.js", "plots.js", "choice.js")
 #: What an engine is, in two words for a person.
 KINDS: Final = {
