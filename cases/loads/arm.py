@@ -44,8 +44,9 @@ TOO_NEAR: Final = 1.0 / 3.0
 #: A known slope at an end is a further place beyond it, at this part of a twelfth: its moment is off by 5e-5 of what a parabola's is.
 BEYOND: Final = 0.01
 #: Of what the interpolation misses without every other twelfth, what it may miss with all of them. At half the spacing a polynomial of
-#: degree one misses a quarter, one of higher degree less. Half is on the safe side: in 15 combinations of natural modes no place is
-#: missed by more (`tests/cases/test_loads.py`).
+#: degree one misses a quarter, one of higher degree less. Half is on the safe side: in 15 combinations of one to five natural modes, in
+#: three scenes, the largest moment was met within it. Single places, most of them beyond a slider near the tip, were off by up to 6e-4
+#: of the peak beyond it.
 REST: Final = 0.5
 
 

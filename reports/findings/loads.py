@@ -38,17 +38,7 @@ class CaseLoads:
     @property
     def verdict(self) -> str:
         """Whether the arm holds, by the engine that leads (a sentence); "" where no strength is given."""
-        loads = self.loads[self.lead]
-        factors = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
-        known = {against: factor for against, factor in factors.items() if factor is not None}
-        if not known:
-            return ""
-        told = " and ".join(f"{factor.value:.3g} against {against}" for against, factor in known.items())
-        close = any(abs(factor.value - 1.0) <= (factor.error or 0.0) for factor in known.values())
-        broken = any(factor.value < 1.0 for factor in known.values())
-        verdict = "Whether the arm holds is too close to tell" if close else "The arm does not hold" if broken else "The arm holds"
-        below = ", below one" if broken and len(known) == 1 else ""
-        return f"{verdict}: the safety factor is {told}{below}."
+        return verdict(self.loads[self.lead])
 
     @cached_property
     def of_motion(self) -> float:
@@ -85,8 +75,22 @@ def loads_of_cases(results: Sequence[CaseResult]) -> list[CaseLoads]:
     return [loads_of_case(result) for result in results]
 
 
+def verdict(loads: Loads) -> str:
+    """Whether the arm holds (a sentence); "" where no strength is given."""
+    factors = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
+    known = {against: factor for against, factor in factors.items() if factor is not None}
+    if not known:
+        return ""
+    told = " and ".join(f"{factor.value:.3g} against {against}" for against, factor in known.items())
+    broken = any(factor.value + (factor.error or 0.0) < 1.0 for factor in known.values())
+    close = any(abs(factor.value - 1.0) <= (factor.error or 0.0) for factor in known.values())
+    begin = "The arm does not hold" if broken else "Whether the arm holds is too close to tell" if close else "The arm holds"
+    below = ", below one" if broken and len(known) == 1 else ""
+    return f"{begin}: the safety factor is {told}{below}."
+
+
 def stress_text(loads: Loads, length: float) -> str:
-    """The largest stress and where it is, with the safety factors, in a line; `length` is the arm's, m. There must be a stress."""
+    """The largest stress and where it is, and whether the arm holds, in a line; `length` is the arm's, m. There must be a stress."""
     assert loads.stress is not None
     found, places = loads.stress.largest, []
     if found.place is not None:
@@ -94,10 +98,5 @@ def stress_text(loads: Loads, length: float) -> str:
     if found.crank_angle is not None:
         places.append(f"crank at {degrees(found.crank_angle)}")
     error = "" if found.error is None else f" ({off_by(found.error, found.value)})"
-    factors = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
-    safety = [f"{factor.value:.3g} against {against}" for against, factor in factors.items() if factor is not None]
-    told = [
-        f"largest stress {quantity(found.value, 'MPa')}{error}, {', '.join(places)}",
-        *([f"safety {', '.join(safety)}"] if safety else []),
-    ]
-    return "; ".join(told)
+    largest = f"largest stress {quantity(found.value, 'MPa')}{error}, {', '.join(places)}"
+    return f"{largest}. {told.removesuffix('.')}" if (told := verdict(loads)) else largest

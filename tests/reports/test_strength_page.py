@@ -69,6 +69,15 @@ def test_a_factor_below_one_is_told_in_a_sentence(example: CaseResult, key: str,
     assert sentence in loads_of_case(with_strength(example, **strengths)).verdict
 
 
+def test_one_factor_below_one_is_enough(example: CaseResult) -> None:
+    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
+    assert loads is not None
+    assert loads.stress is not None
+    material = {"yield_strength": 0.5 * loads.stress.largest.value, "fatigue_strength": loads.stress.amplitude.value}
+    told = loads_of_case(with_strength(example, **material)).verdict
+    assert told == "The arm does not hold: the safety factor is 0.5 against yielding and 1 against fatigue."
+
+
 def test_without_strengths_the_page_says_which_keys_to_give(example: CaseResult) -> None:
     told = text_of(one_run(with_strength(example, yield_strength=None, fatigue_strength=None)))
     assert "The arm holds" not in told
