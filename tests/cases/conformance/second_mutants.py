@@ -84,7 +84,7 @@ SECOND: dict[str, tuple[type[Mutant], str, str]] = {
     "base inertia 3 times": (of_scene(base__inertia=lambda x: 3.0 * x), "base.inertia", "motion"),
     "tip inertia about the wrong point": (of_scene(tip__inertia=lambda x: x + 0.05 * 0.02**2), "tip.inertia", "motion"),
     "tip inertia about the flexible end": (AboutTheEnd, "tip.inertia is taken about the flexible end", "quantities"),
-    "half the base damping": (of_scene(base__damping=lambda x: 0.5 * x), "base.damping acts 0.5", "quantities"),
+    "half the base damping": (of_scene(base__damping=lambda x: 0.5 * x), "base.damping acts .*half as large", "quantities"),
     "turns forwards alone": (_ForwardSpeed, "reversed", "quantities"),
     "slider mass on the crank twice": (of_scene(slider__mass=lambda x: 2.0 * x), "slider.mass acts", "quantities"),
     "degrees for radians": (_DegreesForRadians, "degrees|crank", "frequencies"),

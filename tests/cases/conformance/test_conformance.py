@@ -162,13 +162,21 @@ def test_threads_may_add_in_another_order() -> None:
     assert all(check.status == "passed" for check in repetition(Bench(Threaded()), other))
 
 
-@pytest.mark.parametrize(("kind", "part"), [(KeepsCrank, "crank"), (KeepsTip, "tip"), (KeepsFollower, "follower")])
+@pytest.mark.parametrize(
+    ("kind", "part"),
+    [
+        pytest.param(KeepsCrank, "crank", marks=pytest.mark.verify),
+        (KeepsTip, "tip"),
+        pytest.param(KeepsFollower, "follower", marks=pytest.mark.verify),
+    ],
+)
 def test_a_part_kept_of_an_earlier_scene_is_named(kind: type[Keeps], part: str) -> None:
     failed = [check for check in repetition(Bench(kind()), elsewhere(kind())) if check.status == "failed"]
     assert [check.check for check in failed] == [f"nothing kept of an earlier {part}"]
     assert f"the {part} of an earlier scene is kept" in failed[0].cause
 
 
+@pytest.mark.verify
 def test_a_model_that_is_kept_until_the_follower_is_another_one_is_found() -> None:
     failed = [check for check in repetition(Bench(BuiltForAFollower()), elsewhere(BuiltForAFollower())) if check.status == "failed"]
     assert {check.check.rsplit(" ", 1)[1] for check in failed} == {"crank", "tip"}
@@ -192,6 +200,7 @@ def test_an_exception_in_the_first_check_is_told() -> None:
     assert "ZeroDivisionError" in check.cause
 
 
+@pytest.mark.verify
 def test_a_quick_trial_says_what_it_left_out() -> None:
     began = time.monotonic()
     found = conform(Slow(), groups=("motion", "quantities"), seconds=SHORT, quiet=True)
