@@ -46,11 +46,12 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Explanation:
-    """The mistake that explains what is found, and how much of the difference it leaves (in the unit of the values)."""
+    """The mistake that explains what is found, how much of the difference it leaves (in its unit), and whether it was fitted."""
 
     words: str
     advice: str
     left: float
+    fitted: bool = False
 
 
 def explain(
@@ -83,5 +84,5 @@ def explain(
         if len(alike) < len(rivals):
             return None
         told = [each for n, each in enumerate(alike) if all(rms(each.values - other.values) > _SAME * off for other in alike[:n])]
-        return Explanation(", or ".join(each.words for each in told), told[0].advice, least)
+        return Explanation(", or ".join(each.words for each in told), told[0].advice, least, fitted)
     return None

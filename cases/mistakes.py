@@ -48,11 +48,19 @@ HOPELESS: Final = 1.2
 
 @dataclass(frozen=True)
 class Finding:
-    """What is wrong with a column; `left`: what a mistake that makes it leaves of the difference, in its unit; None: none is known."""
+    """What is wrong with a column.
+
+    Attributes:
+        cause: in words.
+        advice: what to do.
+        left: what the mistake leaves of the difference, in the column's unit; None: no mistake is known that makes it.
+        fitted: whether a number in it was chosen to fit.
+    """
 
     cause: str
     advice: str
     left: float | None = None
+    fitted: bool = False
 
     @property
     def explained(self) -> bool:
@@ -96,7 +104,7 @@ def diagnose(
             return None
     explained = explain(found, expected, [*tried, *_fitted(name, found, expected)], tolerance or 0.0)
     if explained is not None:
-        return Finding(f"{name} {explained.words}", explained.advice, explained.left)
+        return Finding(f"{name} {explained.words}", explained.advice, explained.left, explained.fitted)
     claimed = "" if tolerance is None else f", by its own estimate it may be off by {share_of(tolerance / size)}"
     return Finding(f"{name} is off by {share_of(off / size)}{claimed}", "compare it with reference where it departs first")
 

@@ -168,7 +168,7 @@ def findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str,
                 found[name] = finding
     if tolerances is None:
         return _alike_in_all_places(found, run)
-    puzzling = [name for name, finding in found.items() if not finding.explained]
+    puzzling = [name for name, finding in found.items() if not finding.explained or finding.fitted]
     if puzzling:
         for name in falling(bench, motion, puzzling):
             del found[name]
