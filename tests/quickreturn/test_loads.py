@@ -8,9 +8,10 @@ import pytest
 
 import quickreturn as qr
 from cases.loads import loads_of_run
+from cases.shown import in_lines
 from quickreturn.commands.run import as_document
 from quickreturn.cross_validation import CrossValidation
-from quickreturn.verdict_text import text_of
+from quickreturn.verdict_text import parts_of
 from reports.output import plain
 from tests.reports.plotted_results import made_up_result
 
@@ -29,7 +30,7 @@ def test_run_says_it_in_words_in_json_and_as_a_table() -> None:
     assert case["resonance"]["harmonic"] == round(case["resonance"]["ratio"]) == 9
     frame = CrossValidation([result]).loads.set_index(["engine", "quantity"])
     assert frame.loc[("mujoco", "stress"), "value"] == loads.stress.largest.value
-    words = text_of(result)
+    words = in_lines(parts_of(result))
     assert f"largest stress {loads_of_reference(result):.2f} MPa" in words
     assert "the 9th harmonic is nearest" in words
 

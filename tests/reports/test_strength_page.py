@@ -93,7 +93,7 @@ def test_the_thesis_keeps_its_first_screen_and_engines_without_moments_the_old_o
     for name, run in example.runs.items():
         without = with_run(without, name, cycle={key: values for key, values in run.cycle.items() if not key.startswith("moment")})
     assert "strength" not in [chapter.id for chapter in chapters_of(one_run(without))]
-    assert "came to a steady state" in text_of(one_run(without))
+    assert "settled at the accuracy asked" in text_of(one_run(without))
 
 
 def test_the_engine_that_leads_is_the_reference_and_others_are_told_beside(example: CaseResult) -> None:
