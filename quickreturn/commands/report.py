@@ -77,11 +77,13 @@ def command(
 
 
 def _print(written: "Written") -> None:
+    from reports.words import TIED, counted
+
     content = written.content
     runs = sum(len(result.runs) for result in content.results)
     click.echo(str(written.page))
-    cases = "1 case" if len(content.results) == 1 else f"{len(content.results)} cases"
-    click.echo(f"{cases}, {runs} simulations: {runs - len(content.troubles)} settled, {len(written.incomplete)} did not complete")
+    made = f"{counted(len(content.results), 'case')}, {counted(runs, 'simulation')}".replace(TIED, " ")
+    click.echo(f"{made}: {runs - len(content.troubles)} settled, {len(written.incomplete)} did not complete")
     click.echo(_verdict(content.results))
     click.echo(f"{len(written.tables)} tables as CSV beside the page")
 

@@ -294,7 +294,8 @@ def provenance(tables: Tables) -> list[str]:
     """Provenance; the date of the verification is no number of a table."""
     troubles = int((_runs(tables)["status"] != "settled").sum())
     told = [f"{troubles} run{'s' * (troubles > 1)} not simply settled"] if troubles else []
-    return [f"{len(tables['engines'])} engines, versions", *told]
+    engines = len(tables["engines"])
+    return [f"{engines} engine{'s' * (engines > 1)}, versions", *told]
 
 
 def following(tables: Tables) -> list[str]:
