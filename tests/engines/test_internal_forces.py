@@ -160,7 +160,7 @@ def test_the_slope_of_the_moment_jumps_by_the_slider_force() -> None:
         jumps.append(slopes[1] - slopes[0])
         forces.append(found["slider_force"][row])
     assert len(jumps) > 100
-    # found: 1.5e-4
+    # 1.5e-4 was measured; three times that is accepted, for the slopes come from differences between places
     assert rms(np.array(jumps) - np.array(forces)) < 5e-4 * rms(np.array(forces))
 
 
