@@ -19,6 +19,7 @@ from engines.settings import Settings as AnySettings
 from engines.start import Start
 from engines.trajectory import Trajectory
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from reference_model.scene_values import NAMED, values_of
 
 S = TypeVar("S", bound=AnySettings)
 SceneT = TypeVar("SceneT", bound=Scene)
@@ -154,10 +155,25 @@ class Solver(ABC, Generic[SceneT, StartT, S]):
     compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
     default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
     estimates: ClassVar[EstimateOf] = "total"  # what the error estimate is an estimate of
+    quantities: ClassVar[tuple[str, ...]] = ()  # of `scene_values.NAMED` those that the model has, by `section.key`
 
-    @abstractmethod
     def check(self, scene: SceneT, /) -> None:
-        """Raise `Refusal` if a feature of the scene cannot be modelled. Called before anything is built."""
+        """Refuse what `quantities` does not name. Called before anything is built; an override adds what else cannot be modelled.
+
+        Raises:
+            Refusal: a feature of the scene that the engine does not have.
+        """
+        for section, values in values_of(scene).items():
+            for key, value in values.items():
+                name = f"{section}.{key}"
+                if (known := NAMED.get(name)) is not None and value != known.default and name not in self.quantities:
+                    accepted = "a crank driven otherwise" if known.default is None else known.default
+                    raise Refusal(f"{name}: {value} {known.unit} is not modelled by engine {self.name}; accepted: {accepted}")
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if unknown := [name for name in cls.quantities if name not in NAMED]:
+            raise TypeError(f"{cls.__name__}.quantities: {', '.join(unknown)}: not known; accepted: {', '.join(NAMED)}")
 
     @abstractmethod
     def describe(self, scene: SceneT, settings: S, /) -> ModelDescription:
@@ -254,11 +270,8 @@ class FollowerEngine(Solver[FollowerAlone, None, S]):
 
     def __init__(self, engine: Engine[S]) -> None:
         self.engine = engine
-        for fact in ("name", "compiles", "default_accuracy", "estimates"):
+        for fact in ("name", "compiles", "default_accuracy", "estimates", "quantities"):
             setattr(self, fact, getattr(engine, fact))
-
-    def check(self, scene: FollowerAlone) -> None:
-        """Accept all there are."""
 
     def settings_for(self, accuracy: float, scene: FollowerAlone) -> S:
         return self.engine.settings_for(accuracy, scene)  # type: ignore[arg-type]
@@ -282,6 +295,20 @@ def installed(*distributions: str) -> str | None:
             return version(distribution)
     return None
 
+
+#: What each of this project's own engines has, whatever holds its slider.
+USUAL: Final[tuple[str, ...]] = (
+    "mechanism.gravity", "crank.torque", "crank.prescribed_speed", "base.damping", "follower.damping", "tip.center_of_mass", "tip.force",
+    "slider.mass",
+)  # fmt: skip
+#: A joint that gives way, the same on either side.
+SPRING: Final[tuple[str, ...]] = ("slider.joint_stiffness", "slider.joint_damping")
+#: Two rollers that give way, each on its own side.
+ROLLERS: Final[tuple[str, ...]] = (
+    *SPRING, "slider.joint_stiffness_plus", "slider.joint_stiffness_minus", "slider.clearance", "slider.preload", "slider.contact_damping",
+)  # fmt: skip
+#: Friction along the follower and in its pivot.
+FRICTION: Final[tuple[str, ...]] = ("slider.friction", "slider.friction_force", "base.friction_torque")
 
 #: An engine of which only the interface is known.
 AnyEngine = Engine[Any]

@@ -1,23 +1,8 @@
 """What several engines refuse, each thing in the same words. All functions raise `Refusal` if the scene has it."""
 
-import math
-
 from engines.base import Refusal
 from reference_model.mechanism import Mechanism
 from reference_model.shapes import ShapeSet
-
-
-def of_slider_inertia(name: str, mechanism: Mechanism) -> None:
-    """For joints that pass no moment."""
-    if (inertia := mechanism.slider.inertia) > 0.0:
-        raise Refusal(f"slider.inertia: {inertia:g} kg*m^2 cannot be modelled by {name}, its joint passes no moment; accepted: 0")
-
-
-def of_compliance(name: str, mechanism: Mechanism) -> None:
-    """For methods that leave no gap."""
-    if math.isfinite(stiffness := mechanism.slider.joint_stiffness):
-        told = f"slider.joint_stiffness: {stiffness:g} N/m cannot be modelled by {name}, which closes the loop exactly"
-        raise Refusal(f'{told}; accepted: "inf"')
 
 
 def of_massless_parts(name: str, mechanism: Mechanism, why: str) -> None:

@@ -24,24 +24,8 @@ from engines.start import Start, standard_start
 from engines.trajectory import REQUIRED, Trajectory
 from reference_model.columns import COLUMNS
 from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
-from reference_model.scene_values import SECTIONS, Value, values_of
 
 Array = NDArray[np.float64]
-
-#: What not every model has: key in a case file -> the value that a model without it accepts, None: that no scene has the key.
-QUANTITIES: Final[Mapping[str, Value | None]] = {
-    "mechanism.gravity": (0.0, 0.0),
-    "crank.torque": None,
-    "crank.prescribed_speed": None,
-    "base.damping": 0.0,
-    "follower.damping": 0.0,
-    "tip.center_of_mass": 0.0,
-    "tip.force": (0.0, 0.0),
-    "slider.mass": 0.0,
-    "slider.inertia": 0.0,
-    "slider.joint_stiffness": math.inf,
-    "slider.joint_damping": 0.0,
-}
 
 #: How many times as fine the run is that an error is estimated with.
 _COMPARED: Final = 1.5
@@ -133,13 +117,6 @@ class SimpleEngine(Engine[SimpleSettings]):
     errors: ClassVar[Mapping[int, float]]
     #: The error, of whichever column converges slowest, falls as the resolution to the power of minus this.
     order: ClassVar[float]
-    #: Of `QUANTITIES` those that the model has; a scene with another one is refused.
-    quantities: ClassVar[tuple[str, ...]]
-
-    def __init_subclass__(cls) -> None:
-        unknown = [name for name in getattr(cls, "quantities", ()) if name not in QUANTITIES]
-        if unknown:
-            raise TypeError(f"{cls.__name__}.quantities: {', '.join(unknown)}: not known; accepted: {', '.join(QUANTITIES)}")
 
     def version(self) -> str:
         return f"{self.library} {installed(self.library) or 'not installed'}"
@@ -149,15 +126,9 @@ class SimpleEngine(Engine[SimpleSettings]):
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse what is not among `quantities`, and a rigid follower."""
-        for section, values in values_of(mechanism).items():
-            for key, value in values.items():
-                name, rigid = f"{section}.{key}", key == "bending_stiffness" and value == math.inf
-                foreign = name in QUANTITIES and name not in self.quantities and value != QUANTITIES[name]
-                if foreign or rigid:
-                    neutral = "a finite stiffness" if rigid else QUANTITIES[name]
-                    instead = "a crank driven otherwise" if neutral is None else neutral
-                    unit = SECTIONS[section][key].unit
-                    raise Refusal(f"{name}: {value} {unit} is not modelled by engine {self.name}; accepted: {instead}")
+        super().check(mechanism)
+        if mechanism.follower.is_rigid:
+            raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
 
     def describe(self, mechanism: Mechanism, settings: SimpleSettings) -> ModelDescription:
         """Bodies by the scene, degrees of freedom by the state."""

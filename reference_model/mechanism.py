@@ -18,6 +18,9 @@ from reference_model.quantities import quantity
 
 #: By how much (rad) two angles may miss a turn that is meant: they may be written with few digits.
 ROUNDING: Final = 1e-6
+#: Stiffness (N/m) of a roller that no key makes softer where the other one is, or where there is clearance: 1 um per newton, some ten times
+#: what Hertz gives for a steel roller on an aluminium strip. Contact without any softness would be a series of blows.
+CONTACT_STIFFNESS: Final = 1e6
 
 
 class ImpossibleMechanism(ValueError):
@@ -42,7 +45,7 @@ class ImpossibleMechanism(ValueError):
 class TorqueDrive:
     """A motor of constant torque against viscous friction; its mean speed is torque / damping (thesis, table 5.2)."""
 
-    torque: float = quantity("N*m", "constant torque of the drive")
+    torque: float = quantity("N*m", "constant torque of the drive", named=True)
     damping: float = quantity("N*m*s/rad", "friction, on the crank's rate", sign="not negative")
     initial_speed: float = quantity("rad/s", "speed at the start; torque / damping if left out", optional=True)
 
@@ -51,7 +54,7 @@ class TorqueDrive:
 class PrescribedSpeed:
     """The crank turns at this speed whatever it takes: the crank angle is then no degree of freedom."""
 
-    speed: float = quantity("rad/s", "speed of the crank, whatever it takes", key="prescribed_speed")
+    speed: float = quantity("rad/s", "speed of the crank, whatever it takes", key="prescribed_speed", named=True)
 
     @property
     def initial_speed(self) -> float:
@@ -81,7 +84,10 @@ class Base:
     """The block that holds the follower and turns about P."""
 
     inertia: float = quantity("kg*m^2", "about P", sign="not negative", default=0.0, optional=False)
-    damping: float = quantity("N*m*s/rad", "on the follower angle's rate", sign="not negative", default=0.0, optional=False)
+    damping: float = quantity("N*m*s/rad", "on the follower angle's rate", sign="not negative", default=0.0, optional=False, named=True)
+    friction_torque: float = quantity(
+        "N*m", "friction of the pivot, of constant size against the follower angle's rate", sign="not negative", default=0.0, named=True
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +126,19 @@ class Follower:
     thickness: float = quantity("m", "of the section, in the plane of bending", sign="positive")
     width: float = quantity("m", "of the section, out of the plane", sign="positive")
     damping: float = quantity(
-        "N*s/m^2", "per length, on the centre line's velocity relative to the base", sign="not negative", default=0.0, optional=False
+        "N*s/m^2",
+        "per length, on the centre line's velocity relative to the base",
+        sign="not negative",
+        default=0.0,
+        optional=False,
+        named=True,
+    )
+    material_damping: float = quantity(
+        "s",
+        "of the material (Kelvin and Voigt): damping over elastic moment, per rate of curvature",
+        sign="not negative",
+        default=0.0,
+        named=True,
     )
     strain_gauges: tuple[float, float, float] = quantity(
         "m", "arc lengths from P", sign="not negative", count=3, default=(math.nan, math.nan, math.nan), optional=False
@@ -183,8 +201,8 @@ class Tip:
 
     mass: float = quantity("kg", "mass", sign="not negative")
     inertia: float = quantity("kg*m^2", "about its centre of mass", sign="not negative")
-    center_of_mass: float = quantity("m", "beyond the flexible end, along the end's tangent", default=0.0)
-    force: tuple[float, float] = quantity("N", "on the flexible end, along n1 and n2", count=2, default=(0.0, 0.0))
+    center_of_mass: float = quantity("m", "beyond the flexible end, along the end's tangent", default=0.0, named=True)
+    force: tuple[float, float] = quantity("N", "on the flexible end, along n1 and n2", count=2, default=(0.0, 0.0), named=True)
     force_from: float = quantity("rad", "crank angle at which the force begins", default=0.0)
     force_to: float = quantity("rad", "crank angle at which it ends; at most a turn later", default=2.0 * math.pi)
     force_ramp: float = quantity("rad", "crank angle over which it comes and goes", sign="positive", default=math.radians(10.0))
@@ -212,12 +230,97 @@ class Tip:
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
-    """The coupler on the crank's end: a frictionless point contact, massless and rigid unless told otherwise."""
+    """The coupler on the crank's end, with a roller on either side of the follower: massless, rigid and frictionless unless told otherwise.
 
-    mass: float = quantity("kg", "mass", sign="not negative", default=0.0)
-    inertia: float = quantity("kg*m^2", "turns with the follower's tangent at the slider", sign="not negative", default=0.0)
-    joint_stiffness: float = quantity("N/m", "along the follower's normal", sign="positive", default=math.inf, infinity=True)
-    joint_damping: float = quantity("N*s/m", "along the follower's normal", sign="not negative", default=0.0)
+    The plus roller pushes the follower along its normal n = (-W', ...), the minus roller against it; neither pulls (DERIVATION.md, 5.12).
+    """
+
+    mass: float = quantity("kg", "mass", sign="not negative", default=0.0, named=True)
+    inertia: float = quantity("kg*m^2", "turns with the follower's tangent at the slider", sign="not negative", default=0.0, named=True)
+    joint_stiffness: float = quantity(
+        "N/m", "of either roller, along the follower's normal", sign="positive", default=math.inf, infinity=True, named=True
+    )
+    joint_stiffness_plus: float = quantity(
+        "N/m",
+        "of the roller that pushes the follower along +n (slider_force > 0)",
+        sign="positive",
+        default=math.inf,
+        infinity=True,
+        named=True,
+    )
+    joint_stiffness_minus: float = quantity(
+        "N/m", "of the roller that pushes it along -n", sign="positive", default=math.inf, infinity=True, named=True
+    )
+    joint_damping: float = quantity(
+        "N*s/m", "along the follower's normal, whether a roller touches or not", sign="not negative", default=0.0, named=True
+    )
+    clearance: float = quantity(
+        "m", "free travel between the rollers, half of it on either side", sign="not negative", default=0.0, named=True
+    )
+    preload: float = quantity("N", "force of both rollers at rest", sign="not negative", default=0.0, named=True)
+    contact_damping: float = quantity(
+        "s/m",
+        "of a roller's force F = k x (1 + this times dx/dt), x its compression (Hunt and Crossley)",
+        sign="not negative",
+        default=0.0,
+        named=True,
+    )
+    friction: float = quantity(
+        "1", "friction along the follower over the normal force (Coulomb)", sign="not negative", default=0.0, named=True
+    )
+    friction_force: float = quantity(
+        "N", "friction along the follower whatever the normal force, as of preloaded rollers", sign="not negative", default=0.0, named=True
+    )
+    friction_speed: float = quantity("m/s", "sliding speed over which friction changes its sign", sign="positive", default=0.02)
+
+    def __post_init__(self) -> None:
+        if self.clearance > 0.0 and self.preload > 0.0:
+            raise ImpossibleMechanism(
+                "slider.clearance", f"conflicts with slider.preload ({self.preload:.6g} N)", "give one of them", ("slider.preload",)
+            )
+        for key in ("joint_stiffness_plus", "joint_stiffness_minus"):
+            if math.isfinite(getattr(self, key)) and math.isfinite(self.joint_stiffness):
+                problem = f"conflicts with slider.joint_stiffness ({self.joint_stiffness:.6g} N/m), which is that of both rollers"
+                raise ImpossibleMechanism(f"slider.{key}", problem, "give that alone, or one for each side", ("slider.joint_stiffness",))
+        for key in ("joint_damping", "contact_damping", "preload"):
+            if getattr(self, key) > 0.0 and self.is_rigid:
+                raise ImpossibleMechanism(
+                    f"slider.{key}",
+                    "acts on a joint that gives way, and this one is rigid",
+                    f'give a finite slider.joint_stiffness such as "2e4 N/m", or no slider.{key}',
+                    ("slider.joint_stiffness",),
+                )
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the slider never leaves the centre line."""
+        given = (self.joint_stiffness, self.joint_stiffness_plus, self.joint_stiffness_minus)
+        return self.clearance == 0.0 and all(math.isinf(stiffness) for stiffness in given)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the joint gives way, as one spring does: the same on either side, without clearance, preload and contact damping."""
+        return not self.is_rigid and len({*self.sides}) == 1 and self.clearance == self.preload == self.contact_damping == 0.0
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether a force acts along the follower."""
+        return self.friction > 0.0 or self.friction_force > 0.0
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Stiffness (N/m) of the plus and of the minus roller; infinite both or none."""
+        if self.is_rigid:
+            return math.inf, math.inf
+        given = (min(self.joint_stiffness, own) for own in (self.joint_stiffness_plus, self.joint_stiffness_minus))
+        plus, minus = (CONTACT_STIFFNESS if math.isinf(stiffness) else stiffness for stiffness in given)
+        return plus, minus
+
+    @property
+    def closed_stiffness(self) -> float:
+        """Stiffness (N/m) of small vibrations about contact: of both rollers where they are preloaded, else of the plus roller."""
+        plus, minus = self.sides
+        return plus + minus if self.preload > 0.0 else plus
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -227,7 +330,7 @@ class _Bodies:
     base: Base
     follower: Follower
     tip: Tip | None = None
-    gravity: tuple[float, float] = quantity("m/s^2", "along n1 and n2, on every body", count=2, default=(0.0, 0.0))
+    gravity: tuple[float, float] = quantity("m/s^2", "along n1 and n2, on every body", count=2, default=(0.0, 0.0), named=True)
 
     @property
     def has_gravity(self) -> bool:
@@ -315,22 +418,25 @@ class FollowerAlone(_Bodies):
 Scene = Mechanism | FollowerAlone
 
 
-_Scene = TypeVar("_Scene", bound=Scene)
+_Part = TypeVar("_Part")
 
 
-def changed(mechanism: _Scene, values: Mapping[str, Any]) -> _Scene:
-    """The scene with other values, each named by its place in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
+def changed(part: _Part, values: Mapping[str, Any]) -> _Part:
+    """The scene, or a part of it, with other values, all at once.
+
+    Each is named by its place in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
 
     Raises:
         ImpossibleMechanism: as the dataclasses do.
     """
+    whole: Any = part
+    given: dict[str, dict[str, Any]] = {}
+    own: dict[str, Any] = {}
     for path, value in values.items():
-        parts: list[Any] = [mechanism]
-        *outer, last = path.split(".")
-        for name in outer:
-            parts.append(getattr(parts[-1], name))
-        new = replace(parts.pop(), **{last: value})
-        for name in reversed(outer):
-            new = replace(parts.pop(), **{name: new})
-        mechanism = new
-    return mechanism
+        name, _, rest = path.partition(".")
+        if rest:
+            given.setdefault(name, {})[rest] = value
+        else:
+            own[name] = value
+    found: _Part = replace(whole, **own, **{name: changed(getattr(part, name), below) for name, below in given.items()})
+    return found

@@ -35,7 +35,7 @@ from reference_model.motion.parameters import parameters
 from reference_model.natural_modes import clamped_modes
 from reference_model.rigid import deflection_scale, rigid_motion
 from reference_model.shapes import ShapeSet, no_shapes, vibrating
-from reference_model.treatment import BASE, CLOSED, ELIMINATED, SPRING, Treatment
+from reference_model.treatment import BASE, CLOSED, ELIMINATED, ROLLERS, Treatment
 
 Array = NDArray[np.float64]
 #: Place of the slider and arc lengths (k,) to tangent angles of the shapes and their derivatives by that place, each (k, n).
@@ -296,8 +296,9 @@ class BeamModel:
         stiffness[: p.n, : p.n] = np.diag(w.row[first : first + p.n])
         if not self.closes_loop:
             row, spread = w.row_of_gap[1:], w.spread[1:]
-            if p.treatment == SPRING:
-                stiffness += p.joint_stiffness * np.outer(row, row)
+            if p.treatment == ROLLERS:
+                closed = p.plus + p.minus if p.plus_from < 0.0 else p.plus  # as `Slider.closed_stiffness` has it
+                stiffness += closed * np.outer(row, row)
             else:
                 free, test = null_space(row[None, :]), null_space(spread[None, :])
                 mass, stiffness = test.T @ mass @ free, test.T @ stiffness @ free

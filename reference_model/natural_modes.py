@@ -120,7 +120,7 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
 def stiffness_ratio(mechanism: Mechanism) -> float:
     """Lowest natural frequency with the crank held anywhere over the crank's (`rigid.crank_pace`); 0 where either is missing."""
     pace = crank_pace(mechanism)
-    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.joint_stiffness == 0.0:
+    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.closed_stiffness == 0.0:
         return 0.0
     lowest = min(float(frozen_crank_modes(mechanism, angle, 1).frequencies[0]) for angle in np.linspace(0.0, math.pi, RATIO_ANGLES))
     return 2.0 * math.pi * lowest / pace
@@ -138,7 +138,7 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
     Raises:
         ValueError: the slider is not on the follower, or a joint without stiffness, which leaves the follower free to turn.
     """
-    length, stiffness = mechanism.follower.length, mechanism.slider.joint_stiffness
+    length, stiffness = mechanism.follower.length, mechanism.slider.closed_stiffness
     if not 0.0 < slider_position <= length:
         raise ValueError(f"slider_position {slider_position:.6g} m is not on the follower (0 to {length:.6g} m)")
     if not stiffness > 0.0:
@@ -198,8 +198,8 @@ def _add_bodies(M: Array, K: Array, mechanism: Mechanism, numbering: tuple[NDArr
     slope_at_base, deflection_at_slider, slope_at_slider = 1, 2, 3
     M[slope_at_base, slope_at_base] += mechanism.base.inertia
     M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
-    if math.isfinite(mechanism.slider.joint_stiffness):
-        K[deflection_at_slider, deflection_at_slider] += mechanism.slider.joint_stiffness
+    if not mechanism.slider.is_rigid:
+        K[deflection_at_slider, deflection_at_slider] += mechanism.slider.closed_stiffness
     _add_tip(M, mechanism.tip, numbering)
 
 

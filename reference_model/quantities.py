@@ -21,6 +21,7 @@ class Quantity:
     count: int | None  # length of the list; None for a single number
     infinity: bool  # whether it may be infinite, for a rigid part
     moves: bool  # whether the motion depends on it
+    named: bool  # whether a model may lack it: an engine has it only if its `quantities` name it
     default: Any  # SI value where a case file leaves it out; None: no fixed one
 
 
@@ -35,6 +36,7 @@ def quantity(
     count: int | None = None,
     infinity: bool = False,
     moves: bool = True,
+    named: bool = False,
 ) -> Any:
     """A field of a scene's dataclass; see `Quantity`.
 
@@ -42,7 +44,7 @@ def quantity(
     `moves` is left out where two scenes are compared and where a result's key is made.
     """
     optional = default is not MISSING if optional is None else optional
-    known = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, None if default is MISSING else default)
+    known = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, named, None if default is MISSING else default)
     return field(default=default, compare=moves, metadata={_KEY: known})
 
 

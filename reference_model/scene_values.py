@@ -1,6 +1,5 @@
 """A scene as numbers by section and key, as a case file has them, and back: everything follows from what `mechanism` declares."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
@@ -46,6 +45,10 @@ DESCRIPTIONS: Final[Mapping[str, str]] = MappingProxyType(
 #: Section -> key -> what it measures.
 SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
     {name: MappingProxyType({key: found for part in parts for _, key, found in quantities_of(part)}) for name, parts in _PARTS.items()}
+)
+#: What not every model has, `section.key` -> what it measures. An engine names those that it has and refuses the rest.
+NAMED: Final[Mapping[str, Quantity]] = MappingProxyType(
+    {f"{name}.{key}": found for name, keys in SECTIONS.items() for key, found in keys.items() if found.named}
 )
 #: Sections that a scene with a crank may lack.
 OPTIONAL_SECTIONS: Final = ("tip", "slider")
@@ -94,13 +97,6 @@ def scene_of(values: Values) -> Scene:
     if spin_up:
         return FollowerAlone(spin_up=spin_up, **parts)
     scene = Mechanism(crank=_crank(given["crank"]), slider=Slider(**given["slider"]), **parts)
-    if scene.slider.joint_damping > 0.0 and math.isinf(scene.slider.joint_stiffness):
-        raise ImpossibleMechanism(
-            "slider.joint_damping",
-            "makes a rigid joint with damping, which has nothing to act on",
-            'give a finite slider.joint_stiffness such as "2e4 N/m", or no slider.joint_damping',
-            ("slider.joint_stiffness",),
-        )
     if scene.crank_is_free and scene.crank_inertia == 0.0:
         raise ImpossibleMechanism(
             "crank.inertia",

@@ -64,7 +64,7 @@ class Resonance:
 def resonance(mechanism: Mechanism) -> Resonance | None:
     """First mode and crank of a scene; None where nothing vibrates, or the crank stands still."""
     pace = crank_pace(mechanism)
-    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.joint_stiffness == 0.0:
+    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.closed_stiffness == 0.0:
         return None
     found = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in np.linspace(0.0, math.pi, ANGLES)])
     return Resonance(float(np.trapezoid(found) / (ANGLES - 1)), float(found.min()), pace / (2.0 * math.pi))

@@ -1,6 +1,5 @@
 """An Exudyn system under construction: the parts that the flexible and the rigid follower share, and the list of what was built."""
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -61,7 +60,7 @@ class Assembly:
     @property
     def joint_is_compliant(self) -> bool:
         """Whether the slider's joint has a spring."""
-        return math.isfinite(self.mechanism.slider.joint_stiffness)
+        return not self.mechanism.slider.is_rigid
 
     @property
     def joint_text(self) -> str:

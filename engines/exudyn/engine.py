@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from engines import refusals
-from engines.base import Comparison, Engine, ModelDescription, Simulation, installed
+from engines.base import SPRING, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
 from engines.exudyn import settings as ladder
 from engines.exudyn.settings import ExudynSettings
 from engines.start import Start, standard_start
@@ -30,16 +29,13 @@ class ExudynEngine(Engine[ExudynSettings]):
     method: ClassVar[str] = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
     default_accuracy: ClassVar[float] = 3e-3
     settings_type = ExudynSettings
+    quantities = (*USUAL, *SPRING)
 
     def version(self) -> str:
         return f"exudyn {installed('exudyn') or 'not installed'}"
 
     def unavailable(self) -> str | None:
         return None if installed("exudyn") and find_spec("exudyn") else "the package exudyn is not installed"
-
-    def check(self, mechanism: Mechanism) -> None:
-        """Refuse a slider with inertia of rotation, for the joint passes a force and no moment."""
-        refusals.of_slider_inertia(self.name, mechanism)
 
     def describe(self, mechanism: Mechanism, settings: ExudynSettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""

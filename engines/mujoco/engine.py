@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines import refusals
-from engines.base import Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
+from engines.base import SPRING, USUAL, Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
 from engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -39,6 +39,7 @@ class MujocoEngine(Engine[ChainSettings]):
     method: ClassVar[str] = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, Runge-Kutta of order 4"
     default_accuracy: ClassVar[float] = 7e-3
     settings_type = ChainSettings
+    quantities = (*USUAL, *SPRING)
 
     def version(self) -> str:
         return f"mujoco {installed(*_DISTRIBUTIONS) or 'not installed'}"
@@ -52,7 +53,8 @@ class MujocoEngine(Engine[ChainSettings]):
         return None
 
     def check(self, mechanism: Mechanism) -> None:
-        refusals.of_slider_inertia(self.name, mechanism)
+        """Refuse also parts without mass."""
+        super().check(mechanism)
         refusals.of_massless_parts(self.name, mechanism, ", whose links need mass")
 
     def describe(self, mechanism: Mechanism, settings: ChainSettings) -> ModelDescription:

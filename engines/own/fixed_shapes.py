@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines import refusals
+from engines.base import USUAL
 from engines.own.alone import OwnAlone
 from engines.own.staying_shapes import ShapeSettings, StayingShapesEngine
 from engines.settings import setting
@@ -35,14 +36,11 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
     method = "pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853"
     default_accuracy = 3e-3
     settings_type = FixedShapesSettings
+    quantities = (*USUAL, "slider.inertia")
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """The slider's place is eliminated."""
         return False
-
-    def check(self, mechanism: Mechanism) -> None:
-        """Refuse a compliant slider joint: the loop is closed exactly."""
-        refusals.of_compliance(self.name, mechanism)
 
     def model(self, scene: Scene, settings: FixedShapesSettings) -> "BeamModel":
         from reference_model.model import BeamModel

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from engines.base import FRICTION, USUAL
 from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine
 from engines.settings import setting
 from reference_model.mechanism import Mechanism
@@ -24,6 +25,7 @@ class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[Mult
     method = "Lagrange multiplier at the slider, index-1 form stabilized, fixed shapes, exact planar geometry, DOP853"
     default_accuracy = 3e-3
     settings_type = MultiplierSettings
+    quantities = (*USUAL, *FRICTION, "follower.material_damping")
 
     def treatment(self, mechanism: Mechanism, settings: MultiplierSettings) -> Treatment:
         return Treatment(kind=MULTIPLIER, stabilization=settings.stabilization)

@@ -12,15 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines import refusals
-from engines.base import Comparison, NoSteadyState, SteadyState
+from engines.base import FRICTION, ROLLERS, USUAL, Comparison, NoSteadyState, SteadyState
 from engines.ladder import Ladder
 from engines.own.alone import OwnAlone
 from engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from engines.settings import setting
 from engines.start import Start, standard_start
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene, changed
+from reference_model import treatment
+from reference_model.joint import in_words, rollers
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, changed
 from reference_model.natural_modes import frozen_crank_modes
-from reference_model.treatment import CLOSED, SPRING, Treatment
+from reference_model.treatment import CLOSED, MULTIPLIER, Treatment
 
 if TYPE_CHECKING:
     from reference_model.model import BeamModel
@@ -34,6 +36,8 @@ COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: of the modes' error that slowing it may cost where it is stiffer.
 SOFT: Final = 5e-4
 UNSEEN: Final = 5e-3
+#: Rate (1/s) at which the gap of a rigid joint with friction decays.
+STABILIZATION: Final = 100.0
 #: Two modes more, and two modes fewer where no more are accepted.
 RATIO: Final = 0.25
 MOST_MODES: Final = 16
@@ -82,34 +86,40 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     default_accuracy = 1e-3
     settings_type = ReferenceSettings
     kind_of_shapes = "shapes that follow the slider"
+    quantities = (*USUAL, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping")
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse, with a compliant joint, parts that the open loop leaves without inertia."""
+        """Refuse also, with a joint that gives way or rubs, parts that the open loop leaves without inertia."""
+        super().check(mechanism)
         if self.opens_loop(mechanism):
-            refusals.of_massless_parts(self.name, mechanism, " with a compliant slider joint, which leaves the follower to itself")
+            refusals.of_massless_parts(self.name, mechanism, " with a joint that gives way or rubs, which leaves the follower to itself")
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
-        """A compliant joint leaves the follower's angle free."""
-        return math.isfinite(mechanism.slider.joint_stiffness)
+        """A joint that gives way leaves the follower's angle free; friction needs the normal force, which an open loop knows."""
+        return not mechanism.slider.is_rigid or mechanism.slider.has_friction
 
     def model(self, scene: Scene, settings: ReferenceSettings) -> "BeamModel":
-        """See `BeamEngine.model`; a compliant joint is a spring and a damper along the normal."""
+        """See `BeamEngine.model`; the slider is eliminated only where it neither leaves the centre line nor rubs."""
         from reference_model.model import BeamModel
 
         if isinstance(scene, FollowerAlone):
             return BeamModel.alone(scene, settings.modes)
-        slider, modes, treatment = scene.slider, settings.modes, CLOSED
-        if self.opens_loop(scene):
-            inertia = joint_inertia(scene, modes)
-            treatment = Treatment(kind=SPRING, stiffness=slider.joint_stiffness, damping=slider.joint_damping, inertia=inertia)
-        return BeamModel.following(scene, modes, treatment)
+        held = CLOSED
+        if not scene.slider.is_rigid:
+            inertia = joint_inertia(scene, settings.modes) if scene.slider.is_linear else 0.0
+            held = Treatment(kind=treatment.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
+        elif scene.slider.has_friction:
+            held = Treatment(kind=MULTIPLIER, stabilization=STABILIZATION)
+        return BeamModel.following(scene, settings.modes, held)
 
     def joint_line(self, mechanism: Mechanism, settings: ReferenceSettings) -> str:
         """Rigid or compliant."""
         slider = mechanism.slider
-        if self.opens_loop(mechanism):
-            return f"slider beside the centre line (compliant joint, {slider.joint_stiffness:g} N/m, {slider.joint_damping:g} N*s/m)"
-        return super().joint_line(mechanism, settings)
+        if not slider.is_rigid:
+            line = f"slider beside the centre line ({in_words(slider)})"
+        else:
+            line = "slider on the centre line (Lagrange multiplier)" if slider.has_friction else super().joint_line(mechanism, settings)
+        return line + (", with friction along the follower" if slider.has_friction else "")
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
         """Number of modes from the measured table; fewer where the follower is stiffer than run 24's."""
@@ -142,7 +152,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return LADDER.finer(settings, excess)
 
     def steady_state(self, mechanism: Mechanism, start: Start, settings: ReferenceSettings) -> SteadyState | None:
-        """See `Engine.steady_state`; a rigid follower or a compliant slider joint is marched."""
+        """See `Engine.steady_state`; a rigid follower, or a slider joint that gives way or rubs, is marched."""
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
         from engines.own.simulation import OwnSimulation
@@ -178,7 +188,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """
         found = self.steady_state(mechanism, standard_start(mechanism), settings)
         if found is None or not found.stable:
-            raise NoSteadyState("a rigid follower or a soft joint is marched" if found is None else "the periodic state is not stable")
+            raise NoSteadyState("a rigid follower or an open loop is marched" if found is None else "the periodic state is not stable")
         from engines.own.simulation import OwnSimulation
 
         assert isinstance(found.simulation, OwnSimulation)
@@ -201,10 +211,10 @@ def joint_inertia(mechanism: Mechanism, modes: int) -> float:
     joint changes the lowest frequency by a part E: the product is kept at a hundredth of the error of the modes, for the lowest frequency
     with the slider at its farthest place. Above 1e6 N/m a step of the explicit integration would else have to follow that vibration.
     """
-    stiffness = mechanism.slider.joint_stiffness
+    stiffness = mechanism.slider.closed_stiffness
     if mechanism.follower.is_rigid or stiffness <= 0.0:
         return 0.0
-    held = changed(mechanism, {"slider.joint_stiffness": math.inf})
+    held = changed(mechanism, {"slider": Slider(inertia=mechanism.slider.inertia)})
     rigid, own_one = (float(frozen_crank_modes(scene, math.pi, 1).frequencies[0]) for scene in (held, mechanism))
     part = 2.0 * abs(1.0 - own_one / rigid)  # of the frequency's square, which a motion's amplitude follows
     if part > SOFT:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from engines import refusals
-from engines.base import Comparison, FollowerEngine, Refusal
+from engines.base import USUAL, Comparison, FollowerEngine, Refusal
 from engines.ladder import Ladder
 from engines.own.beam_engine import BeamEngine, BeamSettings, S, gain_of
 from engines.settings import setting
@@ -107,15 +107,12 @@ class StayingShapesEngine(StayingEngine[AnyShapes]):
 class RivalEngine(StayingEngine[S]):
     """An engine whose loop is open: the follower's angle is a coordinate of its own, the slider's constraint a force."""
 
-    #: Whether a compliant joint can be modelled.
-    joint_may_yield = False
+    quantities = USUAL
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse what a force along the normal cannot do, and parts that the open loop leaves without inertia."""
-        refusals.of_slider_inertia(self.name, mechanism)
+        """Refuse also parts that the open loop leaves without inertia."""
+        super().check(mechanism)
         refusals.of_massless_parts(self.name, mechanism, ", whose shapes need mass of their own")
-        if not self.joint_may_yield:
-            refusals.of_compliance(self.name, mechanism)
 
     def follower_alone(self) -> FollowerEngine[S]:
         """Refuse: without a slider there is no constraint to treat."""

@@ -4,14 +4,16 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from engines.base import Comparison
+from engines.base import FRICTION, ROLLERS, USUAL, Comparison
 from engines.ladder import Ladder
 from engines.own.beam_engine import gain_of
 from engines.own.staying_shapes import LADDER as SHAPES
 from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, of_shapes
 from engines.settings import setting
+from reference_model import treatment
+from reference_model.joint import Rollers, in_words, rollers
 from reference_model.mechanism import Mechanism
-from reference_model.treatment import SPRING, Treatment
+from reference_model.treatment import Treatment
 
 LEAST_STIFFNESS: Final = 1.0  # N/m
 MOST_STIFFNESS: Final = 1e12  # N/m
@@ -74,20 +76,20 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
     method = "stiff transverse spring and damper at the slider, fixed shapes, exact planar geometry, DOP853"
     default_accuracy = 1e-2
     settings_type = StiffSpringSettings
-    joint_may_yield = True
+    quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping")
 
     def treatment(self, mechanism: Mechanism, settings: StiffSpringSettings) -> Treatment:
         """The scene's joint if it is compliant, else the stiff spring of the settings; dampings of joint and settings do not add."""
-        slider = mechanism.slider
-        if math.isfinite(slider.joint_stiffness):
-            return Treatment(kind=SPRING, stiffness=slider.joint_stiffness, damping=slider.joint_damping)
-        return Treatment(kind=SPRING, stiffness=settings.stiffness, damping=settings.damping)
+        if mechanism.slider.is_rigid:
+            spring = Rollers(plus=settings.stiffness, minus=settings.stiffness, damping=settings.damping)
+        else:
+            spring = rollers(mechanism.slider)
+        return Treatment(kind=treatment.ROLLERS, rollers=spring)
 
     def joint_line(self, mechanism: Mechanism, settings: StiffSpringSettings) -> str:
         """Whose spring it is."""
-        spring = self.treatment(mechanism, settings)
-        kind = "compliant joint" if math.isfinite(mechanism.slider.joint_stiffness) else "stiff spring in place of the constraint"
-        return f"slider beside the centre line ({kind}, {spring.stiffness:g} N/m, {spring.damping:g} N*s/m)"
+        stiff = f"stiff spring in place of the constraint, {settings.stiffness:g} N/m, {settings.damping:g} N*s/m"
+        return f"slider beside the centre line ({stiff if mechanism.slider.is_rigid else in_words(mechanism.slider)})"
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> StiffSpringSettings:
         """Shapes and stiffness from the measured table, for a follower as stiff and as fast as this one."""
@@ -99,7 +101,7 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
 
     def comparisons(self, settings: StiffSpringSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Other numbers of shapes on the same spring, and a spring half as stiff; of a compliant joint the spring is no error."""
-        if math.isfinite(mechanism.slider.joint_stiffness):
+        if not mechanism.slider.is_rigid:
             return of_shapes(settings)
         part = SOFTER if SOFTER * settings.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
         other = settings.replaced(stiffness=part * settings.stiffness, damping=min(part * settings.damping, MOST_DAMPING))

@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from engines import refusals
-from engines.base import Comparison, Engine, EngineFailure, ModelDescription
+from engines.base import USUAL, Comparison, Engine, EngineFailure, ModelDescription
 from engines.own.alone import OwnAlone
 from engines.own.beam_engine import ELIMINATED_SLIDER, description
 from engines.settings import Settings, setting
@@ -52,14 +52,11 @@ class ThesisEngine(Engine[ThesisSettings]):
     estimates = "integration"
     settings_type = ThesisSettings
     compiles = True
+    quantities = (*USUAL, "slider.inertia")
 
     def version(self) -> str:
         """The integrator's library; the equations are this project's own."""
         return f"scipy {scipy.__version__}"
-
-    def check(self, mechanism: Mechanism) -> None:
-        """Refuse a compliant slider joint: the loop is closed exactly."""
-        refusals.of_compliance(self.name, mechanism)
 
     def model(self, scene: Scene, settings: ThesisSettings) -> "ThesisModel":
         """The thesis' model of a scene.

@@ -23,7 +23,9 @@ from reference_model.motion.inertia import (
     assemble,
     dissipation,
     drive_torque,
+    friction_share,
     highest_frequency,
+    joint_force,
     moment_about_pivot,
     partial_velocities,
     power_of_tool,
@@ -37,6 +39,7 @@ from reference_model.motion.layout import (
     AT,
     COS_Q2,
     FORCE,
+    FRICTION,
     GAP,
     GAP_RATE,
     GAP_REMAINDER,
@@ -58,7 +61,7 @@ from reference_model.motion.layout import (
 )
 from reference_model.motion.loop import accelerate_loop, joint_power, move_loop, remaining_places, share_force
 from reference_model.motion.observe import base_motion, observe
-from reference_model.treatment import BASE, ELIMINATED, SPRING
+from reference_model.treatment import BASE, ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
 
@@ -112,29 +115,42 @@ def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
     m, first, f = p.speeds, p.first, w.facts
     if not _factor(w.reduced, first, m):
         return False
+    f[FRICTION] = 0.0
     if first == 1:
         w.acceleration[0] = 0.0
     if p.treatment in (ELIMINATED, BASE):
         _substitute(w.reduced, w.acceleration, first, m)
         return True
     share_force(p, t, w, at)
-    for k in range(m):
-        w.response[k] = w.spread[k]
+    sliding = 0.0  # share of the friction that acts, with the sign of the slider's way
+    if p.friction > 0.0 or p.friction_force > 0.0:
+        sliding = friction_share(f[S_RATE], p.friction_speed)
+        for k in range(m):
+            w.acceleration[k] -= p.friction_force * sliding * w.sigma[k]
     _substitute(w.reduced, w.acceleration, first, m)
-    _substitute(w.reduced, w.response, first, m)
-    # the gap's second derivative without the slider's force, and what a unit of that takes off
-    free, compliance = f[GAP_REMAINDER], 0.0
+    # the gap's second derivative without the slider's force
+    free = f[GAP_REMAINDER]
     for k in range(first, m):
         free += w.row_of_gap[k] * w.acceleration[k]
-        compliance += w.row_of_gap[k] * w.response[k]
-    if p.treatment == SPRING:
-        force = p.joint_stiffness * f[GAP] + p.joint_damping * f[GAP_RATE] + p.joint_inertia * free
-        f[FORCE] = force / (1.0 + p.joint_inertia * compliance)
+    if p.treatment == ROLLERS:
+        rollers = joint_force(f[GAP], f[GAP_RATE], p.plus, p.minus, p.plus_from, p.minus_from, p.contact_loss, p.joint_damping)
+        asked = rollers + p.joint_inertia * free
     else:
-        # a force on the nodes may lose its hold on the gap; where force and motion are conjugate this is a sum of squares
-        if not compliance > 0.0:
-            return False
-        f[FORCE] = (free + p.stabilization * (2.0 * f[GAP_RATE] + p.stabilization * f[GAP])) / compliance
+        asked = free + p.stabilization * (2.0 * f[GAP_RATE] + p.stabilization * f[GAP])
+    # what a unit of the slider's force takes off, its friction with it: the force has the sign of what is asked of it
+    rubbing = math.copysign(p.friction, asked) * sliding
+    for k in range(m):
+        w.response[k] = w.spread[k] + rubbing * w.sigma[k]
+    _substitute(w.reduced, w.response, first, m)
+    compliance = 0.0
+    for k in range(first, m):
+        compliance += w.row_of_gap[k] * w.response[k]
+    # a force on the nodes may lose its hold on the gap, or friction jam; where force and motion are conjugate this is a sum of squares
+    hold = 1.0 + p.joint_inertia * compliance if p.treatment == ROLLERS else compliance
+    if not hold > 0.0:
+        return False
+    f[FORCE] = asked / hold
+    f[FRICTION] = p.friction_force * sliding + rubbing * f[FORCE]
     for k in range(first, m):
         w.acceleration[k] -= f[FORCE] * w.response[k]
     return True

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from reference_model import joint
 from reference_model.compilation import inlined, stage
 from reference_model.motion.lanes import load, plus, plus_product, spread, store, total
 from reference_model.motion.layout import (
@@ -17,6 +18,7 @@ from reference_model.motion.layout import (
     FOOT_1,
     FOOT_2,
     FORCE,
+    FRICTION,
     GAP,
     GAP_RATE,
     NORMAL,
@@ -41,11 +43,11 @@ from reference_model.motion.layout import (
     Workspace,
 )
 from reference_model.tip_force import share as share_of_force
-from reference_model.treatment import ELIMINATED
+from reference_model.treatment import ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
 
-share = stage(share_of_force)
+share, friction_share, joint_force = stage(share_of_force), stage(joint.friction_share), stage(joint.joint_force)
 
 
 @stage
@@ -140,7 +142,7 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
             w.force[j] += along * w.dx[j] * w.relative[j]
             w.force[N + j] += p.beam_damping * w.dx[j] * w.relative[N + j]
             moment += w.dx[j] * (p.beam_damping * w.z[j] * w.relative[N + j] - along * w.z[N + j] * w.relative[j])
-    moment -= p.base_damping * f[Q2_RATE]
+    moment -= pivot_torque(p, w)
     end = N - t.S + t.G
     w.force[end] -= f[TOOL_1]
     w.force[N + end] -= f[TOOL_2]
@@ -148,15 +150,70 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     hardening = 0.0
     for i in range(n):
         hardening += 0.5 * w.row[extra + n + i] * y[1 + i] ** 2
+    if p.bending_damping > 0.0:
+        _damp_bending(p, t, w)
     for k in range(m):
         w.acceleration[k] = moment * w.c[k] - hardening * w.sigma[k] - _dot(w.V[k], w.force, lanes)
         if 0 < k <= n:
-            w.acceleration[k] -= w.row[extra + k - 1] * (y[k] + p.bending_damping * y[m + 1 + k])
+            w.acceleration[k] -= w.row[extra + k - 1] * y[k]
+        if p.bending_damping > 0.0:
+            w.acceleration[k] -= _bending_force(t, w, k, n)
         for j in range(lanes):
             w.weighted[j] = w.mass[j] * w.V[k, j]
         for i in range(k + 1):
             w.reduced[k, i] = _dot(w.weighted, w.V[i], lanes)
     w.acceleration[0] += p.torque - p.crank_damping * y[m + 1] + crank_weight(p, w)
+
+
+@stage
+def pivot_torque(p: Parameters, w: Workspace) -> float:
+    """Torque by which damping and friction of the pivot P oppose the follower, N m (equations 4.7 and 5.14)."""
+    rate = w.facts[Q2_RATE]
+    if p.base_friction == 0.0:
+        return p.base_damping * rate
+    return p.base_damping * rate + p.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE)
+
+
+@stage
+def _damp_bending(p: Parameters, t: Tables, w: Workspace) -> None:
+    """Rates of the curvature at fixed arc length, and what the material's damping does to the angles at the points (equation 4.10).
+
+    Both are derivatives of the polynomial through the Gauss points of a cell.
+    """
+    for cell in range(t.cells):
+        first = cell * t.S
+        for j in range(t.S):
+            w.curvature_rate[first + j] = w.bending_load[first + j] = 0.0
+        for i in range(t.G):
+            rate = 0.0
+            for j in range(t.G):
+                if j != i:
+                    rate += _slope_weight(t, i, j) * (w.turn[first + j] - w.turn[first + i])
+            w.curvature_rate[first + i] = rate / w.length[cell]
+            load = p.EI * p.bending_damping * t.weights[i] * w.curvature_rate[first + i]
+            for j in range(t.G):
+                if j != i:
+                    w.bending_load[first + j] += _slope_weight(t, i, j) * load
+                    w.bending_load[first + i] -= _slope_weight(t, i, j) * load
+
+
+@inlined
+def _slope_weight(t: Tables, i: int, j: int) -> float:
+    """Weight of the value at Gauss point j in the slope at point i, another one, of a cell of unit length."""
+    return t.lagrange[j] / (t.lagrange[i] * (t.u[i] - t.u[j]))
+
+
+@inlined
+def _bending_force(t: Tables, w: Workspace, k: int, n: int) -> float:
+    """What the material's damping takes off the force of the speed k (equation 4.10)."""
+    N = t.cells * t.S
+    force = 0.0
+    for j in range(N):
+        angle = w.sigma[k] * w.psi_s[j]
+        if 0 < k <= n:
+            angle += w.row[(k - 1) * N + j]
+        force += angle * w.bending_load[j]
+    return force
 
 
 @inlined
@@ -194,15 +251,25 @@ def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
 @stage
 def dissipation(p: Parameters, t: Tables, w: Workspace, y: Array) -> float:
     """Power taken by all dampings, W (equation 4.7)."""
-    n, m, N = p.n, p.speeds, t.cells * t.S
+    m, N = p.speeds, t.cells * t.S
     total = 0.0
     for j in range(N):
         total += w.dx[j] * (p.damps_along * w.relative[j] * w.relative[j] + w.relative[N + j] * w.relative[N + j])
-    power = p.crank_damping * y[m + 1] ** 2 + p.base_damping * w.facts[Q2_RATE] ** 2 + p.beam_damping * total
+    power = p.crank_damping * y[m + 1] ** 2 + pivot_torque(p, w) * w.facts[Q2_RATE] + p.beam_damping * total
     if p.bending_damping > 0.0:
-        for i in range(n):
-            power += p.bending_damping * w.row[t.kinds * n * N + i] * y[m + 2 + i] ** 2
-    return power + p.joint_damping * w.facts[GAP_RATE] ** 2
+        for j in range(N):
+            power += p.EI * p.bending_damping * w.dx[j] * w.curvature_rate[j] ** 2
+    power += w.facts[FRICTION] * w.facts[S_RATE]
+    if p.treatment == ROLLERS:
+        power += _loss_of_rollers(p, w.facts[GAP], w.facts[GAP_RATE])
+    return power
+
+
+@inlined
+def _loss_of_rollers(p: Parameters, gap: float, rate: float) -> float:
+    """Power that the joint takes, W: of its force less that of the same rollers without loss."""
+    force = joint_force(gap, rate, p.plus, p.minus, p.plus_from, p.minus_from, p.contact_loss, p.joint_damping)
+    return rate * (force - joint_force(gap, 0.0, p.plus, p.minus, p.plus_from, p.minus_from, 0.0, 0.0))
 
 
 @stage
@@ -216,7 +283,7 @@ def moment_about_pivot(p: Parameters, t: Tables, w: Workspace) -> float:
     for k in range(p.speeds):
         for j in range(len(w.A)):
             w.A[j] += w.acceleration[k] * w.V[k, j]
-    moment = p.base_inertia * w.A[bodies + BASE_TURN] + p.base_damping * f[Q2_RATE] + p.tip_inertia * w.A[bodies + TIP_TURN]
+    moment = p.base_inertia * w.A[bodies + BASE_TURN] + pivot_torque(p, w) + p.tip_inertia * w.A[bodies + TIP_TURN]
     for j in range(N):
         moment += w.mass[j] * (w.z[j] * w.A[N + j] - w.z[N + j] * w.A[j])
     arm_1, arm_2 = w.z[end] + p.tip_offset * w.e[end], w.z[N + end] + p.tip_offset * w.e[N + end]
@@ -239,6 +306,9 @@ def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
     f = w.facts
     f[SLIDER_MOMENT] = -p.slider_inertia * w.A[2 * t.cells * t.S + SLIDER_TURN] / (1.0 - f[GAP] * f[CURVATURE])
     f[TANGENTIAL] = -f[SLIDER_MOMENT] * f[CURVATURE]
+    rubbing = f[FRICTION] / (1.0 - f[GAP] * f[CURVATURE])
+    f[TANGENTIAL] += rubbing
+    f[SLIDER_MOMENT] -= f[GAP] * rubbing
     f[NORMAL] = f[FORCE]
     if p.treatment == ELIMINATED:
         t1, t2, Z1, Z2 = f[TANGENT_1], f[TANGENT_2], f[FOOT_1], f[FOOT_2]

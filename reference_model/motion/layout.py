@@ -24,7 +24,9 @@ FOOT_BY_S_1, FOOT_BY_S_2, ALONG_BY_Q2, ACROSS_BY_Q2, TOOL_1, TOOL_2 = range(20, 
 #: The slider's place among the points; its force (N) and moment (N m) on the follower; the torque (N m) of the drive, or the base's where
 #: its motion is prescribed.
 AT, NORMAL, TANGENTIAL, SLIDER_MOMENT, TORQUE = range(26, 31)
-FACTS: Final = 31
+#: Friction (N) that opposes the slider's way along the follower.
+FRICTION: Final = 31
+FACTS: Final = 32
 
 
 class Tables(NamedTuple):
@@ -68,6 +70,7 @@ class Parameters(NamedTuple):
     crank_damping: float
     base_inertia: float
     base_damping: float
+    base_friction: float  # N m
     rhoA: float
     EI: float
     beam_damping: float
@@ -83,8 +86,15 @@ class Parameters(NamedTuple):
     slider_inertia: float
     gravity_1: float
     gravity_2: float
-    joint_stiffness: float  # N/m, of SPRING
-    joint_damping: float  # N s/m
+    plus: float  # of the joint's rollers, see `joint.Rollers`
+    minus: float
+    plus_from: float
+    minus_from: float
+    contact_loss: float
+    joint_damping: float
+    friction: float  # along the follower, over the normal force
+    friction_force: float  # N, whatever the normal force
+    friction_speed: float  # m/s
     joint_inertia: float  # kg, force over the gap's acceleration: slows the vibration of a stiff joint
     stabilization: float  # 1/s, rate at which a gap decays that a force keeps closed
     bending_damping: float  # s, damping moment over elastic moment per curvature rate
@@ -105,6 +115,9 @@ class Workspace(NamedTuple):
     psi_s: Vector  # (N,)
     gamma: Vector  # (N,) remainder of the angular acceleration before q2 and s are known
     turn: Vector  # (N,) angular rate
+    curvature: Vector  # (N,) recovered, 1/m
+    curvature_rate: Vector  # (N,) 1/(m s)
+    bending_load: Vector  # (N,) what the material's damping does to an angle at the points, N m
     length: Vector  # (cells,) m
     e: Vector  # (2 N,) exp(i psi)
     z: Vector  # (2 N,) place relative to P in frame B
@@ -140,7 +153,9 @@ def workspace(p: Parameters) -> Workspace:
     """Scratch arrays for these parameters."""
     n, m, N = p.n, p.speeds, p.tables.cells * p.tables.S
     M = 2 * N + BODIES
-    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("psi", "psi_s", "gamma", "turn"), (N,))
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
+        ("psi", "psi_s", "gamma", "turn", "curvature", "curvature_rate", "bending_load"), (N,)
+    )
     shapes |= dict.fromkeys(("e", "z", "Y", "integrand", "relative", "dx"), (2 * N,))
     shapes |= dict.fromkeys(("mass", "A", "force", "weighted"), (M,))
     shapes |= dict.fromkeys(("c", "sigma", "row_of_gap", "spread", "response", "acceleration"), (m,))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from reference_model import columns as c
 from reference_model.compilation import inlined, stage
+from reference_model.joint import joint_energy as energy_of_joint
 from reference_model.motion.fields import cumulate, directions
 from reference_model.motion.lanes import load, plus_product, spread, total
 from reference_model.motion.layout import (
@@ -47,7 +48,7 @@ from reference_model.treatment import BASE
 
 Array = NDArray[np.float64]
 
-base_motion = stage(motion_of_base)
+base_motion, joint_energy = stage(motion_of_base), stage(energy_of_joint)
 
 #: Numbers in a row: those of `columns.OBSERVED`, then those of `columns.JOINT_COLUMNS`.
 WIDTH: Final = len(c.OBSERVED) + len(c.JOINT_COLUMNS)
@@ -98,7 +99,7 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Arra
     kinetic += 0.5 * p.tip_mass * (v1 * v1 + v2 * v2) + 0.5 * p.tip_inertia * w.turn[end] ** 2
     kinetic += 0.5 * p.slider_inertia * (w.turn[at] + f[CURVATURE] * f[S_RATE]) ** 2
     kinetic += 0.5 * p.joint_inertia * f[GAP_RATE] ** 2
-    strain = 0.5 * p.joint_stiffness * f[GAP] ** 2
+    strain = joint_energy(f[GAP], p.plus, p.minus, p.plus_from, p.minus_from)
     for i in range(n):
         strain += 0.5 * w.row[t.kinds * N * n + i] * y[1 + i] ** 2
     moment_1, moment_2 = p.tip_mass * (w.z[end] + ec), p.tip_mass * (w.z[N + end] + es)
@@ -179,7 +180,12 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
     N, s, f = t.cells * t.S, w.slider[0], w.facts
     end, flexibility = N - t.S + t.G, 1.0 / p.EI
     for j in range(N):
-        w.integrand[j], w.integrand[N + j] = flexibility * w.psi[j], 0.0
+        w.curvature[j] = flexibility * w.psi[j]
+    if p.bending_damping > 0.0:
+        for j in range(N):
+            w.curvature[j] -= p.bending_damping * w.curvature_rate[j]
+    for j in range(N):
+        w.integrand[j], w.integrand[N + j] = w.curvature[j], 0.0
     cumulate(t, w.length, w.integrand, w.z)
     if not directions(w.z[:N], w.integrand):
         return False
@@ -187,9 +193,10 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
     tip_1, tip_2 = w.relative[end], w.relative[N + end]
     o[c.MOMENT_SLIDER] = w.psi[at]
     for place in range(c.PLACES):
-        o[c.FIRST_OF_MOMENTS + place], o[c.FIRST_OF_SHAPE + place] = _moment_and_deflection(t, w, (place + 1) * p.L / (c.PLACES + 1))
+        x = (place + 1) * p.L / (c.PLACES + 1)
+        o[c.FIRST_OF_MOMENTS + place], o[c.FIRST_OF_SHAPE + place] = _at_place(t, w, w.psi, x)
     for gauge in range(3):
-        o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * flexibility * _moment_and_deflection(t, w, p.gauges[gauge])[0]
+        o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
     cosine, sine, ds = f[COS_Q2], f[SIN_Q2], 0.0
     if p.treatment == BASE:
         o[c.FOLLOWER_ANGLE] = base_motion(p.base_speed, p.base_time, y[0])[0]
@@ -211,17 +218,17 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
 
 
 @stage
-def _moment_and_deflection(t: Tables, w: Workspace, x: float) -> tuple[float, float]:
-    """Moment and deflection at x, by the polynomials through the points of its cell (Lagrange's form)."""
+def _at_place(t: Tables, w: Workspace, field: Array, x: float) -> tuple[float, float]:
+    """A field (moment or curvature) and the deflection at x, by the polynomials through the points of its cell (Lagrange's form)."""
     cell, begin = 0, 0.0
     while cell < t.cells - 1 and x > begin + w.length[cell] * (1.0 + 1e-12) and w.length[cell + 1] > 0.0:
         begin += w.length[cell]
         cell += 1
     first, across, u = cell * t.S, (t.cells + cell) * t.S, (x - begin) / w.length[cell]
-    moment, deflection, before = 0.0, 0.0, 1.0  # before: product of the distances from the points passed
+    value, deflection, before = 0.0, 0.0, 1.0  # before: product of the distances from the points passed
     for j in range(t.G):
         away, share = u - t.u[j], t.lagrange[j] * before
-        moment = moment * away + share * w.psi[first + j]
+        value = value * away + share * field[first + j]
         deflection = deflection * away + share * w.relative[across + j]
         before *= away
-    return moment, deflection
+    return value, deflection

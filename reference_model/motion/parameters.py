@@ -1,7 +1,7 @@
 """The constants of a scene for the equations of motion (DERIVATION.md, section 1)."""
 
 from reference_model.constants import constants
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider
 from reference_model.motion.layout import Parameters, Tables
 from reference_model.treatment import BASE, CLOSED, ELIMINATED, Treatment
 
@@ -20,6 +20,7 @@ def parameters(
         transverse_damping: the beam damping acts on the velocity across the base tangent alone.
     """
     kind = BASE if isinstance(scene, FollowerAlone) else treatment.kind
+    rollers, slider = treatment.rollers, scene.slider if isinstance(scene, Mechanism) else Slider()
     return Parameters(
         **constants(scene),
         treatment=kind,
@@ -28,11 +29,19 @@ def parameters(
         first=0 if isinstance(scene, Mechanism) and scene.crank_is_free else 1,
         EI=scene.follower.bending_stiffness,
         damps_along=0.0 if transverse_damping else 1.0,
-        joint_stiffness=treatment.stiffness,
-        joint_damping=treatment.damping,
+        base_friction=scene.base.friction_torque,
+        plus=rollers.plus,
+        minus=rollers.minus,
+        plus_from=rollers.plus_from,
+        minus_from=rollers.minus_from,
+        contact_loss=rollers.loss,
+        joint_damping=rollers.damping,
+        friction=slider.friction,
+        friction_force=slider.friction_force,
+        friction_speed=slider.friction_speed,
         joint_inertia=treatment.inertia,
         stabilization=treatment.stabilization,
-        bending_damping=treatment.bending_damping,
+        bending_damping=treatment.bending_damping + scene.follower.material_damping if shapes else 0.0,
         reach=reach,
         knows_frequency=1 if tables.kinds == 3 and kind == ELIMINATED else 0,
         tables=tables,

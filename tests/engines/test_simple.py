@@ -13,10 +13,11 @@ from cases.conformance.scenes import BASE, changed
 from engines.accurate import run_once
 from engines.base import EngineFailure, Refusal
 from engines.settings import SettingError
-from engines.simple import QUANTITIES, Model, SimpleEngine, SimpleSettings
+from engines.simple import Model, SimpleEngine, SimpleSettings
 from engines.start import Start, standard_start
 from engines.trajectory import REQUIRED
 from reference_model.mechanism import Mechanism, PrescribedSpeed
+from reference_model.scene_values import NAMED
 
 W = 70.0  # rad/s
 AMPLITUDE = 0.01  # m
@@ -90,7 +91,7 @@ def test_a_tool_may_step_by_itself() -> None:
     assert np.allclose(advanced(engine_of(states=states))["tip_deflection"], 2e-3 * np.arange(101))
 
 
-@pytest.mark.parametrize("name", sorted(QUANTITIES))
+@pytest.mark.parametrize("name", sorted(NAMED))
 def test_what_the_model_has_not_is_refused_by_key_and_value(name: str) -> None:
     paths: dict[str, tuple[str, Any, str]] = {
         "mechanism.gravity": ("gravity", (0.0, 9.81), "9.81"),
@@ -100,12 +101,12 @@ def test_what_the_model_has_not_is_refused_by_key_and_value(name: str) -> None:
         "slider.joint_stiffness": ("slider.joint_stiffness", 5e3, "5000"),
     }
     path, value, shown = paths.get(name, (name, 0.75, "0.75"))
-    scene, others = changed(BASE, {path: value}), tuple(each for each in QUANTITIES if each != name)
+    scene, others = changed(BASE, {path: value}), tuple(each for each in NAMED if each != name)
     with pytest.raises(Refusal, match=name) as refused:
         type("Lacking", (ToyEngine,), {"quantities": others})().check(scene)
     assert shown in str(refused.value)
     assert "accepted" in str(refused.value)
-    type("Full", (ToyEngine,), {"quantities": tuple(QUANTITIES)})().check(scene)
+    type("Full", (ToyEngine,), {"quantities": tuple(NAMED)})().check(scene)
 
 
 def test_a_rigid_follower_is_refused() -> None:

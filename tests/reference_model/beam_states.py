@@ -6,13 +6,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reference_model.joint import Rollers
 from reference_model.mechanism import Base, Follower, FollowerAlone, Mechanism, PrescribedSpeed, Slider, SpinUp, Tip
 from reference_model.model import BeamModel
 from reference_model.motion.equations import evaluate, kernel
 from reference_model.motion.layout import state_size
 from reference_model.rigid import rigid_motion
 from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, vibrating
-from reference_model.treatment import BASE, CHORDS, CLOSED, LEVER, MULTIPLIER, SPRING, Treatment
+from reference_model.treatment import BASE, CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
 from tests.engines.scenes import INCH, run_24
 from tests.reference_model.beam_runs import fine_family, with_fine_tables
 from tests.reference_model.plain_beam import Following, Motion, PlainBeam, motion, of_clamped_modes, of_set
@@ -38,8 +39,9 @@ ALONE: Final = FollowerAlone(
     tip=Tip(mass=0.06, inertia=4e-4, center_of_mass=0.03),
     gravity=(1.5, -9.0),
 )
-COMPLIANT: Final = Treatment(kind=SPRING, stiffness=2e3, damping=8.0)
-HEAVY: Final = Treatment(kind=SPRING, stiffness=2e3, damping=8.0, inertia=0.05)
+SPRING: Final = Rollers(plus=2e3, minus=2e3, damping=8.0)
+COMPLIANT: Final = Treatment(kind=ROLLERS, rollers=SPRING)
+HEAVY: Final = Treatment(kind=ROLLERS, rollers=SPRING, inertia=0.05)
 BY_FORCE: Final = Treatment(kind=MULTIPLIER, stabilization=80.0)
 BY_LEVER: Final = Treatment(kind=LEVER, stabilization=60.0, bending_damping=2e-4)
 ON_CHORDS: Final = Treatment(kind=CHORDS, stabilization=40.0)

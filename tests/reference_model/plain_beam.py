@@ -22,7 +22,7 @@ from scipy.special import betainc
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, Tip, TorqueDrive
 from reference_model.natural_modes import clamped_modes, supported_modes
 from reference_model.shapes import ShapeSet
-from reference_model.treatment import BASE, CHORDS, ELIMINATED, LEVER, SPRING, Treatment
+from reference_model.treatment import BASE, CHORDS, ELIMINATED, LEVER, ROLLERS, Treatment
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -412,8 +412,8 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     acceleration, contact = np.zeros(m), 0.0
     if beam.kind in (ELIMINATED, BASE):
         acceleration[first:] = np.linalg.solve(M[first:, first:], force[first:])
-    elif beam.kind == SPRING:
-        contact = beam.treatment.stiffness * here.gap + beam.treatment.damping * gap_rate
+    elif beam.kind == ROLLERS:
+        contact = beam.treatment.rollers.plus * here.gap + beam.treatment.rollers.damping * gap_rate
         contact += beam.treatment.inertia * float(remainder[gap_at].real)
         with_joint = M + beam.treatment.inertia * np.outer(row, row)
         acceleration[first:] = np.linalg.solve(with_joint[first:, first:], (force - contact * row)[first:])
@@ -457,8 +457,8 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     drive_power += float((tool.conjugate() * rate[N + 1]).real)
     power = crank_damping * u[0] ** 2 + scene.base.damping * rate[q2_at].real ** 2 + bending @ u[1 : n + 1]
     power += follower.damping * float(dx @ (beam.damps_along * rate[relative].real ** 2 + rate[relative].imag ** 2))
-    power += beam.treatment.damping * gap_rate**2 if beam.kind == SPRING else 0.0
-    strain = here.strain_energy + (0.5 * beam.treatment.stiffness * here.gap**2 if beam.kind == SPRING else 0.0)
+    power += beam.treatment.rollers.damping * gap_rate**2 if beam.kind == ROLLERS else 0.0
+    strain = here.strain_energy + (0.5 * beam.treatment.rollers.plus * here.gap**2 if beam.kind == ROLLERS else 0.0)
     kinetic = 0.5 * float(np.sum(mass * np.abs(rate[bodies]) ** 2)) + 0.5 * crank_inertia * u[0] ** 2
     kinetic += 0.5 * sum(J * rate[which].real ** 2 for which, J in turning if J > 0.0)
     kinetic += 0.5 * beam.treatment.inertia * gap_rate**2

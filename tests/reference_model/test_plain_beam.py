@@ -18,7 +18,7 @@ from reference_model.columns import BENDING
 from reference_model.motion.equations import evaluate, kernel
 from reference_model.motion.layout import COS_Q2, GAP, GAP_RATE, GAP_REMAINDER, Q2_RATE, Q2_REMAINDER, S_RATE, S_REMAINDER, SIN_Q2
 from reference_model.shapes import hermite_elements
-from reference_model.treatment import BASE, LEVER, SPRING
+from reference_model.treatment import BASE, LEVER, ROLLERS
 from tests.reference_model.beam_states import (
     ALONE,
     BARE,
@@ -236,5 +236,5 @@ def test_the_cases_hold_what_they_are_there_for() -> None:
     assert across < (1.0 - 100.0 * TABULATED) * both
     assert abs(state("lever").expected.joint_power) > 0.1  # W
     for name in CASES:
-        if state(name).beam.kind == SPRING:
+        if state(name).beam.kind == ROLLERS:
             assert abs(state(name).expected.shown["slider_force"]) > 1.0  # N

@@ -8,11 +8,12 @@ from typing import Final
 import numpy as np
 import pytest
 
+from reference_model.joint import Rollers
 from reference_model.mechanism import Slider
 from reference_model.model import BeamModel
 from reference_model.motion.layout import COS_Q2, MISSED, Q2_RATE, SIN_Q2
 from reference_model.thesis.frequencies import shape_frequencies
-from reference_model.treatment import CHORDS, CLOSED, LEVER, MULTIPLIER, SPRING, Treatment
+from reference_model.treatment import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array, balance, follower_energy, run, with_fine_tables
 from tests.reference_model.beam_states import COMPLIANT, EVERYTHING, HEAVY, ON_ELEMENTS, elements_of, modes_of, rates
@@ -132,7 +133,7 @@ def test_frequencies_of_the_spring_approach_the_rigid_ones_at_first_order() -> N
     scene = run_24()
     family = modes_of(scene, 3)
     rigid = BeamModel.staying(scene, family, STABILIZED).natural_frequencies(math.pi, 3)
-    springs = (Treatment(kind=SPRING, stiffness=stiffness) for stiffness in (1e6, 1e7))
+    springs = (Treatment(kind=ROLLERS, rollers=Rollers(plus=stiffness, minus=stiffness)) for stiffness in (1e6, 1e7))
     errors = [rigid[0] - BeamModel.staying(scene, family, spring).natural_frequencies(math.pi, 1)[0] for spring in springs]
     assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.01)  # second order in 1/k: 2e-3 of the first at 1e6 N/m
     # converged: 20.354 Hz (transcendental equation of the supported beam); Rayleigh's principle puts three shapes above

@@ -22,9 +22,9 @@ from engines.mujoco.settings import ChainSettings
 from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.registry import engine
 from engines.relative import rms
-from engines.simple import QUANTITIES
 from engines.start import Start
 from reference_model.mechanism import Mechanism, Scene, changed
+from reference_model.scene_values import NAMED
 from tests.cases.conformance.mutants import MUTANTS as FIRST
 from tests.cases.conformance.second_mutants import SECOND
 from tests.cases.conformance.third_mutants import (
@@ -222,9 +222,7 @@ def test_an_engine_that_is_coarse_by_default_is_not_accused_of_its_order_of_accu
 
 def test_guessed_errors_are_measured() -> None:
     """A guess 3.5 times too small; the toy's motion is made up, so that any true statement about it is a large one."""
-    guessed, honest = (
-        type("Stated", (ToyEngine,), {"quantities": tuple(QUANTITIES), "errors": {4: error, 8: 0.01}})() for error in (0.3, 2.0)
-    )
+    guessed, honest = (type("Stated", (ToyEngine,), {"quantities": tuple(NAMED), "errors": {4: error, 8: 0.01}})() for error in (0.3, 2.0))
     with pytest.raises(Fault, match=r"`errors` states 0.3 for resolution 4, measured in thesis-24 it is 1.*times as much"):
         stated_errors(guessed, None)
     assert "measured" in stated_errors(honest, None)
