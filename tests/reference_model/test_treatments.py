@@ -21,7 +21,7 @@ from tests.reference_model.thesis_runs import undriven
 
 STABILIZED: Final = Treatment(kind=MULTIPLIER, stabilization=100.0)
 LEVERS: Final = Treatment(kind=LEVER, stabilization=100.0, bending_damping=1e-5)
-ELASTIC: Final = dataclasses.replace(HEAVY, damping=0.0)
+ELASTIC: Final = dataclasses.replace(HEAVY, rollers=Rollers(plus=2e3, minus=2e3))
 #: Nothing drives or damps it; the slider has mass and rotary inertia.
 CONSERVING: Final = undriven(gravity=(3.0, -9.81), slider=Slider(mass=0.2, inertia=3e-4))
 CONSERVING_ELEMENTS: Final = dataclasses.replace(CONSERVING, slider=Slider(mass=0.2))
