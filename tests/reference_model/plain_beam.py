@@ -163,7 +163,7 @@ class Line:
         places = _points(edges)[0].reshape(-1, POINTS)
         return np.concatenate([self.slope(row, piece) for piece, row in enumerate(places)])
 
-    def at(self, x: float, piece: int) -> Any:
+    def at(self, x: Any, piece: int) -> Any:
         return legendre.legval(self._xi(x, piece), self.series[piece])
 
     def everywhere(self, x: Array) -> NDArray[Any]:
@@ -440,8 +440,11 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     if beam.kind == LEVER:
         x1, x2 = beam.nodes()
         share, normal = (here.s - x1) / (x2 - x1), 1j * cmath.exp(1j * (here.q2 + here.turn))
-        spread = np.array([derivative(lambda e, d=d: beam.carriers(q + e * d, share, normal), 6e-3) for d in np.diag(sizes / 6e-3)])  # type: ignore[misc]
-        spread /= sizes / 6e-3
+
+        def carried(direction: Array) -> Callable[[float], Array]:
+            return lambda e: np.array(beam.carriers(q + e * direction, share, normal))
+
+        spread = np.array([derivative(carried(one), size) for one, size in zip(np.eye(m), sizes, strict=True)])
     acceleration, contact, rubbing, arm, slides = np.zeros(m), 0.0, 0.0, 0.0, 1.0
     law, stored, lost = force_of_rollers(beam.treatment.rollers, here.gap, gap_rate) if beam.kind == ROLLERS else (0.0, 0.0, 0.0)
     if beam.kind in (ELIMINATED, BASE):
@@ -630,7 +633,8 @@ def _recovered(
         return np.asarray(outboard + (x < here.s) * (np.imag(np.conj(place - z) * at_slider[0]) + at_slider[1]), dtype=np.float64)
 
     bent = moment(x, z) / follower.bending_stiffness - late
-    gauges, twelfths, at_s = np.array(follower.strain_gauges), L * np.arange(1, 12) / 12.0, np.array([here.s])
+    gauges, twelfths = np.array(follower.strain_gauges), np.asarray(L * np.arange(1, 12) / 12.0, dtype=np.float64)
+    at_s = np.array([here.s])
     moments = moment(twelfths, here.z.everywhere(twelfths))
     curvature = moment(gauges, here.z.everywhere(gauges)) / follower.bending_stiffness - Line.through(edges, late).everywhere(gauges)
     strains = 0.5 * follower.thickness * curvature
