@@ -5,13 +5,12 @@ at the end. Links are uniform rods and hinges have the stiffness EI/h: with both
 stiffness cancel in the interior, what is left is of order h⁴ (see the centre line in kernels.py for the last term of order h²).
 """
 
-import math
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import ModelDescription
+from reference_model.joint import in_words
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 # kg and kg m^2: MuJoCo accepts no body with 1e-15 or less. A small machine's link has some 1e-13 kg m^2: with 1e-12 here, 60 links of an
@@ -120,13 +119,13 @@ def describe(scene: Scene, hinges: int) -> ModelDescription:
         bodies.append("tip: rigid body fixed to the end")
     if isinstance(scene, Mechanism):
         moving = "crank tip" if scene.crank_is_free else "crank tip, moved at the prescribed speed,"
-        compliant = math.isfinite(scene.slider.joint_stiffness)
+        compliant = not scene.slider.is_rigid
         how = (
-            "beside the follower's smooth centre line: spring and damper"
+            f"beside the follower's smooth centre line: {in_words(scene.slider)}"
             if compliant
             else "on the follower's smooth centre line: one constraint, exact multiplier"
         )
-        joints.append(f"{moving} {how}")
+        joints.append(f"{moving} {how}" + (", with friction along it" if scene.slider.has_friction else ""))
         free += int(scene.crank_is_free) + int(compliant)
     return ModelDescription(tuple(bodies), tuple(joints), free)
 
@@ -153,4 +152,7 @@ def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
     damping = np.zeros((hinges + 1, hinges + 1))
     damping[0, 0] = scene.base.damping
     damping[1:, 1:] = scene.follower.damping * (centres.T * lengths) @ centres
+    if hinges:
+        bending = scene.follower.material_damping * scene.follower.bending_stiffness * hinges / scene.follower.length
+        damping[1:, 1:] += bending * np.eye(hinges)
     return damping

@@ -31,6 +31,7 @@ from engines.mujoco.native import (
     pointer,
 )
 from reference_model import columns as c
+from reference_model import joint
 from reference_model.spin_up import base_motion as motion_of_base
 from reference_model.tip_force import share as share_of_force
 
@@ -78,12 +79,22 @@ CONTEXT = np.dtype(
         ("spin_up_speed", "f8"),
         ("spin_up_time", "f8"),  # s
         ("joint_is_compliant", "i8"),
-        ("joint_stiffness", "f8"),  # N/m
+        ("plus", "f8"),  # of its rollers, see `reference_model.joint.Rollers`
+        ("minus", "f8"),
+        ("plus_from", "f8"),
+        ("minus_from", "f8"),
+        ("contact_loss", "f8"),
         ("joint_damping", "f8"),  # N s/m
+        ("friction", "f8"),  # along the follower, over the normal force
+        ("friction_force", "f8"),  # N
+        ("friction_speed", "f8"),  # m/s
+        ("base_friction", "f8"),  # N m
+        ("material_damping", "f8"),  # s
         # the slider now
         ("slider_position", "f8"),
         ("slider_speed", "f8"),
-        ("slider_force", "f8"),  # N, on the follower
+        ("slider_force", "f8"),  # N, on the follower, along its normal
+        ("rubbing", "f8"),  # N, the force that opposes the slider's way along the follower
         ("gap", "f8"),
         # the crank's motor and the dampings: now, and integrated with the weights of the Runge-Kutta stages
         ("drive_torque", "f8"),
@@ -123,6 +134,7 @@ def _entry(signature: Any) -> Callable[[Function], Function]:
 
 
 share, base_motion = _compiled(share_of_force), _compiled(motion_of_base)
+joint_force, joint_energy, friction_share = _compiled(joint.joint_force), _compiled(joint.joint_energy), _compiled(joint.friction_share)
 
 
 @_compiled
@@ -232,14 +244,20 @@ def _crank(ctx: Context, time: float, qpos: Array, qvel: Array) -> tuple[complex
 
 @_compiled
 def _damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
-    """Add the forces of the distributed damping to the hinges' share of `force`; returns the power taken, W.
+    """Add the forces of distributed and material damping to the hinges' share of `force`; returns the power taken, W.
 
-    It acts on the link centres' velocity relative to the base frame, so it does no work on a turn of the whole follower.
+    The distributed one acts on the link centres' velocity relative to the base frame, so it does no work on a turn of the whole follower.
     """
     n, h = ctx.hinges, ctx.link_length
     first = ctx.coordinates - n - 1
     resistance = np.empty(n + 1, np.complex128)  # on each link centre
     velocity, power = 0j, 0.0
+    if ctx.material_damping > 0.0:
+        for i in range(1, n + 1):
+            opening = rates[i] - rates[i - 1]
+            moment = ctx.material_damping * ctx.bending_stiffness / h * opening
+            force[first + i] -= moment
+            power += moment * opening
     for i in range(1, n + 1):
         turning = 1j * (rates[i] - rates[0]) * e[i]
         length = h if i < n else 0.5 * h
@@ -282,10 +300,47 @@ def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: 
 
 
 @_compiled
-def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
-    """The hook's work: drive and damping, and the slider force, into `force_applied`.
+def _rub_pivot(ctx: Context, rate: float, force: Array) -> float:
+    """Add the pivot's friction; returns the power of damping and friction there, W."""
+    torque = ctx.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE)
+    force[ctx.coordinates - ctx.hinges - 1] -= torque
+    return ctx.base_damping * rate**2 + torque * rate
 
-    A rigid joint's force keeps the gap's acceleration zero, a compliant one's follows from gap and gap rate.
+
+@_compiled
+def _rollers(ctx: Context, rate: float) -> tuple[float, float]:
+    """Force of the joint on the follower (N) for the present gap and its rate (m/s), and the power that the joint takes (W)."""
+    force = joint_force(ctx.gap, rate, ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from, ctx.contact_loss, ctx.joint_damping)
+    elastic = joint_force(ctx.gap, 0.0, ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from, 0.0, 0.0)
+    return force, rate * (force - elastic)
+
+
+@_compiled
+def _sliding_row(ctx: Context, e: Points, c0: Array, c1: Array, c2: Array, tangent: complex, crank_arm: complex) -> tuple[Array, float]:
+    """Partial rates of the slider's arc length, as `_constraint_row` has those of the gap.
+
+    With the foot p(x) of the crank tip C, (C - p) p' = 0 at all times: x' (p' p' - (C - p) p'') = p' (C' - p'_t) + (C - p) p''_t.
+    """
+    slope, bend = (c1 * e).sum(), (c2 * e).sum()
+    away = ctx.gap * 1j * tangent
+    reach = _dot(slope, slope) - _dot(away, bend)
+    crank = _dot(slope, 1j * crank_arm) / reach
+    row = np.empty(ctx.coordinates)
+    if ctx.crank_is_free:
+        row[0] = crank
+    outboard = 0.0
+    for i in range(ctx.hinges, -1, -1):
+        outboard += (c1[i] * _dot(away, 1j * e[i]) - c0[i] * _dot(slope, 1j * e[i])) / reach
+        row[ctx.coordinates - ctx.hinges - 1 + i] = outboard
+    return row, crank
+
+
+@_compiled
+def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
+    """The hook's work: drive, damping and friction, and the slider force, into `force_applied`.
+
+    A rigid joint's force keeps the gap's acceleration zero, that of one that gives way follows from gap and gap rate. The sign of the
+    friction that goes with it is that of what is asked of the force (DERIVATION.md, 5.14).
     """
     n = ctx.coordinates
     qpos, qvel, applied = _array(ctx.qpos, n), _array(ctx.qvel, n), _array(ctx.force_applied, n)
@@ -305,29 +360,52 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     applied[:] = 0.0
     if ctx.crank_is_free:
         applied[0] = ctx.crank_torque
-    dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
+    dissipation = ctx.crank_damping * crank_speed**2
+    if ctx.base_friction > 0.0:
+        dissipation += _rub_pivot(ctx, rates[0], applied)
+    else:
+        dissipation += ctx.base_damping * rates[0] ** 2
     dissipation += _damp_beam(ctx, e, rates, applied)
     tool_power = _push_tip(ctx, angle, e, rates, applied)
 
+    rubs = ctx.friction > 0.0 or ctx.friction_force > 0.0
+    sliding, crank_sliding, acting = row, 0.0, 0.0  # direction of the friction, and the share of it that acts
+    if rubs:
+        sliding, crank_sliding = _sliding_row(ctx, e, c0, c1, c2, tangent, crank_arm)
+        ctx.slider_speed = np.dot(sliding, qvel) + (0.0 if ctx.crank_is_free else crank_sliding * crank_speed)
+        acting = friction_share(ctx.slider_speed, ctx.friction_speed)
+        applied -= ctx.friction_force * acting * sliding
+    rubbing = 0.0
     if ctx.joint_is_compliant:
         gap_rate = np.dot(row, qvel)
         if not ctx.crank_is_free:
             gap_rate += crank_row * crank_speed
-        multiplier = -ctx.joint_stiffness * ctx.gap - ctx.joint_damping * gap_rate
-        dissipation += ctx.joint_damping * gap_rate**2
+        force, lost = _rollers(ctx, gap_rate)
+        multiplier, dissipation = -force, dissipation + lost
+        rubbing = math.copysign(ctx.friction, force) * acting
     else:
         known, solved = np.empty((2, n)), np.empty((2, n))
         known[0] = _array(ctx.force_passive, n) - _array(ctx.force_bias, n) + applied
         known[1] = row
         mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
-        multiplier = -(np.dot(row, solved[0]) + remaining) / np.dot(row, solved[1])
+        asked = np.dot(row, solved[0]) + remaining
+        if rubs:
+            rubbing = math.copysign(ctx.friction, asked) * acting
+            known[1] += rubbing * sliding
+            mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
+        multiplier = -asked / np.dot(row, solved[1])
     applied += multiplier * row
     ctx.slider_force = -multiplier
+    ctx.rubbing = 0.0
+    if rubs:
+        applied += multiplier * rubbing * sliding
+        ctx.rubbing = ctx.friction_force * acting - multiplier * rubbing
+        dissipation += ctx.rubbing * ctx.slider_speed
 
     ctx.drive_torque = ctx.crank_torque
     if not ctx.crank_is_free:
         weight = ctx.prescribed_weight_2 * math.cos(angle) - ctx.prescribed_weight_1 * math.sin(angle)
-        ctx.drive_torque = weight - multiplier * crank_row
+        ctx.drive_torque = weight - multiplier * crank_row + ctx.rubbing * crank_sliding
     if ctx.stage < 4:
         ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
         ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * (ctx.drive_torque * crank_speed + tool_power)
@@ -394,8 +472,8 @@ def _project(model: int, data: int, ctx: Context) -> None:
 
 
 @_compiled
-def _smooth_curvatures(ctx: Context, qpos: Array) -> Array:
-    """Curvature at the hinges, 1/m, without the kink that the slider force makes; shape (N,).
+def _smooth_curvatures(ctx: Context, angles: Array) -> Array:
+    """Curvature at the hinges by their angles (N,), 1/m, without the kink that the slider force makes; shape (N,).
 
     The slider force F bends hinge j by F b_j, b_j = Σ_{i >= j} c_i; the beam by the ramp F (s - x) inboard of the slider.
     """
@@ -407,7 +485,7 @@ def _smooth_curvatures(ctx: Context, qpos: Array) -> Array:
     lever = 0.0
     for j in range(ctx.hinges, 0, -1):
         lever += c0[j]
-        smooth[j - 1] = qpos[ctx.coordinates - ctx.hinges - 1 + j] / ctx.link_length - kink * lever
+        smooth[j - 1] = angles[j - 1] / ctx.link_length - kink * lever
     return smooth
 
 
@@ -458,7 +536,11 @@ def _bearing_forces(
     """
     c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
     slope = (c1 * e).sum()
-    on_follower = ctx.slider_force * 1j * slope / abs(slope)
+    tangent = slope / abs(slope)
+    on_follower = ctx.slider_force * 1j * tangent
+    if ctx.rubbing != 0.0:  # the force along the tangent that does the work of `rubbing` on the way along the line
+        c2 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 2)
+        on_follower += ctx.rubbing / (1.0 - ctx.gap * _dot(1j * tangent, (c2 * e).sum())) * tangent
     angle, speed, acceleration = motion
     pivot = _follower_inertia(ctx, e, rates, accelerations) - _pushes(ctx, angle) - on_follower
     swing = (1j * acceleration - speed**2) * complex(math.cos(angle), math.sin(angle))
@@ -488,9 +570,12 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, out: Array) -> N
     if hinges >= 2:
         base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent, h²/24 dκ/dx beside the link's
     strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
-    smooth = _smooth_curvatures(ctx, qpos)
+    smooth = _smooth_curvatures(ctx, qpos[first + 1 :])
+    # moment over stiffness: with what the material's damping adds
+    loaded = _smooth_curvatures(ctx, qpos[first + 1 :] + ctx.material_damping * qvel[first + 1 :]) if ctx.material_damping > 0.0 else smooth
     gravity = energy[0] - strain_energy
-    strain_energy += 0.5 * ctx.joint_stiffness * ctx.gap**2
+    if ctx.joint_is_compliant:
+        strain_energy += joint_energy(ctx.gap, ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from)
     gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
 
     out[c.CRANK_ANGLE], out[c.CRANK_SPEED] = angle, crank_speed
@@ -502,8 +587,8 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, out: Array) -> N
         x = place * ctx.follower_length / (c.PLACES + 1)
         line = centre_line_coefficients(x, hinges, ctx.link_length, 0)
         out[c.FIRST_OF_SHAPE - 1 + place] = _dot(across, (line * e).sum())
-        out[c.FIRST_OF_MOMENTS - 1 + place] = ctx.bending_stiffness * _curvature(ctx, smooth, x)
-    out[c.MOMENT_SLIDER] = ctx.bending_stiffness * _curvature(ctx, smooth, ctx.slider_position)
+        out[c.FIRST_OF_MOMENTS - 1 + place] = ctx.bending_stiffness * _curvature(ctx, loaded, x)
+    out[c.MOMENT_SLIDER] = ctx.bending_stiffness * _curvature(ctx, loaded, ctx.slider_position)
     out[c.TIP_ACCELERATION] = _dot(1j * e[hinges], tip_acceleration)
     for gauge in range(3):
         out[c.STRAIN_1 + gauge] = ctx.half_thickness * _curvature(ctx, smooth, gauges[gauge])

@@ -16,6 +16,7 @@ from engines.start import Start
 from engines.start_state import reconstruct
 from engines.trajectory import FollowerTrajectory, Trajectory
 from reference_model.columns import BENDING, OBSERVED, of_follower_alone
+from reference_model.joint import rollers
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
@@ -176,6 +177,8 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "half_thickness": follower.thickness / 2.0,
         "beam_damping": follower.damping,
         "base_damping": scene.base.damping,
+        "base_friction": scene.base.friction_torque,
+        "material_damping": follower.material_damping,
         "mass_per_length": follower.mass_per_length,
         "tip_mass": scene.tip_body.mass,
         "tip_offset": scene.tip_body.center_of_mass,
@@ -203,8 +206,12 @@ def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
     if tip.is_forced:
         span = {"force_begin": tip.force_from, "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp}
         values |= {"tip_force": complex(*tip.force), **span}
-    if math.isfinite(slider.joint_stiffness):
-        values |= {"joint_is_compliant": 1, "joint_stiffness": slider.joint_stiffness, "joint_damping": slider.joint_damping}
+    if slider.has_friction:
+        values |= {"friction": slider.friction, "friction_force": slider.friction_force, "friction_speed": slider.friction_speed}
+    if not slider.is_rigid:
+        law = rollers(slider)
+        sides = {"plus": law.plus, "minus": law.minus, "plus_from": law.plus_from, "minus_from": law.minus_from}
+        values |= {"joint_is_compliant": 1, **sides, "contact_loss": law.loss, "joint_damping": law.damping}
     if isinstance(drive, TorqueDrive):
         values |= {"crank_torque": drive.torque, "crank_damping": drive.damping}
     else:
