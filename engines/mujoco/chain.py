@@ -65,7 +65,8 @@ def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: floa
         if number == 0:
             joint.damping = _polynomial(base.damping)
         else:
-            joint.stiffness = _polynomial(follower.bending_stiffness * hinges / follower.length)
+            stiffness = follower.bending_stiffness * hinges / follower.length
+            joint.stiffness, joint.damping = _polynomial(stiffness), _polynomial(follower.material_damping * stiffness)
             joint.armature = armature
         place = piece
     if tip is not None:
@@ -114,7 +115,8 @@ def describe(scene: Scene, hinges: int) -> ModelDescription:
         bodies.append("base: block and half a link about P")
         bodies += [f"link {j}: rigid rod" for j in range(1, hinges)]
         bodies.append(f"link {hinges}: half a link at the end")
-    joints += [f"hinge {j}: spring EI/h" for j in range(1, hinges + 1)]
+    spring = "spring EI/h" if scene.follower.material_damping == 0.0 else "spring EI/h and damper"
+    joints += [f"hinge {j}: {spring}" for j in range(1, hinges + 1)]
     if scene.tip is not None:
         bodies.append("tip: rigid body fixed to the end")
     if isinstance(scene, Mechanism):
@@ -125,7 +127,8 @@ def describe(scene: Scene, hinges: int) -> ModelDescription:
             if compliant
             else "on the follower's smooth centre line: one constraint, exact multiplier"
         )
-        joints.append(f"{moving} {how}" + (", with friction along it" if scene.slider.has_friction else ""))
+        how += ", with friction" if scene.slider.has_friction else ""
+        joints.append(f"{moving} {how}")
         free += int(scene.crank_is_free) + int(compliant)
     return ModelDescription(tuple(bodies), tuple(joints), free)
 
@@ -144,7 +147,7 @@ def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> t
 
 
 def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
-    """Damping matrix (N m s) that goes with `follower_matrices`: what the kernel's forces on the link centres do to a straight chain."""
+    """Damping matrix (N m s) that goes with `follower_matrices`: of a straight chain, on link centres and in hinges."""
     lengths = np.full(hinges, scene.follower.length / max(hinges, 1))
     lengths[-1:] *= 0.5
     every_hinge = np.tril(np.ones((hinges, hinges)))  # turns its own link and every one beyond
@@ -152,7 +155,7 @@ def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
     damping = np.zeros((hinges + 1, hinges + 1))
     damping[0, 0] = scene.base.damping
     damping[1:, 1:] = scene.follower.damping * (centres.T * lengths) @ centres
-    if hinges:
-        bending = scene.follower.material_damping * scene.follower.bending_stiffness * hinges / scene.follower.length
-        damping[1:, 1:] += bending * np.eye(hinges)
+    if scene.follower.material_damping > 0.0:
+        in_hinge = scene.follower.material_damping * scene.follower.bending_stiffness * hinges / scene.follower.length
+        damping[1:, 1:] += in_hinge * np.eye(hinges)
     return damping

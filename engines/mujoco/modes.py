@@ -51,10 +51,16 @@ def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     slider = scene.slider
     if slider.is_rigid:
         return _fastest(mass, damping, stiffness)
-    rows = [support_row(scene, hinges, crank_angle) for crank_angle in np.linspace(0.0, math.pi, 13)]
-    joints = [np.outer(row, row) for row in rows]
-    holding = sum(slider.sides) if slider.preload > 0.0 else max(slider.sides)
-    return max(_fastest(mass, damping + slider.joint_damping * joint, stiffness + holding * joint) for joint in joints)
+    joint = sum(slider.sides) if slider.preload > 0.0 else max(slider.sides)
+    blow_speed = scene.crank.length * abs(scene.crank.drive.initial_speed)
+    rates = []
+    for crank_angle in np.linspace(0.0, math.pi, 13):
+        row = support_row(scene, hinges, crank_angle)
+        place = np.outer(row, row)
+        # a blow at the speed v has a force v sqrt(k m), m the mass that gives way, and the damping is in proportion to it
+        blow = slider.contact_damping * blow_speed * math.sqrt(joint / float(row @ np.linalg.solve(mass, row)))
+        rates.append(_fastest(mass, damping + (slider.joint_damping + blow) * place, stiffness + joint * place))
+    return max(rates)
 
 
 def _fastest(mass: NDArray[np.float64], damping: NDArray[np.float64], stiffness: NDArray[np.float64]) -> float:
