@@ -79,6 +79,7 @@ def scenes(
     damped: bool = True,
     turning_slider: bool = False,
     compliant: bool = False,
+    rollers: bool = False,
     bent: bool = True,
 ) -> Scene:
     """Scenes with a flexible follower.
@@ -89,6 +90,8 @@ def scenes(
         damped: with dampings, some of them zero; else without any.
         turning_slider: some with a slider that has rotary inertia; else without any.
         compliant: with a soft slider joint; else with a rigid one.
+        rollers: with two soft rollers that differ, clearance or preload between them in some, friction in some, and a material that
+            damps: without any, rattling in a clearance makes trajectories part.
         bent: some begin with a bent, vibrating follower; else all with a straight one.
     """
     d = draw(numbers(0.2, 1.0))
@@ -106,6 +109,10 @@ def scenes(
         joint_stiffness=EI / L**3 * draw(numbers(1e3, 1e4)) if compliant else math.inf,
         joint_damping=beam * slow * draw(_damping(damped)) if compliant else 0.0,
     )
+    base_friction = material = 0.0
+    if rollers:
+        slider = replace(slider, **draw(joints(L, EI, beam * LA * speed**2, LA * abs(speed))))
+        base_friction, material = beam_inertia * speed**2 * draw(perhaps(0.01, 0.1)), draw(numbers(1e-3, 1e-2)) / slow
     arm = LA * draw(numbers(0.0, 1.0))
     mass = beam * draw(numbers(1.0, 20.0))
     gravity = LA * speed**2 * draw(perhaps(0.02, 0.2))
@@ -121,7 +128,11 @@ def scenes(
                 inertia=beam_inertia * heavy * draw(numbers(0.5, 5.0)),
                 initial_angle=draw(numbers(-math.pi, math.pi)),
             ),
-            base=Base(inertia=beam_inertia * draw(perhaps(1e-3, 0.1)), damping=beam_inertia * abs(speed) * draw(_damping(damped))),
+            base=Base(
+                inertia=beam_inertia * draw(perhaps(1e-3, 0.1)),
+                damping=beam_inertia * abs(speed) * draw(_damping(damped)),
+                friction_torque=base_friction,
+            ),
             follower=Follower(
                 length=L,
                 mass_per_length=rhoA,
@@ -129,6 +140,7 @@ def scenes(
                 thickness=L * draw(numbers(0.004, 0.006)),
                 width=L * draw(numbers(0.05, 0.07)),
                 damping=rhoA * slow * draw(_damping(damped)),
+                material_damping=material,
                 strain_gauges=(0.25 * L, 0.5 * L, 0.75 * L),
             ),
             tip=tip,
@@ -140,6 +152,24 @@ def scenes(
         duration=2.0 * math.pi / abs(speed) * draw(numbers(0.1, 0.4)),
         rows=draw(st.integers(8, 40)),
     )
+
+
+@st.composite
+def joints(draw: st.DrawFn, length: float, stiffness: float, force: float, speed: float) -> dict[str, float]:
+    """Of a slider with two rollers beside a follower of a length (m) and EI (N m²), some `force` (N) and sliding `speed` (m/s)."""
+    plus, minus = (stiffness / length**3 * draw(numbers(1e3, 1e4)) for _ in range(2))
+    clearance = draw(perhaps(1e-4, 1e-3))
+    return {
+        "joint_stiffness_plus": plus,
+        "joint_stiffness_minus": minus,
+        "clearance": length * clearance,
+        "preload": 0.0 if clearance else force * draw(perhaps(0.02, 0.5)),
+        "contact_damping": draw(numbers(0.1, 1.0) if clearance else perhaps(0.1, 1.0)) / speed,
+        "joint_damping": draw(perhaps(0.005, 0.05)) * force / speed,
+        "friction": draw(perhaps(0.05, 0.5)),
+        "friction_force": force * draw(perhaps(0.02, 0.2)),
+        "friction_speed": 0.1 * speed,
+    }
 
 
 def tips(beam: float, length: float, stiffness: float) -> st.SearchStrategy[Tip]:

@@ -45,7 +45,7 @@ class Group:
 #: Groups of checks by name, in the order in which they are told. Runs are those that `reference` takes.
 GROUPS: Final[Mapping[str, Group]] = {
     "motion": Group(lambda bench, _: motion(bench), (6, 2), 0.3),
-    "quantities": Group(lambda bench, _: quantities(bench), (45, 40), 0.3),
+    "quantities": Group(lambda bench, _: quantities(bench), (65, 60), 0.3),
     "resolution": Group(lambda bench, _: resolution(bench), (12, 2), 0.1),
     "frequencies": Group(lambda bench, _: frequencies(bench), (0, 0), 0.05),
     "failures": Group(lambda bench, _: failures(bench), (3, 0), 0.05),

@@ -17,7 +17,6 @@ from engines.base import EngineFailure
 from engines.relative import rms
 from reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene, changed
 
-_DURATION: Final = 0.4  # s: three quarters of a turn
 #: Of the effect a quantity must have: less is none.
 _NONE: Final = 0.02
 #: A mistake explains what an engine does with a quantity if it leaves no more than this part of the difference.
@@ -66,7 +65,7 @@ def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
     yield from checks
 
 
-def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str], duration: float = _DURATION) -> str:
+def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str]) -> str:
     """Whether the engine follows a change of a scene. Raises as a look of `looked_at` may.
 
     Args:
@@ -75,13 +74,12 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         change: of what.
         wrong: whether its motion is wrong without the change.
         told: columns whose rows are wrong and were told; those that are found here are added.
-        duration: of the motion, s.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
     if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):
         return "refused: a driven crank is not modelled"
     context = changed(scene, change.context)
-    before, after = Motion(context, duration), Motion(changed(context, change.values), duration)
+    before, after = Motion(context, change.duration), Motion(changed(context, change.values), change.duration)
     try:
         bench.solver(scene).check(after.scene)
         runs = [bench.run(motion) for motion in (before, after)]
@@ -108,7 +106,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
     if worst and not wrong:
         _tell_of_rows(bench, after, told)
-    if mistake := _mistake(change, context, found, known, effect, worst, None if worst is None or wrong else share, duration):
+    if mistake := _mistake(change, context, found, known, effect, worst, None if worst is None or wrong else share):
         raise Fault(mistake, advice)
     off = f"the effect is off by {share_of(left)}"
     if worst == "":
@@ -171,13 +169,12 @@ def _mistake(
     effect: _Effects,
     worst: str | None,
     share: float | None,
-    duration: float,
 ) -> str:
     """What the engine does with the quantity, in words; "" where no simple mistake makes it."""
     scenes = dict[str, Mapping[str, Array]]()
     for words, values in change.mistakes().items():
         try:
-            scenes[words] = solution(Motion(changed(context, values), duration))
+            scenes[words] = solution(Motion(changed(context, values), change.duration))
         except (EngineFailure, ImpossibleMechanism):
             continue
     for among in (None, _RIGID) if worst else (None,):

@@ -52,12 +52,14 @@ class Change:
         values: what it is changed to.
         context: what the scene needs besides for the quantity to matter; it is there before and after.
         alike: mistakes that are made with it: what they are -> what the scene would be with them.
+        duration: of the motion, s; three quarters of a turn unless another one shows more.
     """
 
     name: str
     values: dict[str, Any]
     context: dict[str, Any] = dataclasses.field(default_factory=dict)
     alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
+    duration: float = 0.4
 
     def mistakes(self) -> dict[str, dict[str, Any]]:
         """`alike`, and the quantity half and twice as large: what the mistakes are -> what they make of a scene."""
@@ -74,6 +76,14 @@ class Change:
 _NO_MOMENT: Final = {"crank.center_of_mass": 0.0, "crank.inertia": BASE.crank.inertia_about_pivot}
 _TURNED: Final = "tip.force has the wrong sign, or turns with the follower"
 _SOFT_JOINT: Final = {"slider.joint_stiffness": 5e3}
+_SOFTER_JOINT: Final = {"slider.joint_stiffness": 2e3}
+_TWO_ROLLERS: Final = {"slider.joint_stiffness_plus": 2e4, "slider.joint_stiffness_minus": 2e4}
+_EXCHANGED: Final = "the stiffness of the two rollers is exchanged"
+_GENTLE_FRICTION: Final = {"slider.friction_speed": 0.1}
+#: Less than half a turn (s), in which the slider does not turn back; enough for damping that makes small steps of explicit solvers. Where
+#: the crank starts so that the slider moves outwards.
+_ONE_WAY: Final = 0.2
+_OUTWARDS: Final = {"crank.initial_angle": 0.2}
 _TOOL: Final = {"tip.force": (0.0, 1.5)}
 _SLOT: Final = {"tip.force_from": math.radians(200.0), "tip.force_to": math.radians(300.0)}
 _WHOLE_TURN: Final = {"tip.force_from": 0.0, "tip.force_to": 2.0 * math.pi}
@@ -134,6 +144,7 @@ CHANGES: Final = (
     Change("crank.prescribed_speed, reversed", {"crank.drive": PrescribedSpeed(speed=-SPEED)}),
     Change("base.inertia", {"base.inertia": 8e-3}),
     Change("base.damping", {"base.damping": 0.1}),
+    Change("base.friction_torque", {"base.friction_torque": 0.1}),
     Change("follower.length", {"follower.length": 0.64}),
     Change("follower.mass_per_length", {"follower.mass_per_length": 0.6}),
     Change("follower.bending_stiffness", {"follower.bending_stiffness": 12.0}),
@@ -149,6 +160,7 @@ CHANGES: Final = (
             },
         },
     ),
+    Change("follower.material_damping", {"follower.material_damping": 2e-3}, duration=_ONE_WAY),
     Change("follower.strain_gauges", {"follower.strain_gauges": (0.08, 0.22, 0.54)}),
     Change("tip.mass", {"tip.mass": 0.12}),
     Change("tip.inertia", {"tip.inertia": 8e-4}),
@@ -171,6 +183,35 @@ CHANGES: Final = (
     Change("slider.inertia", {"slider.inertia": 2e-3}),
     Change("slider.joint_stiffness", _SOFT_JOINT),
     Change("slider.joint_damping", {"slider.joint_damping": 60.0}, _SOFT_JOINT),
+    Change(
+        "slider.joint_stiffness_plus",
+        {"slider.joint_stiffness_plus": 5e3},
+        _TWO_ROLLERS,
+        {_EXCHANGED: {"slider.joint_stiffness_plus": 2e4, "slider.joint_stiffness_minus": 5e3}},
+    ),
+    Change(
+        "slider.joint_stiffness_minus",
+        {"slider.joint_stiffness_minus": 5e3},
+        _TWO_ROLLERS,
+        {_EXCHANGED: {"slider.joint_stiffness_plus": 5e3, "slider.joint_stiffness_minus": 2e4}},
+    ),
+    Change("slider.clearance", {"slider.clearance": 2e-3}, {**_SOFT_JOINT, "slider.joint_damping": 60.0}),
+    Change(
+        "slider.preload",
+        {"slider.preload": 5.0},
+        _SOFTER_JOINT,
+        {"slider.preload holds the slider on the line, whatever the stiffness": {"slider.joint_stiffness": math.inf}},
+    ),
+    Change(
+        "slider.contact_damping",
+        {"slider.contact_damping": 10.0},
+        _SOFTER_JOINT,
+        {"slider.contact_damping acts whether a roller is pressed or not": {"slider.joint_damping": 10.0 * 2e3 * 2e-3}},
+    ),
+    Change("slider.friction, the slider moving inwards", {"slider.friction": 0.5}, _GENTLE_FRICTION, duration=_ONE_WAY),
+    Change("slider.friction, the slider moving outwards", {"slider.friction": 0.5}, {**_GENTLE_FRICTION, **_OUTWARDS}, duration=_ONE_WAY),
+    Change("slider.friction_force", {"slider.friction_force": 2.0}, _GENTLE_FRICTION),
+    Change("slider.friction_speed", {"slider.friction_speed": 0.8}, {"slider.friction_force": 2.0}),
 )  # fmt: skip
 
 #: A softer follower, which bends by 10 mm: exact geometry shows.

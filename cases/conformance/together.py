@@ -1,5 +1,6 @@
 """Everything that the engine accepts in one scene: quantities that are followed one by one may err in pairs."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
@@ -25,7 +26,16 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "slider.inertia": {"slider.inertia": 1e-3},
     "slider.joint_stiffness": {"slider.joint_stiffness": 2e4},
     "slider.joint_damping": {"slider.joint_damping": 40.0},
-}
+    "slider.joint_stiffness_minus": {
+        "slider.joint_stiffness": math.inf, "slider.joint_stiffness_plus": 2e4, "slider.joint_stiffness_minus": 8e3
+    },
+    "slider.preload": {"slider.preload": 1.0},
+    "slider.contact_damping": {"slider.contact_damping": 2.0},
+    "slider.friction": {"slider.friction": 0.2, "slider.friction_speed": 0.1},
+    "slider.friction_force": {"slider.friction_force": 0.5, "slider.friction_speed": 0.1},
+    "base.friction_torque": {"base.friction_torque": 0.03},
+    "follower.material_damping": {"follower.material_damping": 1e-3},
+}  # fmt: skip
 #: The largest part of an error that may remain without a quantity that takes part in it.
 _VANISHES: Final = 0.3
 _NAME: Final = "quantities together"
@@ -82,8 +92,8 @@ def _off(bench: Bench, motion: Motion) -> dict[str, float]:
 
 def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, off: float) -> bool:
     """Whether a column is right in the scene without one of its parts."""
-    if name == "slider.joint_stiffness" and "slider.joint_damping" in parts:
-        return False  # a damper needs its spring
+    if name == "slider.joint_stiffness" and {"slider.joint_damping", "slider.joint_stiffness_minus"} & set(parts):
+        return False  # a damper needs its spring, and two rollers have none in common
     scene = bench.scene
     for other in parts:
         if other != name:

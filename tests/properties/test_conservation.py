@@ -59,6 +59,12 @@ def test_energy_is_balanced_with_a_soft_joint(scene: Scene) -> None:
     assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, COMPLIANT.half_waves)
 
 
+@for_all(few=6, many=40, scene=scenes(drive="torque", rollers=True))
+def test_energy_is_balanced_with_rollers_and_friction(scene: Scene) -> None:
+    trajectory = COMPLIANT.run(scene)
+    assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, COMPLIANT.half_waves)
+
+
 @for_all(few=2, many=20, scene=scenes(drive="prescribed", compliant=True))
 def test_work_of_a_prescribed_speed_is_balanced_with_a_soft_joint(scene: Scene) -> None:
     trajectory = COMPLIANT.run(scene)

@@ -72,8 +72,20 @@ def weight(m: Mechanism, share: float) -> Mechanism:
     return replace(m, gravity=(0.6 * size, -0.8 * size))
 
 
-def base(m: Mechanism, inertia: float = 0.0, damping: float = 0.0) -> Mechanism:
-    return replace(m, base=Base(inertia=inertia * beam_inertia(m), damping=damping * beam_inertia(m) * speed(m)))
+def base(m: Mechanism, inertia: float = 0.0, damping: float = 0.0, friction: float = 0.0) -> Mechanism:
+    rate = speed(m)
+    parts = {"inertia": inertia, "damping": damping * rate, "friction_torque": friction * rate**2}
+    return replace(m, base=Base(**{name: value * beam_inertia(m) for name, value in parts.items()}))
+
+
+def rubbing(m: Mechanism, friction: float = 0.0, drag: float = 0.0) -> Mechanism:
+    sliding = m.crank.length * speed(m)
+    own = {"friction": friction, "friction_force": drag * beam_mass(m) * sliding * speed(m), "friction_speed": sliding}
+    return replace(m, slider=replace(m.slider, **own))
+
+
+def material_damping(m: Mechanism, share: float) -> Mechanism:
+    return replace(m, follower=replace(m.follower, material_damping=share / speed(m)))
 
 
 def beam_damping(m: Mechanism, share: float) -> Mechanism:
@@ -89,18 +101,25 @@ PARTS: dict[str, Part] = {
     "tip offset": lambda m, share: tip(m, 0.2, 0.001, share),
     "base inertia": lambda m, share: base(m, inertia=share),
     "base damping": lambda m, share: base(m, damping=share),
+    "base friction": lambda m, share: base(m, friction=share),
     "beam damping": beam_damping,
+    "material damping": material_damping,
     "crank damping": crank_damping,
     "gravity": weight,
+}
+#: Friction along the follower: with a force that holds the slider, which knows its size, whether it rubs or not.
+FRICTIONS: dict[str, Part] = {
+    "friction": lambda m, share: rubbing(m, friction=share),
+    "drag": lambda m, share: rubbing(m, drag=share),
 }
 PLACES = ("crank_angle", "slider_position", "tip_x", "tip_y")
 COLUMNS = (*PLACES, "follower_angle", "tip_deflection", "strain_2", "slider_force", "strain_energy")
 #: What the joints of Exudyn and MuJoCo cannot carry.
-FORCE_JOINT = tuple(name for name in PARTS if name != "slider inertia")
+FORCE_JOINT = tuple(name for name in PARTS if name not in ("slider inertia", "base friction", "material damping"))
 
 
 def with_part(scene: Scene, part: str, share: float) -> Scene:
-    return replace(scene, mechanism=PARTS[part](scene.mechanism, share))
+    return replace(scene, mechanism=(PARTS | FRICTIONS)[part](scene.mechanism, share))
 
 
 def change(found: Trajectory, limit: Trajectory, unit: dict[str, float]) -> dict[str, Array]:
@@ -123,6 +142,13 @@ def check_first_order_in_the_part(method: Method, part: str, scene: Scene, colum
 @for_all(few=2, many=20, scene=scenes(drive="torque"))
 def test_little_of_a_part_changes_little(part: str, scene: Scene) -> None:
     check_first_order_in_the_part(TIGHT, part, scene, COLUMNS, STEPS_ADD_UP * 1e-2 * TOLERANCE)
+
+
+@pytest.mark.parametrize("part", FRICTIONS)
+@for_all(few=2, many=20, scene=scenes(drive="torque"))
+def test_little_friction_changes_little(part: str, scene: Scene) -> None:
+    tight = replace(MULTIPLIER, settings=MULTIPLIER.settings.replaced(tolerance=1e-2 * TOLERANCE))
+    check_first_order_in_the_part(tight, part, scene, COLUMNS, STEPS_ADD_UP * 1e-2 * TOLERANCE)
 
 
 @pytest.mark.parametrize("part", FORCE_JOINT)

@@ -25,6 +25,7 @@ from engines.relative import rms
 from engines.start import Start
 from reference_model.mechanism import Mechanism, Scene, changed
 from reference_model.scene_values import NAMED
+from tests.cases.conformance.joint_mutants import JOINT
 from tests.cases.conformance.mutants import MUTANTS as FIRST
 from tests.cases.conformance.second_mutants import SECOND
 from tests.cases.conformance.third_mutants import (
@@ -81,6 +82,7 @@ class Stiffer(ReferenceEngine):
 SHORT = 4.0
 TO_COMPILE = 60.0
 #: One of a column, one of a quantity that is 2 % off, one of frequencies: what takes seconds.
+_QUICK_OF_JOINT = ("rollers exchanged, minus", "clearance doubled", "preload ignored", "friction without sign")
 _QUICK = ("percent", "stiffness 2 %", "frequencies in rad/s")
 
 
@@ -180,6 +182,21 @@ def test_a_part_kept_of_an_earlier_scene_is_named(kind: type[Keeps], part: str) 
 def test_a_model_that_is_kept_until_the_follower_is_another_one_is_found() -> None:
     failed = [check for check in repetition(Bench(BuiltForAFollower()), elsewhere(BuiltForAFollower())) if check.status == "failed"]
     assert {check.check.rsplit(" ", 1)[1] for check in failed} == {"crank", "tip"}
+
+
+@pytest.mark.parametrize("name", [name if name in _QUICK_OF_JOINT else pytest.param(name, marks=pytest.mark.verify) for name in JOINT])
+def test_a_mistake_with_the_joint_is_named(name: str) -> None:
+    kind, pattern, tried = JOINT[name]
+    (change,) = [each for each in CHANGES if each.name == tried]
+    bench = Bench(kind())
+    check = looked_at(change.name, followed, bench, bench.scene, change, False, set())
+    assert check.status == "failed"
+    assert re.search(pattern, check.cause), check.cause
+
+
+def test_every_quantity_that_an_engine_may_lack_is_changed() -> None:
+    tried = {re.split(r",| along| with", change.name)[0] for change in CHANGES}
+    assert set(NAMED) - tried == set()
 
 
 def test_an_exception_in_check_costs_one_quantity() -> None:
