@@ -1,10 +1,16 @@
 """A mistake is named only where it explains what is found, and clearly better than any other."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from cases.conformance.bench import Motion, solution
+from cases.conformance.scenes import BASE
 from cases.explanation import Explanation, Hypothesis, explain
-from cases.mistakes import lateness, share_of
+from cases.mistakes import diagnose, lateness, share_of
+from reference_model.mechanism import changed
 
 X = np.linspace(0.0, 2.0 * np.pi, 201)
 EXPECTED = np.sin(X)
@@ -68,3 +74,27 @@ def test_lateness_by_rows_and_by_a_part_of_one(rows: float, words: str) -> None:
 )
 def test_shares_are_told_without_exponents(share: float, words: str) -> None:
     assert share_of(share) == words
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        (lambda force, rubs: np.maximum(force, 0.0), "is that of the plus roller alone"),
+        (lambda force, rubs: np.minimum(force, 0.0), "is that of the minus roller alone"),
+        (lambda force, rubs: rubs, "is the friction along the follower"),
+        (lambda force, rubs: np.hypot(force, rubs), "is the size of normal force and friction together"),
+    ],
+)
+def test_other_forces_of_the_slider(other: Callable[..., NDArray[np.float64]], words: str) -> None:
+    """The speed of the slider is that of the crank tip along the straight line from P, as the follower hardly bends."""
+    scene = changed(
+        BASE, {"slider.joint_stiffness": 5e3, "slider.friction": 0.8, "slider.friction_force": 1.0, "slider.friction_speed": 0.1}
+    )
+    columns = solution(Motion(scene, 0.4))
+    angle, d, length = columns["crank_angle"], scene.pivot_distance, scene.crank.length
+    speed = d * length * np.sin(angle) * columns["crank_speed"] / np.sqrt(d**2 + length**2 - 2.0 * d * length * np.cos(angle))
+    force = columns["slider_force"]
+    found = other(force, (1.0 + 0.8 * np.abs(force)) * np.tanh(speed / 0.1))
+    finding = diagnose("slider_force", found, force, 1e-3, columns, scene)
+    assert finding is not None
+    assert finding.cause == f"slider_force {words}"
