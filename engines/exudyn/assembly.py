@@ -9,6 +9,7 @@ from exudyn import itemInterface as items  # noqa: N813
 
 from engines.base import ModelDescription
 from engines.start import Start
+from reference_model.joint import in_words
 from reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
 from reference_model.tip_force import share
 
@@ -64,12 +65,8 @@ class Assembly:
 
     @property
     def joint_text(self) -> str:
-        """What the list of joints says of the slider's spring and damper; nothing of a rigid joint."""
-        slider = self.mechanism.slider
-        if not self.joint_is_compliant:
-            return ""
-        damper = f" and a damper of {slider.joint_damping:g} N*s/m" if slider.joint_damping > 0.0 else ""
-        return f", with a spring of {slider.joint_stiffness:g} N/m{damper} to the crank tip"
+        """What the list of joints says of the slider's springs and dampers; nothing of a rigid joint."""
+        return f", beside the crank tip: {in_words(self.mechanism.slider)}" if self.joint_is_compliant else ""
 
     def listed_body(self, description: str) -> None:
         """Enter a body (or a group of elements) in the list of what was built."""

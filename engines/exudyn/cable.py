@@ -39,6 +39,7 @@ class Cable:
         mass_per_length: kg/m.
         bending_stiffness: N m^2.
         axial_stiffness: N.
+        bending_damping: N m^2 s.
     """
 
     length: float
@@ -46,6 +47,7 @@ class Cable:
     mass_per_length: float
     bending_stiffness: float
     axial_stiffness: float
+    bending_damping: float = 0.0
 
     @property
     def element_length(self) -> float:
@@ -155,6 +157,16 @@ class Cable:
         slope = np.einsum("ps,resc->repc", _hermite((1.0 + _POINTS_5) / 2.0, h, 1), ends)
         strain = np.sqrt(np.sum(slope**2, axis=-1)) - 1.0
         return 0.5 * (np.einsum("rep,p->r", curvature**2, bending) + np.einsum("rep,p->r", strain**2, stretching))
+
+    def bending_loss(self, q: Array, rates: Array) -> Array:
+        """Power that the material's damping takes, W, shape (rows,), with the quadrature rule of the element's forces."""
+        h, points = self.element_length, (1.0 + _POINTS_3) / 2.0
+        slope, bent = (np.einsum("ps,resc->repc", _hermite(points, h, nu), self._ends(q)) for nu in (1, 2))
+        slope_rate, bent_rate = (np.einsum("ps,resc->repc", _hermite(points, h, nu), self._ends(rates)) for nu in (1, 2))
+        squared = np.sum(slope**2, axis=-1)
+        stretched = 2.0 * np.sum(slope * slope_rate, axis=-1) / squared
+        rate = (_cross(slope_rate, bent) + _cross(slope, bent_rate) - stretched * _cross(slope, bent)) / squared
+        return np.asarray(np.einsum("rep,p->r", rate**2, _WEIGHTS_3 * h / 2.0 * self.bending_damping))
 
     def stretch(self, q: Array) -> Array:
         """Length of the centre line less the undeformed length, m, shape (rows,)."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import SPRING, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
+from engines.base import ROLLERS, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
 from engines.exudyn import settings as ladder
 from engines.exudyn.settings import ExudynSettings
 from engines.start import Start, standard_start
@@ -29,7 +29,7 @@ class ExudynEngine(Engine[ExudynSettings]):
     method: ClassVar[str] = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
     default_accuracy: ClassVar[float] = 3e-3
     settings_type = ExudynSettings
-    quantities = (*USUAL, *SPRING)
+    quantities = (*USUAL, *ROLLERS, "follower.material_damping")
 
     def version(self) -> str:
         return f"exudyn {installed('exudyn') or 'not installed'}"

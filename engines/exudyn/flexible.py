@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from engines.exudyn.assembly import Assembly
 from engines.exudyn.cable import Cable, Kink, direction, dot, turned
 from engines.exudyn.damping import Dampers
+from engines.exudyn.joint import JointLaw
 from engines.exudyn.record import (
     Model,
     Motion,
@@ -24,7 +25,7 @@ from engines.exudyn.record import (
     shape_columns,
 )
 from engines.exudyn.settings import ExudynSettings
-from engines.exudyn.slider import add_slider, gap
+from engines.exudyn.slider import add_slider
 from engines.start import Start
 from engines.start_state import FollowerState, StartState
 from reference_model.columns import BENDING, PLACES
@@ -33,13 +34,16 @@ from reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 
+_SHORT: Final = 1e-6  # s: a rate of change by differences, to eight digits
+
 _CLAMPED: Final = [1, 1, 0, 0, 0, 1]  # axes of a generic joint: both places and the rotation in the plane
 
 
 def cable_of(follower: Follower, elements: int, axial_factor: float = 1.0) -> Cable:
     """The follower as a chain of `elements` cable elements, with `axial_factor` times the section's axial stiffness."""
     axial_stiffness = axial_factor * follower.axial_stiffness
-    return Cable(follower.length, elements, follower.mass_per_length, follower.bending_stiffness, axial_stiffness)
+    stiffness, damping = follower.bending_stiffness, follower.material_damping * follower.bending_stiffness
+    return Cable(follower.length, elements, follower.mass_per_length, stiffness, axial_stiffness, damping)
 
 
 def add_nodes(assembly: Assembly, cable: Cable, state: FollowerState) -> list[Any]:
@@ -63,6 +67,7 @@ def section_of(cable: Cable) -> dict[str, float]:
         "massPerLength": cable.mass_per_length,
         "bendingStiffness": cable.bending_stiffness,
         "axialStiffness": cable.axial_stiffness,
+        "bendingDamping": cable.bending_damping,
     }
 
 
@@ -186,13 +191,15 @@ class CableModel(Model):
             kink: at the slider.
             pushed: force (N) of slider and tool on the follower, shape (rows, 2).
         """
-        cable, follower, (q, _, accelerations) = self._cable, self.assembly.scene.follower, line
+        cable, follower, (q, rates, accelerations) = self._cable, self.assembly.scene.follower, line
         across, (tip_tangent, _, _) = turned(frame[0]), direction(*(values[:, -1, 2:] for values in line))
         twelfths = cable.length * np.arange(1, PLACES + 1) / (PLACES + 1)
         places = np.repeat(np.r_[follower.strain_gauges, twelfths][:, None], len(q), axis=1)
         if kink is not None:
             places = np.vstack([places, kink.place])
         strains, moments = np.split(cable.curvatures(q, places, kink), [len(follower.strain_gauges)])
+        if follower.material_damping > 0.0:  # turned and stretched alike a line keeps this curvature: what is left is that of the rates
+            moments = cable.curvatures(q + follower.material_damping * rates, places, kink)[len(strains) :]
         return {
             "tip_x": q[:, -1, 0],
             "tip_y": q[:, -1, 1],
@@ -254,7 +261,11 @@ class CableModel(Model):
         relative_rate = accelerations[:, :, :2] - turn_rate[:, None, None] * across - turn[:, None, None] * across_rate
         power = crank + damping * turn**2 + np.sum(relative**2, axis=2) @ self._damper_weights
         change = 2.0 * (crank_change + damping * turn * turn_rate)
-        return power, change + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights
+        change = change + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights
+        if self._cable.bending_damping > 0.0:
+            before, now, after = (self._cable.bending_loss(q + t * rates, rates + t * accelerations) for t in (-_SHORT, 0.0, _SHORT))
+            power, change = power + now, change + (after - before) / (2.0 * _SHORT)
+        return power, change
 
 
 class FlexibleModel(CableModel):
@@ -296,8 +307,12 @@ class FlexibleModel(CableModel):
         self.drive_equation = equation_of(assembly, prescribed)
         self._crank_index = index(assembly, crank_node) + 2
         self._axial_index = index(assembly, axial)
+        self._spring = spring
         if spring is not None:
             spring.locate(assembly, nodes, axial)
+
+    def joint_loss(self) -> float:
+        return 0.0 if self._spring is None else self._spring.loss()
 
     def slider_position(self, coordinates: Array) -> float:
         return float(coordinates[self._axial_index]) + self._slider_start
@@ -313,19 +328,15 @@ class FlexibleModel(CableModel):
         slider_normal = turned(slider_tangent) / np.linalg.norm(slider_tangent, axis=1)[:, None]
         crank_arm = np.column_stack([np.cos(angle), np.sin(angle)])
         crank_tip = mechanism.crank.length * crank_arm
-        across = turned(crank_tip)
-        crank_motion = crank_tip, speed[:, None] * across, acceleration[:, None] * across - (speed**2)[:, None] * crank_tip
-        joint = gap(cable, line, (s, record.rates[:, self._axial_index]), crank_motion)
+        apart = crank_tip - cable.evaluate(q, s)
         joint_force = record.multipliers[:, self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)]
         slider_force = -dot(slider_normal, joint_force)
         kink = Kink(s, slider_force[:, None] * slider_normal / mechanism.follower.bending_stiffness)
         stored = self._stored(line, frame, mechanism.crank_inertia * speed**2, mechanism.crank_moment * crank_arm)
         if self.assembly.joint_is_compliant:
-            stored["strain_energy"] = stored["strain_energy"] + 0.5 * mechanism.slider.joint_stiffness * joint.value**2
-        crank_damping, joint_damping = getattr(mechanism.crank.drive, "damping", 0.0), mechanism.slider.joint_damping
+            stored["strain_energy"] = stored["strain_energy"] + JointLaw(mechanism.slider).energy(dot(slider_normal, apart))
+        crank_damping = getattr(mechanism.crank.drive, "damping", 0.0)
         power, power_rate = self._damped(line, frame, crank_damping * speed**2, crank_damping * speed * acceleration)
-        power = power + joint_damping * joint.rate**2
-        power_rate = power_rate + 2.0 * joint_damping * joint.rate * joint.acceleration
         return {
             "time": record.time,
             "crank_angle": angle,
@@ -339,6 +350,6 @@ class FlexibleModel(CableModel):
             **crank_bearing_columns(self.assembly, record, self._crank_index),
             **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (rates[:, -1, :2], accelerations[:, -1, :2])),
             **stored,
-            "dissipated_energy": accumulated(record.time, power, power_rate),
-            "constraint_gap": np.linalg.norm(cable.evaluate(q, s) - crank_tip, axis=1),
+            "dissipated_energy": accumulated(record.time, power, power_rate) + record.lost - record.lost[0],
+            "constraint_gap": np.linalg.norm(apart, axis=1),
         }

@@ -27,6 +27,7 @@ class Record:
         coordinates: total second-order coordinates, shape (rows, coordinates); `rates` and `accelerations` alike.
         multipliers: Lagrange multipliers, shape (rows, equations).
         impulse: integral over time of the one that prescribes the crank's speed, N m s, summed from step to step, shape (rows,).
+        lost: energy that the slider's joint took, J, summed alike: a blow may be over from one row to the next; shape (rows,).
     """
 
     time: Array
@@ -35,6 +36,7 @@ class Record:
     accelerations: Array
     multipliers: Array
     impulse: Array
+    lost: Array
 
 
 class Model(Protocol):
@@ -57,6 +59,10 @@ class Model(Protocol):
     def slider_position(self, coordinates: Array) -> float | None:
         """Arc length of the slider for one row of coordinates, m; None where there is no slider."""
         return None
+
+    def joint_loss(self) -> float:
+        """Power that the slider's joint takes at present, W."""
+        return 0.0
 
     def columns(self, record: Record) -> dict[str, Array]:
         """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""

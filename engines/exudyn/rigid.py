@@ -1,12 +1,15 @@
 """The mechanism with a rigid follower: base, beam and tip are one body, on whose axis the crank tip slides."""
 
+import math
 from typing import Any
 
+import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
+from engines.exudyn.joint import JointLaw
 from engines.exudyn.record import (
     Model,
     Record,
@@ -40,6 +43,7 @@ class RigidModel(Model):
     def __init__(self, mechanism: Mechanism, start: Start, state: StartState) -> None:
         self.assembly = assembly = Assembly(mechanism)
         self._mechanism = mechanism
+        self._law = JointLaw(mechanism.slider)
         follower, tip = mechanism.follower, mechanism.tip
         beam = follower.mass_per_length * follower.length
         reach = follower.length + mechanism.tip_body.center_of_mass
@@ -57,6 +61,7 @@ class RigidModel(Model):
             assembly.push_tip(assembly.point_marker(body, follower.length), crank_node)
         self._joint = self._add_slider(start, state, crank, body)
         assembly.mbs.Assemble()
+        self._reference = assembly.mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
         self.drive_equation = equation_of(assembly, prescribed)
         self._crank_index = index(assembly, crank_node) + 2
         self._follower_index = index(assembly, node) + 2
@@ -64,8 +69,8 @@ class RigidModel(Model):
     def _add_slider(self, start: Start, state: StartState, crank: Any, follower: Any) -> Any:
         """The point of the crank tip, or a compliant joint's carriage, on the axis of the follower; returns the joint's number.
 
-        The carriage turns with the follower, so that the damper lies along the follower's normal. It is free along the axis and
-        stands where the spring, the same in both directions, has no pull on it there: at the foot of the crank tip.
+        The carriage turns with the follower, so that the joint's force lies along the follower's normal. It is free along the axis and
+        stands where the spring there has no pull on it: at the foot of the crank tip.
         """
         assembly, slider = self.assembly, self._mechanism.slider
         crank_tip, axis = assembly.frame_marker(crank, self._mechanism.crank.length), assembly.frame_marker(follower)
@@ -77,12 +82,16 @@ class RigidModel(Model):
             assembly.listed_body(CARRIAGE)
             rider = assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
             equations = 3  # normal and rotation, and the balance along the axis, which leaves the carriage no motion of its own
+            law = self._law
             stiffness, damping = np.zeros((6, 6)), np.zeros((6, 6))
-            stiffness[0, 0] = stiffness[1, 1] = slider.joint_stiffness
+            stiffness[0, 0] = stiffness[1, 1] = law.along
             damping[1, 1] = slider.joint_damping
-            assembly.mbs.AddObject(
-                items.ObjectConnectorRigidBodySpringDamper(markerNumbers=[rider, crank_tip], stiffness=stiffness, damping=damping)
-            )
+            connector = items.ObjectConnectorRigidBodySpringDamper(markerNumbers=[rider, crank_tip], stiffness=stiffness, damping=damping)
+            if not slider.is_linear:
+                connector.springForceTorqueUserFunction = lambda mbs, time, item, displacement, rotation, velocity, *parameters: [
+                    law.along * displacement[0], law.force(displacement[1], velocity[1]), *[0.0] * 4
+                ]  # fmt: skip
+            assembly.mbs.AddObject(connector)
         joint = items.ObjectJointPrismatic2D(
             markerNumbers=[rider, axis],
             axisMarker0=[1.0, 0.0, 0.0],
@@ -91,12 +100,22 @@ class RigidModel(Model):
         )
         return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations)
 
+    def joint_loss(self) -> float:
+        if not self.assembly.joint_is_compliant:
+            return 0.0
+        data = self.assembly.mbs.systemData
+        coordinates, rates = self._reference + data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+        (place, gap), turning = self._slider_in_frame(coordinates[None])[0], rates[self._follower_index]
+        angle = coordinates[self._crank_index] - coordinates[self._follower_index]
+        rate = self._mechanism.crank.length * math.cos(angle) * rates[self._crank_index] - place * turning
+        return self._law.loss(float(gap), float(rate))
+
     def slider_position(self, coordinates: Array) -> float:
         return float(self._slider_in_frame(coordinates[None])[0, 0])
 
     def columns(self, record: Record) -> dict[str, Array]:
-        mechanism, slider = self._mechanism, self._mechanism.slider
-        LA, d, length = mechanism.crank.length, mechanism.pivot_distance, mechanism.follower.length
+        mechanism = self._mechanism
+        d, length = mechanism.pivot_distance, mechanism.follower.length
         q1, q2 = record.coordinates[:, self._crank_index], record.coordinates[:, self._follower_index]
         q1_rate, q2_rate = record.rates[:, self._crank_index], record.rates[:, self._follower_index]
         q1_acceleration, q2_acceleration = (record.accelerations[:, i] for i in (self._crank_index, self._follower_index))
@@ -104,15 +123,10 @@ class RigidModel(Model):
         along, across = np.column_stack([np.cos(q2), np.sin(q2)]), np.column_stack([-np.sin(q2), np.cos(q2)])
         tip_velocity = length * q2_rate[:, None] * across
         tip_acceleration = length * (q2_acceleration[:, None] * across - (q2_rate**2)[:, None] * along)
-        # of gap = LA sin(q1 - q2) + d sin(q2), the crank tip across the follower
-        turn, turn_rate = q1 - q2, q1_rate - q2_rate
-        gap_rate = LA * np.cos(turn) * turn_rate + d * np.cos(q2) * q2_rate
-        gap_acceleration = LA * (np.cos(turn) * (q1_acceleration - q2_acceleration) - np.sin(turn) * turn_rate**2)
-        gap_acceleration += d * (np.cos(q2) * q2_acceleration - np.sin(q2) * q2_rate**2)
         straight = np.zeros_like(q1)
-        c_crank, c_base, c_joint = getattr(mechanism.crank.drive, "damping", 0.0), mechanism.base.damping, slider.joint_damping
-        power = c_crank * q1_rate**2 + c_base * q2_rate**2 + c_joint * gap_rate**2
-        half_change = c_crank * q1_rate * q1_acceleration + c_base * q2_rate * q2_acceleration + c_joint * gap_rate * gap_acceleration
+        c_crank, c_base = getattr(mechanism.crank.drive, "damping", 0.0), mechanism.base.damping
+        power = c_crank * q1_rate**2 + c_base * q2_rate**2
+        half_change = c_crank * q1_rate * q1_acceleration + c_base * q2_rate * q2_acceleration
         gx, gy = mechanism.gravity
         equation = self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)[0]
         return {
@@ -129,8 +143,8 @@ class RigidModel(Model):
             **crank_bearing_columns(self.assembly, record, self._crank_index),
             **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (tip_velocity, tip_acceleration)),
             "kinetic_energy": 0.5 * (mechanism.crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
-            "strain_energy": 0.5 * slider.joint_stiffness * gap**2 if self.assembly.joint_is_compliant else straight,
-            "dissipated_energy": accumulated(record.time, power, 2.0 * half_change),
+            "strain_energy": self._law.energy(gap) if self.assembly.joint_is_compliant else straight,
+            "dissipated_energy": accumulated(record.time, power, 2.0 * half_change) + record.lost - record.lost[0],
             "constraint_gap": np.abs(gap),
             "gravity_energy": -mechanism.crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))
             - self._moment * (gx * along[:, 0] + gy * along[:, 1])

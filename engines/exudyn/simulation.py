@@ -16,7 +16,7 @@ from engines.exudyn.settings import ExudynSettings
 from engines.trajectory import Trajectory
 
 Array = NDArray[np.float64]
-_Row = tuple[Array, Array, Array, Array, float]
+_Row = tuple[Array, Array, Array, Array, float, float]
 
 #: Change of the coordinates (m, and rad or slopes) that ends Newton's iteration whatever the first one was: round-off moves slopes and
 #: angles by 1e-15 to 1e-14 in an iteration, whatever the scene's size.
@@ -40,7 +40,7 @@ class ExudynSimulation(Simulation):
         self._settings = settings
         self._solver_settings = _solver_settings(settings)
         self._solver = exu.MainSolverImplicitSecondOrder()
-        self._impulse = 0.0
+        self._impulse = self._lost = 0.0
         self._totals = dict.fromkeys(_ACCUMULATED, 0.0)
         self._length = model.assembly.scene.follower.length
         try:
@@ -51,7 +51,7 @@ class ExudynSimulation(Simulation):
             raise EngineFailure(0.0, "Exudyn could not find the accelerations of the start", "check the scene's parameters")
         # GetODE2CoordinatesTotal corrupts memory beyond 100 coordinates (Exudyn 1.13.6), so the sum is taken here.
         self._reference = self._mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
-        self._multiplier = self._drive_multiplier()
+        self._multiplier, self._loss = self._drive_multiplier(), model.joint_loss()
         self._last = self._row()
         self.setup_seconds = time.perf_counter() - begun
 
@@ -127,9 +127,11 @@ class ExudynSimulation(Simulation):
 
     def _step_done(self) -> None:
         """Add the step that was just taken to what is summed from step to step."""
-        if self._model.drive_equation is not None:
-            before, self._multiplier = self._multiplier, self._drive_multiplier()
-            self._impulse += 0.5 * self._solver.it.currentStepSize * (before + self._multiplier)
+        half = 0.5 * self._solver.it.currentStepSize
+        torque, self._multiplier = self._multiplier, self._drive_multiplier()
+        loss, self._loss = self._loss, self._model.joint_loss()
+        self._impulse += half * (torque + self._multiplier)
+        self._lost += half * (loss + self._loss)
 
     def _drive_multiplier(self) -> float:
         equation = self._model.drive_equation
@@ -160,7 +162,8 @@ class ExudynSimulation(Simulation):
 
     def _row(self) -> _Row:
         data = self._mbs.systemData
-        return self._coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt(), data.GetAECoordinates(), self._impulse
+        states = self._coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt(), data.GetAECoordinates()
+        return *states, self._impulse, self._lost
 
     def _coordinates(self) -> Array:
         return self._reference + self._mbs.systemData.GetODE2Coordinates()

@@ -3,33 +3,34 @@
 The cable does not flow (`movingMassFactor=0`), the axial coordinate of the arbitrary Lagrangian-Eulerian elements only says where on
 the cable the slider stands, and its equation is that the joint passes no force along the tangent.
 
-A compliant joint gives the slider a carriage, a point that the ALE joint keeps on the centre line; spring and damper lie between it
-and the crank tip. Nothing holds the carriage along the tangent, so it stands where the spring has no pull on it there: at the foot
-of the crank tip. The gap lies along the normal, and the spring may be the same in all directions. The damper may not: as the normal
+A joint that gives way has a carriage, a point that the ALE joint keeps on the centre line; the joint's force acts between it and the
+crank tip. Nothing holds the carriage along the tangent but a spring, so it stands where that has no pull on it: at the foot of the crank
+tip. The gap lies along the normal, and a linear spring may be the same in all directions. Rollers and dampers may not: as the normal
 turns, the crank tip moves along the tangent relative to the carriage, and a damper in all directions would drag the carriage along
 (RIVALS.md, section 2).
 """
 
-from dataclasses import dataclass
-from typing import Any
+import math
+from typing import Any, Final
 
 import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
-from numpy.typing import NDArray
 
 from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
-from engines.exudyn.cable import Cable, dot, turned
-from engines.exudyn.record import Motion, index
+from engines.exudyn.cable import Cable
+from engines.exudyn.joint import JointLaw
+from engines.exudyn.record import index
 from engines.start import Start
 from engines.start_state import StartState
 
-Array = NDArray[np.float64]
+#: What a connector tells of its second marker from the first one, m and m/s.
+_APART: Final = (exu.OutputVariableType.Displacement, exu.OutputVariableType.Velocity)
 
 
 def add_slider(
     assembly: Assembly, cable: Cable, state: StartState, start: Start, crank: Any, elements: list[Any], axial: Any
-) -> tuple[Any, "SpringAndNormalDamper | None"]:
+) -> tuple[Any, "CarriageSpring | None"]:
     """Add the joint between the crank tip and the cable.
 
     Args:
@@ -66,9 +67,7 @@ def add_slider(
     return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations), spring
 
 
-def _add_carriage(
-    assembly: Assembly, cable: Cable, state: StartState, start: Start, crank_tip: Any
-) -> tuple[Any, "SpringAndNormalDamper | None"]:
+def _add_carriage(assembly: Assembly, cable: Cable, state: StartState, start: Start, crank_tip: Any) -> tuple[Any, "CarriageSpring | None"]:
     """Add the carriage with its spring and damper, on the crank tip and moving with it; returns its marker and the force law."""
     mbs, slider = assembly.mbs, assembly.mechanism.slider
     place = state.position(np.array([state.slider_position]))[0]
@@ -77,67 +76,56 @@ def _add_carriage(
     mbs.AddObject(items.ObjectMassPoint2D(mass=CARRIAGE_MASS, nodeNumber=node))
     assembly.listed_body(CARRIAGE)
     carriage = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
-    stiffness = [slider.joint_stiffness, slider.joint_stiffness, 0.0]
-    connector = items.ObjectConnectorCartesianSpringDamper(markerNumbers=[carriage, crank_tip], stiffness=stiffness)
-    spring = None
-    if slider.joint_damping > 0.0:
-        spring = SpringAndNormalDamper(cable, state.slider_position, slider.joint_stiffness, slider.joint_damping)
-        connector.springForceUserFunction = spring
-    mbs.AddObject(connector)
+    law = JointLaw(slider)
+    connector = items.ObjectConnectorCartesianSpringDamper(markerNumbers=[carriage, crank_tip], stiffness=[law.along, law.along, 0.0])
+    if slider.is_linear and slider.joint_damping == 0.0:  # the connector's own force is that already
+        mbs.AddObject(connector)
+        return carriage, None
+    spring = CarriageSpring(cable, state.slider_position, law)
+    connector.springForceUserFunction = spring
+    spring.connector = mbs.AddObject(connector)
     return carriage, spring
 
 
-@dataclass(frozen=True)
-class Gap:
-    """Distance of the crank tip from the centre line along its normal n at the slider, m, m/s and m/s^2, each of shape (rows,)."""
-
-    value: Array
-    rate: Array
-    acceleration: Array
-
-
-def gap(cable: Cable, line: Motion, slider: tuple[Array, Array], crank_tip: Motion) -> Gap:
-    """The gap and its derivatives; n.t = 0 leaves the slider's travel out of the rate (DERIVATION.md, equation 3.4).
-
-    Args:
-        cable: the follower.
-        line: nodal coordinates, rates and accelerations, each of shape (rows, nodes, 4).
-        slider: arc length and its rate, each of shape (rows,).
-        crank_tip: place, velocity and acceleration, each of shape (rows, 2).
-    """
-    q, rates, accelerations = line
-    s, s_rate = slider[0], slider[1][:, None]
-    slope, slope_rate = cable.evaluate(q, s, 1), cable.evaluate(rates, s, 1)
-    length = np.linalg.norm(slope, axis=1)[:, None]
-    tangent = slope / length
-    normal = turned(tangent)
-    turning = dot(normal, slope_rate + cable.evaluate(q, s, 2) * s_rate) / length[:, 0]
-    apart = crank_tip[0] - cable.evaluate(q, s)
-    velocity = crank_tip[1] - cable.evaluate(rates, s)
-    acceleration = crank_tip[2] - cable.evaluate(accelerations, s) - slope_rate * s_rate
-    return Gap(dot(normal, apart), dot(normal, velocity), dot(normal, acceleration) - turning * dot(tangent, velocity))
-
-
-class SpringAndNormalDamper:
-    """Force k u + c n (n·u̇) for the displacement u of the crank tip from the carriage, n the cable's normal at the slider.
+class CarriageSpring:
+    """Force of the joint's law along n, the cable's normal at the slider, and of a spring along its tangent.
 
     Exudyn calls it some seven times a step, derivatives included, which makes a run a quarter to a third longer; in plain numbers,
     because arrays of two cost more.
+
+    Attributes:
+        connector: object number of what calls it.
     """
 
-    def __init__(self, cable: Cable, slider_start: float, stiffness: float, damping: float) -> None:
+    connector: Any
+
+    def __init__(self, cable: Cable, slider_start: float, law: JointLaw) -> None:
         self._h, self._last = cable.element_length, cable.elements - 1
         self._slider_start = slider_start
-        self._stiffness, self._damping = stiffness, damping
+        self._law = law
 
     def locate(self, assembly: Assembly, nodes: list[Any], axial: Any) -> None:
         """Find the coordinates of the nodes and of the slider's travel; call after `mbs.Assemble()`."""
+        self._mbs = assembly.mbs
         self._nodes = [index(assembly, node) for node in nodes]
         self._axial = index(assembly, axial)
         self._reference = assembly.mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
 
     def __call__(self, mbs: Any, time: float, item: int, displacement: Any, velocity: Any, *parameters: Any) -> list[float]:
         """Force on the crank tip, reversed, N; `displacement` and `velocity` of the crank tip from the carriage, m and m/s."""
+        tx, ty = self._tangent(mbs)
+        force = self._law.force(tx * displacement[1] - ty * displacement[0], tx * velocity[1] - ty * velocity[0])
+        along = self._law.along * (tx * displacement[0] + ty * displacement[1])
+        return [along * tx - force * ty, along * ty + force * tx, 0.0]
+
+    def loss(self) -> float:
+        """Power that the joint takes at present, W."""
+        tx, ty = self._tangent(self._mbs)
+        found = (self._mbs.GetObjectOutput(self.connector, variable) for variable in _APART)
+        return self._law.loss(*(float(tx * vector[1] - ty * vector[0]) for vector in found))
+
+    def _tangent(self, mbs: Any) -> tuple[float, float]:
+        """Of the cable at the slider, a unit vector."""
         coordinates, h = mbs.systemData.GetODE2Coordinates(), self._h
         s = float(coordinates[self._axial]) + self._slider_start
         element = min(max(int(s / h), 0), self._last)
@@ -147,5 +135,5 @@ class SpringAndNormalDamper:
         rise, left, right = 6.0 * xi * (1.0 - xi) / h, 1.0 + xi * (3.0 * xi - 4.0), xi * (3.0 * xi - 2.0)
         tx = rise * (x1 - x0) + left * tx0 + right * tx1
         ty = rise * (y1 - y0) + left * ty0 + right * ty1
-        damping = self._damping * (tx * velocity[1] - ty * velocity[0]) / (tx * tx + ty * ty)
-        return [self._stiffness * displacement[0] - damping * ty, self._stiffness * displacement[1] + damping * tx, 0.0]
+        length = math.hypot(tx, ty)
+        return tx / length, ty / length
