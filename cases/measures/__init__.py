@@ -8,10 +8,12 @@ the mechanism itself dictates.
 
 from cases.measures.consensus import Consensus
 from cases.measures.cycle import CycleMeasures, Measure, consensus_of, extremes_by_half, measure_cycle
+from cases.measures.mean_cycle import AVERAGED, mean_measures, standard_error
 from cases.measures.steady_state import Cycle, Settling, cut_cycles, on_common_grid, relative_change
 from cases.measures.time_scale import CHANNELS, TimeScale, time_scale
 
 __all__ = [
+    "AVERAGED",
     "CHANNELS",
     "Consensus",
     "Cycle",
@@ -22,8 +24,10 @@ __all__ = [
     "consensus_of",
     "cut_cycles",
     "extremes_by_half",
+    "mean_measures",
     "measure_cycle",
     "on_common_grid",
     "relative_change",
+    "standard_error",
     "time_scale",
 ]

@@ -1,7 +1,7 @@
 """Whole cycles out of a time series, and the criterion by which a sequence of cycles has settled."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +18,7 @@ SAME_INSTANT = 1e-3  # of a cycle, by which the end of one and the beginning of 
 AT_THE_END = 1e-9  # rad, by which a series may miss the farthest place and still begin or end there
 TREND = 20  # changes that the trend is taken from, or half of all if those are fewer
 CERTAIN = 3.0  # standard errors by which the changes' logarithms must fall to be called shrinking
+DRIFT = 4.0  # median changes by which the mean cycles of two groups may differ: scatter leaves up to 3, a drift over 15 cycles at least 15
 SCATTER = 2.0  # times the median of all later ones that a change may be once they shrink no longer
 
 
@@ -170,6 +171,16 @@ class Settling:
     def settled(self) -> bool:
         """Whether the last cycle is settled."""
         return self.error_estimate < TOLERANCE
+
+    def keeps_changing(self, cycles: Sequence[Cycle]) -> bool:
+        """Whether the changes of the last cycles, which are given, neither shrink nor grow nor add up to a drift."""
+        half, stalled = len(cycles) // 2, self.outlook.stalled_since
+        if self.settled or half < 2 or stalled is None or stalled > self.cycles - 2 * half + 1:
+            return False
+        earlier, later = (float(np.median(part)) for part in (self.changes[-2 * half + 1 : -half], self.changes[-half:]))
+        grids = [on_common_grid(cycle) for cycle in cycles]
+        means = [{name: np.mean([grid[name] for grid in part], axis=0) for name in self._last} for part in (grids[:half], grids[half:])]
+        return max(earlier, later) <= SCATTER * min(earlier, later) and relative_change(*means) <= DRIFT * later
 
     @property
     def outlook(self) -> Outlook:

@@ -9,6 +9,10 @@ times the error.
 
 Two extremes can be alike by accident, where the one run is higher before the peak and the other behind it; they differ by at most the
 signals' largest difference in the half cycle, and that bound is what an extreme is taken to be off by.
+
+Of cycles that repeat in statistics only, means are compared: of the measures, and of the extremes. The signals' difference at a crank angle
+is then that of the two distributions over the cycles: the mean difference of their values in ascending order, which for a single cycle is
+the difference of the signals.
 """
 
 from collections.abc import Mapping, Sequence
@@ -57,17 +61,18 @@ class EstimatedConsensus(Consensus):
 
 @dataclass(frozen=True)
 class MeasuredCycle:
-    """A cycle's measures, and its columns by half and name at even crank angles, each of shape (360,)."""
+    """Means of the measures of one cycle or more, and their columns by half and name at even crank angles, each of shape (cycles, 360)."""
 
     measures: CycleMeasures
     signals: Mapping[tuple[str, str], Array]
 
     @classmethod
-    def of(cls, cycle: Columns, measures: CycleMeasures) -> "MeasuredCycle":
-        """A cycle from farthest to farthest, and what was measured of it."""
-        whole = on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")]))
+    def of(cls, cycles: Sequence[Columns], measures: CycleMeasures) -> "MeasuredCycle":
+        """Cycles from farthest to farthest, and what was measured of them."""
+        grids = [on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")])) for cycle in cycles]
+        whole = {name: np.array([grid[name] for grid in grids]) for name in grids[0]}
         halves = {"pre": slice(0, GRID // 2), "post": slice(GRID // 2, None)}
-        return cls(measures, {(half, name): values[part] for half, part in halves.items() for name, values in whole.items()})
+        return cls(measures, {(half, name): values[:, part] for half, part in halves.items() for name, values in whole.items()})
 
 
 def with_estimates(
@@ -118,7 +123,10 @@ def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, 
 
 def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> float:
     def largest_difference(one: MeasuredCycle, other: MeasuredCycle) -> float:
-        return float(np.max(np.abs(one.signals[half, name] - other.signals[half, name])))
+        mine, its = (each.signals[half, name] for each in (one, other))
+        apart = np.abs(np.sort(mine, axis=0) - np.sort(its, axis=0)).mean(axis=0).max()
+        extremes = (np.mean(mine.max(axis=1)) - np.mean(its.max(axis=1)), np.mean(mine.min(axis=1)) - np.mean(its.min(axis=1)))
+        return float(max(apart, *map(abs, extremes)))
 
     return sum(runs.part(largest_difference) for runs in compared)
 

@@ -1,13 +1,14 @@
 """Cycle after cycle of a running simulation, until the motion has settled."""
 
 import math
+from collections import deque
 from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures import CHANNELS, Cycle, Settling, cut_cycles
+from cases.measures import AVERAGED, CHANNELS, Cycle, Settling, cut_cycles
 from cases.measures.steady_state import GREATEST_NUMBER
 from engines import progress
 from engines.accurate import check_trajectory
@@ -49,7 +50,7 @@ def output_step(mechanism: Mechanism) -> float:
     return max(round(digit * power, 12) for digit in (1, 2, 5) if digit * power <= step * (1.0 + 1e-9))
 
 
-def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[Columns, Settling]:
+def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[tuple[Columns, ...], Settling]:
     """Take cycle after cycle until settled or given up, or until there are no more.
 
     Args:
@@ -57,15 +58,18 @@ def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[Co
         multiplier: largest Floquet multiplier of the steady state, where it is known.
 
     Returns:
-        The columns of the last one, empty if there is none, and what the cycles tell of settling.
+        The columns of the cycles to be measured, and what the cycles tell of settling. Where they settle that is the last one; where they
+        keep changing without an end it is the last `AVERAGED`; else the last one, or none if there is none.
     """
-    settling, last = Settling(multiplier=multiplier), Columns()
+    settling, latest = Settling(multiplier=multiplier), deque[Columns](maxlen=AVERAGED)
     for cycle in cycles:
-        last = columns_of(cycle)
+        latest.append(columns_of(cycle))
         progress.tell(cycle=settling.cycles + 1, most=GREATEST_NUMBER)
-        if settling.feed(channels_of(last)) or settling.cycles >= GREATEST_NUMBER:
+        if settling.feed(channels_of(latest[-1])) or settling.cycles >= GREATEST_NUMBER:
             break
-    return last, settling
+    if len(latest) == AVERAGED and settling.keeps_changing([channels_of(each) for each in latest]):
+        return tuple(latest), settling
+    return tuple(latest)[-1:], settling
 
 
 class March:

@@ -25,7 +25,7 @@ LONGER: Final = 1.01
 #: Cycles from the orbit on in which an engine's error is estimated (`cases.runs.estimates` says what of it is seen so early).
 ESTIMATED_CYCLES: Final = 2
 
-SETTLED: Final = "settled"  # and the accuracy reached by the engine's own estimate
+SETTLED: Final = "settled"  # and the accuracy reached by the engine's own estimate; or it repeats in statistics, which are measured
 INACCURATE: Final = "inaccurate"  # settled, but the estimate misses the accuracy asked
 NOT_SETTLED: Final = "not settled"
 FAILED: Final = "failed"
@@ -113,6 +113,7 @@ class Run:
     start: str | None = None
     settled: bool = False
     cycles: int = 0  # that were made, or the work of the direct search in cycles
+    averaged_cycles: int = 1  # last ones that the measures are means over; 1: of the last cycle alone, which repeats
     settling_error: float | None = None  # estimated distance of the last cycle from the steady state, relative to the signals' RMS
     settling_errors: dict[str, float] | None = None  # the same of each channel, in its own unit
     settling: Outlook | None = None  # what the cycles promise where they did not settle

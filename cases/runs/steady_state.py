@@ -6,7 +6,8 @@ estimate. Where there is an orbit the standard start would be no measure of it: 
 load, or its weight, is there of a sudden. With these settings the simulation then runs cycle after cycle until it has settled
 (`cases.measures.steady_state`). An engine that finds its periodic steady state directly need not run there; where it finds none it
 marches like the others. If it is known beforehand that marching cannot settle, it is not begun. What is kept is the last cycle, with
-every column of the trajectory.
+every column of the trajectory. Where the cycles keep changing, for the slider rattles between its rollers, the last thirty are measured,
+and what is compared are means over them (`cases.measures.mean_cycle`).
 
 The runs by which the engine estimates its error (`Comparison`) are compared after as many cycles from the same start: from the orbit the
 last of those that the error was estimated in, for which nothing more need be simulated, else the last one. They show what the settings
@@ -23,7 +24,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.measures import CHANNELS, Cycle, measure_cycle, time_scale
+from cases.measures import CHANNELS, Cycle, mean_measures, measure_cycle, time_scale
 from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from cases.runs.marching import Columns, March, columns_of, output_step, settle, whole_cycles
 from cases.runs.orbit import UNKNOWN_ERROR, Orbit
@@ -45,7 +46,7 @@ from engines import progress
 from engines.accurate import Compared, Made, check_trajectory, compared, same_motion, simulate
 from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
 from engines.registry import engine as engine_of_name
-from engines.settings import SettingError, Settings
+from engines.settings import SettingError, Settings, as_texts
 from engines.trajectory import Trajectory
 
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
@@ -98,8 +99,9 @@ class _Way:
         self._engine, self._request, self._mechanism = engine, request, request.mechanism
         self._step = 0.0
         self._done: Mapping[Settings, Made] = {}
-        self._compared: tuple[Compared[Columns], ...] = ()
-        self._early = Columns()  # of a march from the orbit: the cycle that is compared
+        self._cycles: tuple[Columns, ...] = ()  # that are measured
+        self._compared: tuple[Compared[tuple[Columns, ...]], ...] = ()
+        self._early: tuple[Columns, ...] = ()  # of a march from the orbit: the cycle that is compared
         self.run = Run.begun(request, engine)
 
     def know(self, **found: Any) -> None:
@@ -119,8 +121,14 @@ class _Way:
             EngineFailure: a run broke down.
         """
         self.know(version=self._engine.version())
-        self._choose_settings()
-        self.know(cycle=self._cycle())
+        slider = self._mechanism.slider
+        climbs = slider.is_rigid or slider.is_linear or bool(self._request.settings)
+        self._choose_settings(climbs)
+        self._cycles = self._found_cycles()
+        if not climbs and self.run.averaged_cycles == 1 and not self.run.reached:
+            self._choose_settings(True)
+            self._cycles = self._found_cycles()
+        self.know(cycle=self._cycles[-1] if self._cycles else Columns())
         if self.run.turn is None and not self.run.settled:
             self.know(status=NOT_SETTLED)
             return
@@ -139,28 +147,35 @@ class _Way:
             return
         scale, known = time_scale(self._mechanism), dict[int, MeasuredCycle]()
 
-        def measured(cycle: Columns) -> MeasuredCycle:
-            if id(cycle) not in known:  # a run may be compared with several
-                channels = {name: cycle[name] for name in CHANNELS}
-                known[id(cycle)] = MeasuredCycle.of(cycle, measure_cycle(scale, cycle["time"], cycle["crank_angle"], channels))
-            return known[id(cycle)]
+        def measured(cycles: tuple[Columns, ...]) -> MeasuredCycle:
+            if id(cycles) not in known:  # a run may be compared with several
+                each = (measure_cycle(scale, one["time"], one["crank_angle"], {name: one[name] for name in CHANNELS}) for one in cycles)
+                known[id(cycles)] = MeasuredCycle.of(cycles, mean_measures(list(each)))
+            return known[id(cycles)]
 
         others = [runs.made_of(measured) for runs in self._compared]
-        measures, consensus = with_estimates(measured(self.run.cycle).measures, others)
+        measures, consensus = with_estimates(measured(self._cycles).measures, others)
         self.know(measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others))
 
-    def _choose_settings(self) -> None:
-        """The settings that reach the accuracy from where the run begins, their estimate, and all runs made for it."""
+    def _choose_settings(self, climbs: bool) -> None:
+        """The settings that reach the accuracy from where the run begins, their estimate, and all runs made for it.
+
+        No settings reach it in a motion that rattles, where paths run apart; unless `climbs` they are those that reach it elsewhere.
+        """
         request, self._step = self._request, output_step(self._mechanism)
         self._start = request.start
         stretch = request.estimated_on(self._step)
-        result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, request.settings, request.accuracy)
+        settings, accuracy, target = request.settings, request.accuracy, request.accuracy or self._engine.default_accuracy
+        if not climbs:
+            self._engine.check(self._mechanism)
+            settings, accuracy = as_texts(self._engine.settings_for(target, self._mechanism).as_dict()), None
+        result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, settings, accuracy)
         self._settings, self._done = result.settings, result.runs
         self.know(
-            accuracy=result.accuracy,
+            accuracy=result.accuracy if climbs else target,
             settings=result.settings.as_dict(),
             remark=result.remark,
-            reached=result.reached,
+            reached=result.reached if climbs else result.error_estimate is not None and result.error_estimate <= target,
             error_estimate=result.error_estimate,
             error_estimates=result.error_estimates,
             setup_seconds=result.setup_seconds,
@@ -169,13 +184,13 @@ class _Way:
             degrees_of_freedom=result.description.degrees_of_freedom,
         )
 
-    def _cycle(self) -> Columns:
-        """The settled cycle, or the last one where it did not settle; the turn asked for, if one is."""
+    def _found_cycles(self) -> tuple[Columns, ...]:
+        """The settled cycle, or the last ones where they keep changing; the turn asked for, if one is."""
         if self._request.turn is not None:
-            return self._turn(self._request.turn)
+            return (self._turn(self._request.turn),)
         orbit, multiplier = None if self._request.straight else self._request.orbit, None
         if cycle := self._found_directly():
-            return cycle
+            return (cycle,)
         self.know(start=STANDARD)
         if orbit is not None and orbit.begin is None and not orbit.multiplier:
             self.say(f"begun in the standard start, for `reference` found no periodic state: {orbit.reason}")
@@ -187,22 +202,29 @@ class _Way:
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
-            last, settling = settle(self._noted(march), multiplier)
+            found, settling = settle(self._noted(march), multiplier)
         finally:
             self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
-        self.know(settled=settling.settled, cycles=settling.cycles)
+        self.know(settled=settling.settled or len(found) > 1, cycles=settling.cycles, averaged_cycles=max(len(found), 1))
         if math.isfinite(settling.error_estimate):
             self.know(settling_error=settling.error_estimate, settling_errors=settling.errors)
-        if not settling.settled:
+        if len(found) > 1:
+            self._early = ()
+            self.know(reached=self._request.accuracy is None, settling_errors=dict.fromkeys(CHANNELS, 0.0), settling=settling.outlook)
+            self.say(
+                f"it repeats in statistics only: measures are means over the last {len(found)} of {settling.cycles} cycles, each of which"
+                f" differs from the one before by about {settling.outlook.change:.2g} of the signals' RMS"
+            )
+        elif not settling.settled:
             self.know(settling=settling.outlook)
             self.say(f"not settled after {settling.cycles} cycles: {settling.outlook.sentence()}")
-        return last
+        return found
 
     def _noted(self, cycles: Iterable[Cycle]) -> Iterator[Cycle]:
         """The cycles; the one that is compared is kept."""
         for number, cycle in enumerate(cycles, 1):
             if self.run.start == FROM_ORBIT and number == ESTIMATED_CYCLES:
-                self._early = columns_of(cycle)
+                self._early = (columns_of(cycle),)
             yield cycle
 
     def _turn(self, number: int) -> Columns:
@@ -213,15 +235,15 @@ class _Way:
         self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         return cycle
 
-    def _compare(self) -> tuple[tuple[Compared[Columns], ...], str]:
-        """The same cycle in the runs by which the engine estimates its error, and why there are none."""
-        known: dict[Settings, Columns | EngineFailure] = {self._settings: self._early or self.run.cycle}
+    def _compare(self) -> tuple[tuple[Compared[tuple[Columns, ...]], ...], str]:
+        """The same cycles in the runs by which the engine estimates its error, and why there are none."""
+        known: dict[Settings, tuple[Columns, ...] | EngineFailure] = {self._settings: self._early or self._cycles}
         progress.tell(phase="estimating the cycle's error")
 
-        def run(settings: Settings) -> Columns:
+        def run(settings: Settings) -> tuple[Columns, ...]:
             if settings not in known:
                 try:
-                    known[settings] = self._same_cycle(settings)
+                    known[settings] = self._same_cycles(settings)
                 except EngineFailure as failure:
                     known[settings] = failure
             found = known[settings]
@@ -242,23 +264,23 @@ class _Way:
             raise
         except Exception as error:  # what is delivered stays good
             return (), f"the run for their estimate: {_words_of(error)}"
-        if not self._mechanism.follower.is_rigid and any(same_motion(runs.run, runs.other) for runs in found):
+        if not self._mechanism.follower.is_rigid and any(same_motion(runs.run[-1], runs.other[-1]) for runs in found):
             return (), "the run to compare with is the same to the last digit"
         return found, ""
 
-    def _same_cycle(self, settings: Settings) -> Columns:
-        """The steady cycle with other settings: found directly like the delivered one, or after as many cycles; settled at least."""
+    def _same_cycles(self, settings: Settings) -> tuple[Columns, ...]:
+        """The steady cycles with other settings: found directly like the delivered one, or after as many cycles; settled at least."""
         if self.run.start != DIRECT:
             number = ESTIMATED_CYCLES if self._early else self.run.cycles
-            return columns_of(next(islice(self._march(settings), number - 1, None)))
+            return tuple(columns_of(cycle) for cycle in islice(self._march(settings), number - self.run.averaged_cycles, number))
         with contextlib.suppress(NoSteadyState):
             found = self._searched(settings)
             if found is not None and found.stable:
-                return self._one_cycle(found)[0]
-        last, settling = settle(self._march(settings))
+                return (self._one_cycle(found)[0],)
+        cycles, settling = settle(self._march(settings))
         if not settling.settled:
             raise EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
-        return last
+        return cycles
 
     def _march(self, settings: Settings) -> March:
         """Cycle after cycle from the start; a run made for the estimate began there, too, and goes on."""

@@ -38,7 +38,7 @@ def measures(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS) -> CycleM
 def cycle(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS, tilt: float = 0.0) -> MeasuredCycle:
     """A cycle whose signals are higher by `tilt` at the end of each half and lower by as much at its beginning."""
     signal = np.sin(np.linspace(0.0, np.pi, GRID)) + np.linspace(-tilt, tilt, GRID)
-    return MeasuredCycle(measures(error, resolved), {(half, channel): signal for half in ("pre", "post") for channel in CHANNELS})
+    return MeasuredCycle(measures(error, resolved), {(half, channel): signal[None] for half in ("pre", "post") for channel in CHANNELS})
 
 
 def test_parts_are_differences_over_the_factor_less_one_and_add_up() -> None:
@@ -106,7 +106,7 @@ def test_signals_are_compared_by_crank_angle_in_each_half() -> None:
         return {"time": angles / 10.0, "crank_angle": np.pi + angles, **dict.fromkeys(CHANNELS, signal)}
 
     uneven = 2.0 * np.pi * (np.linspace(0.0, 1.0, 3001) ** 1.1)
-    one, other = (MeasuredCycle.of(columns(*of), measures()) for of in ((ANGLES, 0.0), (uneven, 0.02)))
+    one, other = (MeasuredCycle.of([columns(*of)], measures()) for of in ((ANGLES, 0.0), (uneven, 0.02)))
     for channel in CHANNELS:
         assert one.signals["pre", channel] == pytest.approx(other.signals["pre", channel], abs=1e-4)
-        assert one.signals["post", channel][5:] + 0.02 == pytest.approx(other.signals["post", channel][5:], abs=1e-4)
+        assert one.signals["post", channel][:, 5:] + 0.02 == pytest.approx(other.signals["post", channel][:, 5:], abs=1e-4)

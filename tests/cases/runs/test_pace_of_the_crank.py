@@ -66,7 +66,7 @@ def test_a_run_whose_crank_stalls_says_so() -> None:
 
 @pytest.mark.parametrize(("first", "final"), [(0.0, 10.0), (0.5, 10.0), (10.0, 2.0), (-10.0, -9.0)])
 def test_a_crank_that_finds_its_speed_settles(first: float, final: float) -> None:
-    cycle, settling = settle(March(Turning(first, final), first, STEP))
+    (cycle,), settling = settle(March(Turning(first, final), first, STEP))
     assert settling.settled
     # one turn at the final speed; by the fourth cycle, the earliest that can settle, exp(-t) has died away to below 5 %
     assert cycle["time"][-1] - cycle["time"][0] == pytest.approx(2.0 * math.pi / abs(final), rel=0.05)

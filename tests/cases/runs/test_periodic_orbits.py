@@ -90,7 +90,7 @@ def marched(name: str, settings: dict[str, str]) -> dict[str, Array]:
     mechanism, reference = load_case(name).mechanism, ReferenceEngine()
     start = standard_start(mechanism)
     first = reference.settings_for(1e-3, mechanism).with_texts(settings)
-    last, settling = settle(March(reference.prepare(mechanism, start, first), start.crank_speed, output_step(mechanism)))
+    (last,), settling = settle(March(reference.prepare(mechanism, start, first), start.crank_speed, output_step(mechanism)))
     assert settling.settled
     return last
 

@@ -1,0 +1,63 @@
+"""Measures of a motion that repeats in statistics only: their means over many cycles, and how far the cycles leave the means uncertain."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from cases.measures.cycle import CycleMeasures, Measure, consensus_of
+
+#: Cycles that means are taken over where no cycle repeats.
+AVERAGED: Final = 30
+#: Groups of successive cycles whose means tell the standard error: what is left of a disturbance after five cycles is a quarter of it or
+#: less in the thesis' runs. Motions that repeat after two, three or six turns show in full, for they fill whole groups or pairs of them.
+GROUPS: Final = 6
+#: Standard errors that a mean extreme may be off by. The uncertainty of an extreme is a bound, the others' are standard deviations.
+BOUND: Final = 2.0
+#: Part of the cycles that must resolve a first or second mode, so that the mean is no selection.
+RESOLVED: Final = 0.5
+
+
+def standard_error(values: Sequence[float]) -> float:
+    """Standard error of a mean of successive, correlated values, from the scatter of the means of `GROUPS` groups; 0 of a single value.
+
+    Values correlated over more than a group leave it too small: with a correlation of 0.77 from one to the next by a third.
+    """
+    groups = [group.mean() for group in np.array_split(np.asarray(values), GROUPS) if group.size]
+    return float(np.std(groups, ddof=1)) / math.sqrt(len(groups)) if len(groups) > 1 else 0.0
+
+
+def mean_measures(cycles: Sequence[CycleMeasures]) -> CycleMeasures:
+    """Means of the measures of successive cycles; those of a single cycle are its own.
+
+    The uncertainty of a frequency or amplitude is the mean of the cycles', which is mostly the method's and the same in each, and the
+    standard error of the mean, in quadrature; that of an extreme is `BOUND` standard errors more than the cycles' mean. A mode that less
+    than `RESOLVED` of the cycles resolve is not resolved.
+
+    Args:
+        cycles: at least one; of the same channels.
+    """
+    measures = tuple(_mean([cycle.measures[place] for cycle in cycles]) for place in range(len(cycles[0].measures)))
+    halves = dict.fromkeys(measure.half for measure in measures)
+    return CycleMeasures(measures, tuple(consensus_of(half, [each for each in measures if each.half == half]) for half in halves))
+
+
+def _mean(found: Sequence[Measure]) -> Measure:
+    """Mean of one channel's measures in one half."""
+    numbers: dict[str, Any] = {"half": found[0].half, "channel": found[0].channel}
+    for name in ("first_mode_frequency", "first_mode_amplitude", "second_mode_frequency", "minimum", "maximum"):
+        rows = [measure for measure in found if getattr(measure, name) is not None]
+        values, own = ([float(getattr(row, key, 0.0)) for row in rows] for key in (name, f"{name}_uncertainty"))
+        resolved = len(rows) >= RESOLVED * len(found)
+        numbers[name] = float(np.mean(values)) if resolved else None
+        if name == "second_mode_frequency":
+            continue
+        error = standard_error(values)
+        uncertainty = None if not resolved else float(np.mean(own))
+        if uncertainty is not None:
+            uncertainty = uncertainty + BOUND * error if name in ("minimum", "maximum") else math.hypot(uncertainty, error)
+        numbers[f"{name}_uncertainty"] = uncertainty
+    reasons = [measure.reason for measure in found if measure.reason]
+    unresolved = numbers["first_mode_frequency"] is None or numbers["first_mode_amplitude"] is None
+    return Measure(**numbers, reason=max(set(reasons), key=reasons.count) if unresolved else "")
