@@ -14,6 +14,8 @@ from cases.conformance.quantities import followed
 from cases.conformance.repetition import PARTS, Elsewhere, elsewhere, repetition, scenes_in_turn
 from cases.conformance.scenes import BASE, CHANGES
 from cases.conformance.settings import stated_errors
+from cases.conformance.together import PARTS as PARTS_AT_ONCE
+from cases.conformance.together import everything
 from engines.base import AnyEngine, Comparison, Simulation
 from engines.exudyn.engine import ExudynEngine
 from engines.exudyn.settings import ExudynSettings
@@ -197,6 +199,13 @@ def test_a_mistake_with_the_joint_is_named(name: str) -> None:
 def test_every_quantity_that_an_engine_may_lack_is_changed() -> None:
     tried = {re.split(r",| along| with", change.name)[0] for change in CHANGES}
     assert set(NAMED) - tried == set()
+
+
+def test_everything_at_once_leaves_out_what_an_engine_does_not_have() -> None:
+    parts = set(everything(Bench(engine("multiplier")))[1])
+    assert {"mechanism.gravity", "slider.friction", "follower.material_damping"} <= parts
+    assert not {"slider.joint_stiffness", "slider.joint_damping", "slider.joint_stiffness_minus", "slider.preload"} & parts
+    assert len(everything(Bench(ReferenceEngine()))[1]) == len(PARTS_AT_ONCE)
 
 
 def test_an_exception_in_check_costs_one_quantity() -> None:
