@@ -150,7 +150,7 @@ class _Request:
             breakdown = replace(breakdown, finer_time=finer_failure.time)
         if breakdown is None and finer is not None and rows < len(whole["time"]) == len(finer):
             later = later_differences(whole, dict(finer.columns), evidence.stretch)
-        rigid = math.isinf(self._scene.mechanism.slider.joint_stiffness)  # a soft joint has a gap by its nature
+        rigid = self._scene.mechanism.slider.is_rigid  # another joint has a gap by its nature
         gap = float(np.max(np.abs(shown["constraint_gap"]))) if rigid and "constraint_gap" in shown else None
         return replace(
             evidence,
