@@ -18,7 +18,7 @@ SAME_INSTANT = 1e-3  # of a cycle, by which the end of one and the beginning of 
 AT_THE_END = 1e-9  # rad, by which a series may miss the farthest place and still begin or end there
 TREND = 20  # changes that the trend is taken from, or half of all if those are fewer
 CERTAIN = 3.0  # standard errors by which the changes' logarithms must fall to be called shrinking
-DRIFT = 4.0  # median changes by which the mean cycles of two groups may differ: scatter leaves up to 3, a drift over 15 cycles at least 15
+DRIFT = 0.7  # median changes by which the mean cycles of two halves may differ: scatter leaves 0.1 to 0.4, a drift 15
 SCATTER = 2.0  # times the median of all later ones that a change may be once they shrink no longer
 
 
@@ -177,10 +177,13 @@ class Settling:
         half, stalled = len(cycles) // 2, self.outlook.stalled_since
         if self.settled or half < 2 or stalled is None or stalled > self.cycles - 2 * half + 1:
             return False
-        earlier, later = (float(np.median(part)) for part in (self.changes[-2 * half + 1 : -half], self.changes[-half:]))
+        parts = (self._largest[-2 * half + 1 : -half], self._largest[-half:])
+        sizes = [{name: float(np.median([change[name] for change in part])) for name in self._last} for part in parts]
+        if any(max(pair) > SCATTER * min(pair) for pair in zip(*(size.values() for size in sizes), strict=True)):
+            return False
         grids = [on_common_grid(cycle) for cycle in cycles]
         means = [{name: np.mean([grid[name] for grid in part], axis=0) for name in self._last} for part in (grids[:half], grids[half:])]
-        return max(earlier, later) <= SCATTER * min(earlier, later) and relative_change(*means) <= DRIFT * later
+        return relative_change(*means) <= DRIFT * float(np.median(self.changes[-half:]))
 
     @property
     def outlook(self) -> Outlook:

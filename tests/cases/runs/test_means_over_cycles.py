@@ -1,0 +1,79 @@
+"""Runs whose cycles keep changing: what becomes of cycles with known statistics, and a rattling slider."""
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from cases.case_file import load_case
+from cases.measures import AVERAGED, CHANNELS, Cycle
+from cases.measures.steady_state import GREATEST_NUMBER
+from cases.runs.estimates import MeasuredCycle, extreme_estimates
+from cases.runs.marching import channels_of, settle
+from cases.runs.request import SETTLED, RunRequest
+from cases.runs.steady_state import steady_state
+from engines.accurate import Compared
+from reference_model.mechanism import changed
+from tests.cases.runs.test_estimates import measures
+
+ANGLES = np.linspace(0.0, 2.0 * np.pi, 101)
+
+
+def cycles(trend: float = 0.0, growth: float = 1.0, ratio: float = 0.5, seed: int = 1) -> Iterator[Cycle]:
+    """A sine that approaches its steady state with `ratio`, under scatter of ten harmonics that grows from cycle to cycle, with a trend."""
+    random = np.random.default_rng(seed)
+    for number in itertools.count():
+        scatter = 0.03 * growth**number * random.standard_normal(10) @ np.cos(np.outer(np.arange(1, 11), ANGLES))
+        signal = np.sin(ANGLES) + (ratio**number + trend * number) * np.cos(3.0 * ANGLES) + scatter
+        yield Cycle(0.5 * (number + ANGLES / (2.0 * np.pi)), np.pi + ANGLES, dict.fromkeys(CHANNELS, signal))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_cycles_that_keep_changing_are_all_measured(seed: int) -> None:
+    found, settling = settle(cycles(seed=seed))
+    assert not settling.settled
+    assert (len(found), settling.cycles) == (AVERAGED, GREATEST_NUMBER)
+    assert found[-1]["time"][-1] == pytest.approx(0.5 * GREATEST_NUMBER)
+
+
+@pytest.mark.parametrize("others", [{"trend": 0.02}, {"growth": 1.1}, {"growth": 0.94}, {"ratio": 0.98}])
+@pytest.mark.parametrize("seed", range(5))
+def test_drift_growth_and_a_slow_approach_are_not_averaged(others: dict[str, float], seed: int) -> None:
+    found, settling = settle(cycles(**others, seed=seed))
+    assert not settling.settled
+    assert len(found) == 1
+
+
+def test_a_settled_cycle_is_measured_alone() -> None:
+    found, settling = settle(Cycle(one.time, one.crank_angle, one.channels) for one in cycles(growth=0.0))
+    assert settling.settled
+    assert len(found) == 1
+    assert channels_of(found[0]).time[-1] == pytest.approx(0.5 * settling.cycles)
+
+
+def test_estimates_compare_the_extremes_and_the_distributions_over_the_cycles() -> None:
+    """The other run's cycles are the same in another order, then all 0.2 higher, then with a peak of 1 at another angle in each."""
+    signals = np.random.default_rng(2).standard_normal((AVERAGED, 360))
+    peaks = signals + 10.0 * np.eye(AVERAGED, 360)
+
+    def estimate(other: np.ndarray) -> float:
+        one, its = (MeasuredCycle(measures(), {("pre", "strain_1"): values}) for values in (signals, other))
+        return extreme_estimates([Compared(one, its, 2.0)])["strain_1"]["pre"]
+
+    assert estimate(signals[::-1]) == pytest.approx(0.0, abs=1e-14)
+    assert estimate(signals + 0.2) == pytest.approx(0.2)
+    assert estimate(peaks) == pytest.approx(np.mean(peaks.max(axis=1) - signals.max(axis=1)))
+
+
+def test_a_rattling_slider_repeats_in_statistics_only() -> None:
+    """A rigid follower, which strikes the rollers several times in a turn."""
+    rigid = load_case("example", {"follower.bending_stiffness": "inf"}).mechanism
+    scene = changed(rigid, {"slider.joint_stiffness": 1e5, "slider.clearance": 5e-4, "slider.contact_damping": 0.5})
+    run = steady_state(RunRequest(mechanism=scene, duration=0.1, engine="reference", estimated=False))
+    assert (run.status, run.settled, run.averaged_cycles, run.cycles) == (SETTLED, True, AVERAGED, GREATEST_NUMBER)
+    assert "means over the last 30 of 60 cycles" in run.remark
+    acceleration, half = run.cycle["tip_acceleration"], len(run.cycle["time"]) // 2
+    (pre,) = (measure for measure in run.measures if (measure.half, measure.channel) == ("pre", "tip_acceleration"))
+    # a mean, and not the last cycle's: this lies in a scatter that is many times the standard error of the mean of thirty
+    assert abs(pre.minimum - acceleration[:half].min()) > 0.01 * abs(pre.minimum)
