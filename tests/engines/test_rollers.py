@@ -103,7 +103,7 @@ def test_held_crank_takes_the_torque_of_reference() -> None:
     ],
 )
 def test_rigid_follower_rubs_as_in_reference(slider: Slider) -> None:
-    """Both are exact in space: a couple of the friction, at a crank tip beside the line, would show. Measured 6e-7, the steps of the chain."""
+    """Exact in space: a couple of the friction, at a crank tip beside the line, would show. Measured 6e-7, the steps of the chain."""
     scene = run_24(slider=slider, follower={"bending_stiffness": math.inf})
     found, expected = chain(scene, 0.1), reference(scene, 0.1)
     assert_near(found, expected, dict.fromkeys(("slider_force", "tip_acceleration", "pivot_force_y", "dissipated_energy"), 1.2e-6))
