@@ -48,7 +48,8 @@ class ExudynEngine(Engine[ExudynSettings]):
 
     def comparisons(self, settings: ExudynSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Time, space, stretch and the slider's passing apart: their errors have different signs; a rigid follower has no elements."""
-        in_time = ladder.in_time(settings, output_step)
+        touches = not (mechanism.slider.is_rigid or mechanism.slider.is_linear)
+        in_time = ladder.in_time(settings, output_step, ladder.SAFE_WITH_BLOWS if touches else ladder.SAFE_IN_TIME)
         if mechanism.follower.is_rigid:
             return (in_time,)
         return in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time), *ladder.in_passing(settings, in_time)

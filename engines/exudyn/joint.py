@@ -16,7 +16,8 @@ class JointLaw:
 
     Attributes:
         along: stiffness (N/m) of the spring that holds the carriage at the foot of the crank tip, along the follower's tangent. It has no
-            force there, for the carriage has hardly any mass; in free flight between the rollers nothing else would hold the carriage.
+            force there, for the carriage has hardly any mass; in free flight between the rollers nothing else would hold the carriage. A
+            hundredth of it changes run 24 with clearance by 2e-10 of the tip deflection, a millionth by 1.8e-6.
     """
 
     def __init__(self, slider: Slider) -> None:
