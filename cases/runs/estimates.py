@@ -10,9 +10,7 @@ times the error.
 Two extremes can be alike by accident, where the one run is higher before the peak and the other behind it; they differ by at most the
 signals' largest difference in the half cycle, and that bound is what an extreme is taken to be off by.
 
-Of cycles that repeat in statistics only, means are compared: of the measures, and of the extremes. The signals' difference at a crank angle
-is then that of the two distributions over the cycles: the mean difference of their values in ascending order, which for a single cycle is
-the difference of the signals.
+Of cycles that repeat in statistics only, means are compared: of the measures, of the extremes, and of the signals at each crank angle.
 """
 
 from collections.abc import Mapping, Sequence
@@ -124,7 +122,7 @@ def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, 
 def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> float:
     def largest_difference(one: MeasuredCycle, other: MeasuredCycle) -> float:
         mine, its = (each.signals[half, name] for each in (one, other))
-        apart = np.abs(np.sort(mine, axis=0) - np.sort(its, axis=0)).mean(axis=0).max()
+        apart = np.abs(mine.mean(axis=0) - its.mean(axis=0)).max()
         extremes = (np.mean(mine.max(axis=1)) - np.mean(its.max(axis=1)), np.mean(mine.min(axis=1)) - np.mean(its.min(axis=1)))
         return float(max(apart, *map(abs, extremes)))
 

@@ -52,7 +52,7 @@ def test_a_settled_cycle_is_measured_alone() -> None:
     assert channels_of(found[0]).time[-1] == pytest.approx(0.5 * settling.cycles)
 
 
-def test_estimates_compare_the_extremes_and_the_distributions_over_the_cycles() -> None:
+def test_estimates_compare_the_mean_extremes_and_the_mean_signals() -> None:
     """The other run's cycles are the same in another order, then all 0.2 higher, then with a peak of 1 at another angle in each."""
     signals = np.random.default_rng(2).standard_normal((AVERAGED, 360))
     peaks = signals + 10.0 * np.eye(AVERAGED, 360)
