@@ -125,7 +125,7 @@ def find_orbit(mechanism: Mechanism) -> Orbit:
     except (Refusal, NoSteadyState, EngineFailure) as reason:
         return Orbit(None, None, str(reason))
     if found is None:
-        return Orbit(None, None, "none is looked for with a rigid follower or a soft joint")
+        return Orbit(None, None, "none is looked for with a rigid follower, or a joint that gives way or rubs")
     multiplier = abs(found.multipliers[0])
     if not found.stable:
         return Orbit(None, multiplier, "the periodic state is not stable")
