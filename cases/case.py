@@ -44,7 +44,7 @@ class Case(Shown):
     document: "Document | None" = field(default=None, repr=False, compare=False)
 
     def _parts(self) -> Iterator[Cell]:
-        """Name, title, notes, and a row for each value: in SI, and as it was written."""
+        """Name, title, notes, and a row for each value that is written or not as by default: in SI, and as it was written."""
         from cases.copies import as_written
         from cases.document import in_words
 
@@ -52,6 +52,7 @@ class Case(Shown):
         yield from (f"note: {note}" for note in self.notes)
         si = {f"{section}.{key}": value for section, keys in self.values.items() for key, value in keys.items()}
         written = {f"{section}.{key}": value for section, keys in as_written(self).values.items() for key, value in keys.items()}
+        si = {path: value for path, value in si.items() if path in written or value != PATHS[path].default}
         texts = {path: in_words(value) for path, value in written.items() if not isinstance(value, (float, tuple))}
         yield Rows(
             [

@@ -77,6 +77,9 @@ DAMPING_PER_LENGTH: Final = Dimension("a damping per length", (-1, 1, -1, 0), "N
 STIFFNESS: Final = Dimension("a stiffness", (0, 1, -2, 0), "N/m", ("N/m", "lbf/in"))
 DAMPING: Final = Dimension("a damping", (0, 1, -1, 0), "N*s/m", ("N*s/m", "lbf*s/in"))
 
+VELOCITY: Final = Dimension("a velocity", (1, 0, -1, 0), "m/s", ("m/s", "in/s"))
+CONTACT_DAMPING: Final = Dimension("a contact damping", (-1, 0, 1, 0), "s/m", ("s/m", "s/in"))
+#: In a case file it stands without a unit, in the heading of a table with one of these.
 PURE: Final = Dimension("a pure number", (0, 0, 0, 0), "1", ("percent", "microstrain", "um/m"))
 ENERGY: Final = Dimension("an energy", (2, 1, -2, 0), "J", ("J", "lbf*in"))
 FORCE: Final = Dimension("a force", (1, 1, -2, 0), "N", ("N", "lbf"))
@@ -85,7 +88,8 @@ DENSITY: Final = Dimension("a density", (-3, 1, 0, 0), "kg/m^3", ("kg/m^3", "g/c
 
 _NEEDED: Final = (
     LENGTH, MASS, TIME, ANGLE, ANGULAR_SPEED, ACCELERATION, ENERGY, TORQUE, MOMENT_OF_INERTIA, ROTARY_DAMPING, MASS_PER_LENGTH,
-    BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING, FORCE, ELASTIC_MODULUS, DENSITY, PURE,
+    BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING, VELOCITY, CONTACT_DAMPING, FORCE, ELASTIC_MODULUS,
+    DENSITY, PURE,
 )  # fmt: skip
 #: By the SI unit with which a quantity is declared.
 DIMENSIONS: Final = MappingProxyType({dimension.si_unit: dimension for dimension in _NEEDED})
@@ -93,7 +97,6 @@ _FREQUENCY: Final = (0, 0, -1, 0)
 #: Names for what is given by mistake, by exponents.
 _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
     _FREQUENCY: "a frequency",
-    (1, 0, -1, 0): "a velocity",
     (2, 0, 0, 0): "an area",
     (3, 0, 0, 0): "a volume",
     (2, 1, -3, 0): "a power",
@@ -117,6 +120,10 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
     accepted = f"write one plain number, one space and a unit, such as {dimension.example}{also}"
     if text == "inf" and infinity_accepted:
         return math.inf
+    if dimension is PURE:
+        if (value := plain_number(text)) is None or not math.isfinite(value):
+            raise QuantityError("is no pure number", 'write one plain number without a unit, such as "0.3"')
+        return value
     if problem := slips.in_quantity(text):
         raise QuantityError(problem, accepted)
     number, _, unit = text.partition(" ")

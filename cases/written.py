@@ -113,7 +113,8 @@ def _value(document: Document, path: str, value: Any) -> str:
 
 def _si(value: float, wanted: Quantity) -> str:
     """The shortest text that reads back as the same number."""
-    return '"inf"' if math.isinf(value) else f'"{repr(float(value)).removesuffix(".0")} {wanted.unit}"'
+    unit = "" if wanted.unit == "1" else f" {wanted.unit}"
+    return '"inf"' if math.isinf(value) else f'"{repr(float(value)).removesuffix(".0")}{unit}"'
 
 
 def _toml(value: Any) -> str:

@@ -135,7 +135,7 @@ class Follower:
     )
     material_damping: float = quantity(
         "s",
-        "of the material (Kelvin and Voigt): damping over elastic moment, per rate of curvature",
+        "damping moment over EI, per rate of curvature (Kelvin and Voigt)",
         sign="not negative",
         default=0.0,
         named=True,
@@ -260,7 +260,7 @@ class Slider:
     preload: float = quantity("N", "force of both rollers at rest", sign="not negative", default=0.0, named=True)
     contact_damping: float = quantity(
         "s/m",
-        "of a roller's force F = k x (1 + this times dx/dt), x its compression (Hunt and Crossley)",
+        "loss c of a roller's force k x (1 + c dx/dt) (Hunt and Crossley)",
         sign="not negative",
         default=0.0,
         named=True,

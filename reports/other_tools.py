@@ -12,7 +12,8 @@ from cases.measures import time_scale
 from cases.measures.time_scale import TURN
 from cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
 from reference_model.columns import BENDING, COLUMNS
-from reference_model.mechanism import Mechanism, TorqueDrive
+from reference_model.joint import PIVOT_FRICTION_RATE, rollers
+from reference_model.mechanism import Mechanism, Slider, TorqueDrive
 from reference_model.rigid import crank_pace, rigid_motion
 from reference_model.tip_force import WHOLE
 
@@ -48,9 +49,11 @@ def for_other_tools(case: Case, given: str) -> str:
         parts=_parts(case),
         follower=follower,
         slider=mechanism.slider,
+        friction_torque=mechanism.base.friction_torque,
+        pivot_rate=PIVOT_FRICTION_RATE,
         torque=isinstance(mechanism.crank.drive, TorqueDrive),
         axial_stiffness=12.0 * follower.bending_stiffness / follower.thickness**2 if thick else 0.0,
-        rigid_joint=math.isinf(mechanism.slider.joint_stiffness),
+        law=rollers(mechanism.slider),
         gravity=any(mechanism.gravity),
         tip_force=any(tip.force),
         whole_turn=tip.force_to - tip.force_from >= WHOLE,
@@ -77,14 +80,16 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
     """Section -> name, value, unit and meaning of each quantity that is not left at nothing."""
     found: dict[str, list[tuple[str, str, str, str]]] = {}
     for section, values in case.values.items():
-        if section == "simulation" or (section == "slider" and all(not value or math.isinf(value) for value in values.values())):
+        if section == "simulation" or (section == "slider" and case.mechanism.slider == Slider()):
             continue  # a slider that is only a point on the follower
         known = SECTIONS[section]
         without_force = section == "tip" and not any(values["force"])
         found[section] = [
             (name, _value(value), known[name].unit, known[name].meaning)
             for name, value in values.items()
-            if known[name].moves and not (without_force and name.startswith("force"))
+            if known[name].moves
+            and not (without_force and name.startswith("force"))
+            and not ((section == "slider" or name in ("friction_torque", "material_damping")) and value == known[name].default)
         ]
     return found
 

@@ -125,7 +125,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
     sliding = 0.0  # share of the friction that acts, with the sign of the slider's way
     if p.friction > 0.0 or p.friction_force > 0.0:
         sliding = friction_share(f[S_RATE], p.friction_speed)
-        for k in range(m):
+        for k in range(first, m):
             w.acceleration[k] -= p.friction_force * sliding * w.sigma[k]
     _substitute(w.reduced, w.acceleration, first, m)
     # the gap's second derivative without the slider's force

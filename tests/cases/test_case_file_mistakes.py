@@ -111,7 +111,7 @@ BAD = [
     (
         'joint_stiffness = "100 lbf/in"',
         'joint_stiffness = "inf"',
-        'slider.joint_damping: "0.1 lbf*s/in" makes a rigid joint with damping, which has nothing to act on; give a finite',
+        'slider.joint_damping: "0.1 lbf*s/in" acts on a joint that gives way, and this one is rigid; give a finite',
     ),
     (
         'output_step = "1 ms"',

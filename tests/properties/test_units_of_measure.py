@@ -39,6 +39,8 @@ CUSTOMARY: dict[Dimension, tuple[str, Decimal]] = {
     units.STIFFNESS: ("lbf/in", BLOB),
     units.DAMPING: ("lbf*s/in", BLOB),
     units.FORCE: ("lbf", POUND),
+    units.VELOCITY: ("in/s", INCH),
+    units.CONTACT_DAMPING: ("s/in", EXACT.divide(ONE, INCH)),
 }
 
 
@@ -61,6 +63,8 @@ def written(scene: Scene, digits: int | None) -> str:
 def _quantity(value: float, dimension: Dimension, digits: int | None) -> str:
     if math.isinf(value):
         return "inf"
+    if dimension is units.PURE:
+        return str(Context(prec=8).create_decimal_from_float(value))
     _, size = CUSTOMARY[dimension]
     return _text(Context(prec=8).divide(Decimal(value), size), dimension, digits)
 

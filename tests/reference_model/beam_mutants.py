@@ -21,12 +21,17 @@ from reference_model.treatment import BASE, CHORDS, ELIMINATED
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_states import (
     ALONE,
+    APART,
     BY_FORCE,
     BY_LEVER,
+    DAMPED,
     EVERYTHING,
+    FREE,
     HEAVY,
     ON_CHORDS,
     ON_ELEMENTS,
+    PRELOADED,
+    RUBBING,
     State,
     alone,
     at_constant_speed,
@@ -223,6 +228,7 @@ def checks() -> tuple[Check, ...]:
     """Shapes that follow, stay, and elements with each distribution; crank free and held; the base; a rigid follower."""
     held, held_elements = at_constant_speed(EVERYTHING), at_constant_speed(ON_ELEMENTS)
     damped = replace(BY_FORCE, bending_damping=1e-4)
+    rubbing_held = at_constant_speed(RUBBING)
     # rotary inertia as large as shows where it acts beside the line
     turning = replace(held, slider=replace(held.slider, inertia=5e-3))
     rigid = run_24(follower={"bending_stiffness": math.inf}, slider=EVERYTHING.slider, gravity=EVERYTHING.gravity)
@@ -233,9 +239,14 @@ def checks() -> tuple[Check, ...]:
         staying(ON_ELEMENTS, elements_of(EVERYTHING, 2), 3, BY_LEVER),
         staying(ON_ELEMENTS, elements_of(EVERYTHING, 2), 4, ON_CHORDS),
         staying(held, modes_of(EVERYTHING, 2), 5, transverse_damping=True),
-        alone(ALONE, hermite_elements(ALONE.follower.length, 2), 6),
+        alone(replace(ALONE, follower=replace(ALONE.follower, material_damping=2e-4)), hermite_elements(ALONE.follower.length, 2), 6),
         staying(held_elements, elements_of(EVERYTHING, 1), 7, damped),
         staying(rigid, no_shapes(rigid.follower.length), 9),
+        following(DAMPED, 2, 34, APART),
+        following(rubbing_held, 2, 30, APART),
+        following(RUBBING, 2, 34, PRELOADED),
+        following(RUBBING, 2, 35, FREE),
+        staying(RUBBING, modes_of(EVERYTHING, 2), 34, BY_FORCE),
     )
     feedback = tuple(_of_feedback(states[k]) for k in (1, 2, 4, 8))
     of_states = (_of_state(state, FOLLOWED if state.model.parameters.tables.kinds == 3 else RECOVERED) for state in states)

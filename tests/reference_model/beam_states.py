@@ -29,10 +29,17 @@ EVERYTHING: Final = run_24(
 )
 #: Elements carry no slider with rotary inertia: their curvature jumps at the nodes.
 ON_ELEMENTS: Final = replace(EVERYTHING, slider=Slider(mass=0.1))
+#: With all frictions, at speeds over which they change; and with a material that damps.
+RUBBING: Final = replace(
+    EVERYTHING,
+    slider=replace(EVERYTHING.slider, friction=0.3, friction_force=2.0, friction_speed=1.5),
+    base=replace(EVERYTHING.base, friction_torque=0.2),
+)
+DAMPED: Final = replace(RUBBING, follower=replace(RUBBING.follower, material_damping=3e-4))
 BARE: Final = run_24(tip=None, base={"inertia": 0.0, "damping": 0.0}, follower={"damping": 0.0}, crank={"length": 6.0 * INCH})
 ALONE: Final = FollowerAlone(
     spin_up=SpinUp(speed=7.0, time=1.5),
-    base=Base(inertia=0.02, damping=0.05),
+    base=Base(inertia=0.02, damping=0.05, friction_torque=0.3),
     follower=Follower(
         length=0.8, mass_per_length=0.4, bending_stiffness=5.0, thickness=3e-3, width=4e-2, damping=0.3, strain_gauges=(0.15, 0.42, 0.6)
     ),
@@ -42,6 +49,12 @@ ALONE: Final = FollowerAlone(
 SPRING: Final = Rollers(plus=2e3, minus=2e3, damping=8.0)
 COMPLIANT: Final = Treatment(kind=ROLLERS, rollers=SPRING)
 HEAVY: Final = Treatment(kind=ROLLERS, rollers=SPRING, inertia=0.05)
+#: Rollers that differ in all, apart or pressed together by more than any of the states opens them, and with an inertia beside them.
+APART: Final = Treatment(
+    kind=ROLLERS, rollers=Rollers(plus=4e3, minus=9e3, plus_from=5e-4, minus_from=4e-4, loss=0.1, damping=3.0), inertia=0.02
+)
+PRELOADED: Final = Treatment(kind=ROLLERS, rollers=Rollers(plus=2e3, minus=5e3, plus_from=-5e-3, minus_from=-2e-3, loss=0.1))
+FREE: Final = Treatment(kind=ROLLERS, rollers=Rollers(plus=4e3, minus=9e3, plus_from=2e-2, minus_from=2e-2, loss=0.9, damping=3.0))
 BY_FORCE: Final = Treatment(kind=MULTIPLIER, stabilization=80.0)
 BY_LEVER: Final = Treatment(kind=LEVER, stabilization=60.0, bending_damping=2e-4)
 ON_CHORDS: Final = Treatment(kind=CHORDS, stabilization=40.0)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import newton
 from scipy.special import betainc
 
+from reference_model.joint import Rollers
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, Tip, TorqueDrive
 from reference_model.natural_modes import clamped_modes, supported_modes
 from reference_model.shapes import ShapeSet
@@ -153,11 +154,16 @@ class Line:
             found.append(series)
         return Line(self.edges, found)
 
-    def slope(self, x: float, piece: int) -> Any:
+    def slope(self, x: Any, piece: int) -> Any:
         length = self.edges[piece + 1] - self.edges[piece]
         return legendre.legval(self._xi(x, piece), legendre.legder(self.series[piece])) * 2.0 / length
 
-    def at(self, x: float, piece: int) -> Any:
+    def slopes_on_pieces_of(self, edges: Array) -> NDArray[Any]:
+        """The derivative by x where `on_pieces_of` takes the values."""
+        places = _points(edges)[0].reshape(-1, POINTS)
+        return np.concatenate([self.slope(row, piece) for piece, row in enumerate(places)])
+
+    def at(self, x: Any, piece: int) -> Any:
         return legendre.legval(self._xi(x, piece), self.series[piece])
 
     def everywhere(self, x: Array) -> NDArray[Any]:
@@ -326,6 +332,28 @@ class Motion:
     shown: dict[str, float]  # observables
 
 
+def force_of_rollers(rollers: Rollers, gap: float, rate: float) -> tuple[float, float, float]:
+    """Force of the joint on the follower along its normal (N), energy stored in it (J) and power that it turns into heat (W).
+
+    Each roller is compressed, pushes, stores and loses on its own.
+    """
+    force, energy, heat = rollers.damping * rate, 0.0, rollers.damping * rate**2
+    for stiffness, begin, side in ((rollers.plus, rollers.plus_from, 1.0), (rollers.minus, rollers.minus_from, -1.0)):
+        compression, closing = side * gap - begin, side * rate
+        if compression > 0.0:
+            elastic = stiffness * compression
+            push = elastic * (1.0 + rollers.loss * closing) if rollers.loss * closing > -1.0 else 0.0
+            force += side * push
+            energy += 0.5 * stiffness * compression**2
+            heat += (push - elastic) * closing
+    return force, energy, heat
+
+
+def sliding_share(speed: float, over: float) -> float:
+    """From -1 to 1, by the exponential function."""
+    return 1.0 - 2.0 / (1.0 + math.exp(2.0 * speed / over))
+
+
 def acting_share(tip: Tip, crank_angle: float) -> float:
     """Share of the force on the tip that acts: the incomplete beta function comes and goes twice continuously differentiable."""
     turned = (crank_angle - tip.force_from) % (2.0 * math.pi)
@@ -344,6 +372,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     last, N = len(edges) - 2, len(x)
     L, g = follower.length, complex(*scene.gravity)
     crank_moment, crank_inertia, slider_inertia, crank_length = 0.0, 0.0, 0.0, 0.0
+    slider = Slider()
     if isinstance(scene, Mechanism):
         crank, slider = scene.crank, scene.slider
         slider_inertia, crank_length = slider.inertia, crank.length
@@ -351,7 +380,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
         crank_inertia = crank.inertia_about_pivot + slider.mass * crank_length**2
 
     def picture(at: Array) -> Complex:
-        """Places from P (N), of tip centre and end; places in frame B (N); angles (N), of the end, of the slider; q2, s, gap; energies."""
+        """Places from P (N), of tip centre and end; in frame B (N); angles (N), of end and slider; q2, s, gap; energies; curvatures (N)."""
         c = beam.hung(at)
         z = c.z.on_pieces_of(edges)
         alpha = c.psi.on_pieces_of(edges) + c.q2
@@ -361,7 +390,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
         potential = -follower.mass_per_length * float(dx @ np.real(g.conjugate() * c.frame * z))
         potential -= tip.mass * (g.conjugate() * centre).real + crank_moment * (g.conjugate() * cmath.exp(1j * at[0])).real
         tail = [alpha_end, c.turn + c.q2, c.q2, c.s, c.gap, c.strain_energy, potential]
-        return np.concatenate([c.frame * z, [centre, end], z, alpha, tail])
+        return np.concatenate([c.frame * z, [centre, end], z, alpha, tail, c.psi.slopes_on_pieces_of(edges)])
 
     # steps: places change by about a hundredth of their size
     angles = beam.shapes.angles(here.s, x)
@@ -376,6 +405,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     rate = u @ partial
     relative = slice(N + 2, 2 * N + 2)
     alpha_end, at_slider, q2_at, s_at, gap_at, strain_at, gravity_at = range(3 * N + 2, 3 * N + 9)
+    curvatures = slice(3 * N + 9, 4 * N + 9)
     mass = np.concatenate([follower.mass_per_length * dx, [tip.mass]])
     bodies = slice(0, N + 1)
 
@@ -387,14 +417,17 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
             M += J * np.outer(partial[:, which].real, partial[:, which].real)
             force -= J * partial[:, which].real * remainder[which].real
     M[0, 0] += crank_inertia
-    force -= partial[:, strain_at].real + partial[:, gravity_at].real + scene.base.damping * partial[:, q2_at].real * rate[q2_at].real
+    q2_rate = float(rate[q2_at].real)
+    at_hinge = scene.base.damping * q2_rate + scene.base.friction_torque * sliding_share(q2_rate, 0.1)
+    force -= partial[:, strain_at].real + partial[:, gravity_at].real + at_hinge * partial[:, q2_at].real
     drift = rate[relative].real * beam.damps_along + 1j * rate[relative].imag
     force -= follower.damping * np.real(np.conj(partial[:, relative]) @ (dx * drift))
     tool = complex(*tip.force) * acting_share(tip, q[0]) if isinstance(scene, Mechanism) else 0j
     force += np.real(np.conj(partial[:, N + 1]) * tool)
-    stiffness = beam.shapes.stiffness(here.s)
-    bending = beam.treatment.bending_damping * stiffness @ u[1 : n + 1]
-    force[1 : n + 1] -= bending
+    delay = beam.treatment.bending_damping + follower.material_damping if n else 0.0
+    bending_rate = rate[curvatures].real
+    damping_moment = follower.bending_stiffness * delay * bending_rate if n else np.zeros(N)
+    force -= partial[:, curvatures].real @ (dx * damping_moment)
     drive = scene.crank.drive if isinstance(scene, Mechanism) else None
     crank_damping = 0.0
     if isinstance(drive, TorqueDrive):
@@ -407,29 +440,45 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     if beam.kind == LEVER:
         x1, x2 = beam.nodes()
         share, normal = (here.s - x1) / (x2 - x1), 1j * cmath.exp(1j * (here.q2 + here.turn))
-        spread = np.array([derivative(lambda e, d=d: beam.carriers(q + e * d, share, normal), 6e-3) for d in np.diag(sizes / 6e-3)])  # type: ignore[misc]
-        spread /= sizes / 6e-3
-    acceleration, contact = np.zeros(m), 0.0
+
+        def carried(direction: Array) -> Callable[[float], Array]:
+            return lambda e: np.array(beam.carriers(q + e * direction, share, normal))
+
+        spread = np.array([derivative(carried(one), size) for one, size in zip(np.eye(m), sizes, strict=True)])
+    acceleration, contact, rubbing, arm, slides = np.zeros(m), 0.0, 0.0, 0.0, 1.0
+    law, stored, lost = force_of_rollers(beam.treatment.rollers, here.gap, gap_rate) if beam.kind == ROLLERS else (0.0, 0.0, 0.0)
     if beam.kind in (ELIMINATED, BASE):
         acceleration[first:] = np.linalg.solve(M[first:, first:], force[first:])
-    elif beam.kind == ROLLERS:
-        contact = beam.treatment.rollers.plus * here.gap + beam.treatment.rollers.damping * gap_rate
-        contact += beam.treatment.inertia * float(remainder[gap_at].real)
-        with_joint = M + beam.treatment.inertia * np.outer(row, row)
-        acceleration[first:] = np.linalg.solve(with_joint[first:, first:], (force - contact * row)[first:])
-        contact += beam.treatment.inertia * float(row @ acceleration)
     else:
-        r, size = beam.treatment.stabilization, m - first
-        system = np.zeros((size + 1, size + 1))
-        system[:size, :size], system[:size, size], system[size, :size] = M[first:, first:], spread[first:], row[first:]
-        wanted = -float(remainder[gap_at].real) - 2.0 * r * gap_rate - r**2 * here.gap
-        solved = np.linalg.solve(system, np.append(force[first:], wanted))
+        along_friction = np.zeros(m)
+        acts = sliding_share(float(rate[s_at].real), slider.friction_speed)
+        if slider.friction > 0.0 or slider.friction_force > 0.0:
+            arm, slides, along_friction = _way_of_friction(beam, here, q[0], partial)
+        if beam.kind == ROLLERS:
+            in_line, of_force = beam.treatment.inertia, -1.0
+            wanted = -law - beam.treatment.inertia * float(remainder[gap_at].real)
+        else:
+            r, in_line, of_force = beam.treatment.stabilization, 1.0, 0.0
+            wanted = -float(remainder[gap_at].real) - 2.0 * r * gap_rate - r**2 * here.gap
+        # friction goes with the size of the force: of both signs the one that the solution has
+        size, agreeing = m - first, []
+        for sign in (1.0, -1.0):
+            system = np.zeros((size + 1, size + 1))
+            system[:size, :size] = M[first:, first:]
+            system[:size, size] = (spread - slider.friction * sign * acts * along_friction)[first:]
+            system[size, :size], system[size, size] = in_line * row[first:], of_force
+            loads = force + slider.friction_force * acts * along_friction
+            solved = np.linalg.solve(system, np.append(loads[first:], wanted))
+            if solved[size] * sign >= 0.0:
+                agreeing.append(solved)
+        (solved,) = agreeing
         acceleration[first:], contact = solved[:size], float(solved[size])
+        rubbing = (slider.friction_force + slider.friction * abs(contact)) * acts
 
     # the slider on the follower: of an eliminated one a virtual turn about P, shape and place of contact kept, tells the force
     total = acceleration @ partial + remainder
     moment = float(mass @ np.imag(np.conj(present[bodies]) * (total[bodies] - g)))
-    moment += tip.inertia * total[alpha_end].real + scene.base.inertia * total[q2_at].real + scene.base.damping * rate[q2_at].real
+    moment += tip.inertia * total[alpha_end].real + scene.base.inertia * total[q2_at].real + at_hinge
     moment -= (complex(present[N + 1]).conjugate() * tool).imag
     slider_moment = tangential = torque = drive_power = 0.0
     tangent, lever, pull, at_crank = 0.0j, 0.0j, 0.0j, 0.0j
@@ -441,6 +490,8 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
             curvature = float(here.psi.slope(here.s, piece))
             slider_moment = -slider_inertia * total[at_slider].real / (1.0 - here.gap * curvature)
             tangential = -slider_moment * curvature
+        tangential += rubbing / slides
+        slider_moment += arm * rubbing / slides
         if beam.kind == ELIMINATED:
             turned = (lever.conjugate() * tangent).imag
             contact = (moment - slider_moment - tangential * turned) / (lever.conjugate() * 1j * tangent).imag
@@ -455,10 +506,10 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
         torque, drive_power = moment, moment * float(rate[q2_at].real)
 
     drive_power += float((tool.conjugate() * rate[N + 1]).real)
-    power = crank_damping * u[0] ** 2 + scene.base.damping * rate[q2_at].real ** 2 + bending @ u[1 : n + 1]
+    power = crank_damping * u[0] ** 2 + at_hinge * q2_rate + float(dx @ (damping_moment * bending_rate)) + lost
+    power += rubbing * float(rate[s_at].real)
     power += follower.damping * float(dx @ (beam.damps_along * rate[relative].real ** 2 + rate[relative].imag ** 2))
-    power += beam.treatment.rollers.damping * gap_rate**2 if beam.kind == ROLLERS else 0.0
-    strain = here.strain_energy + (0.5 * beam.treatment.rollers.plus * here.gap**2 if beam.kind == ROLLERS else 0.0)
+    strain = here.strain_energy + stored
     kinetic = 0.5 * float(np.sum(mass * np.abs(rate[bodies]) ** 2)) + 0.5 * crank_inertia * u[0] ** 2
     kinetic += 0.5 * sum(J * rate[which].real ** 2 for which, J in turning if J > 0.0)
     kinetic += 0.5 * beam.treatment.inertia * gap_rate**2
@@ -489,10 +540,10 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     load = -follower.mass_per_length * of_frame * (total[:N] - g) - follower.damping * drift
     of_tip = -tip.mass * of_frame * (total[N] - g), -tip.inertia * total[alpha_end].real
     at_contact = (contact * 1j + tangential) * tangent * of_frame, slider_moment
-    shown |= _recovered(beam, here, q[0], load, of_tip, at_contact, tool * of_frame)
+    shown |= _recovered(beam, here, q[0], load, of_tip, at_contact, tool * of_frame, delay * bending_rate)
     return Motion(
         configuration=here,
-        q2_rate=float(rate[q2_at].real),
+        q2_rate=q2_rate,
         s_rate=float(rate[s_at].real),
         gap_rate=gap_rate,
         partial_q2=partial[:, q2_at].real,
@@ -515,6 +566,36 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     )
 
 
+def _way_of_friction(beam: PlainBeam, here: Configuration, q1: float, partial: Complex) -> tuple[float, float, Array]:
+    """What a unit of friction against the slider's way does.
+
+    A slider without mass hands the follower a force that passes through the crank tip, which carries the opposite one.
+
+    Returns:
+        The arm (m) of the force along the tangent about the foot on the line; how far the crank tip gets along the tangent, on the
+        standing follower, for a unit of the slider's way; and the generalised force of a unit of friction for every speed.
+    """
+    assert isinstance(beam.scene, Mechanism)
+    piece, edges, N = beam.slider_piece, here.psi.edges, len(_points(here.psi.edges)[0])
+
+    def tip_at(ds: float) -> Complex:
+        """The crank tip in frame B if the slider advances, the gap kept."""
+        place, angle = here.z.at(here.s + ds, piece), here.psi.at(here.s + ds, piece)
+        return np.array([place + 1j * here.gap * np.exp(1j * angle)])
+
+    along = cmath.exp(1j * here.turn)
+    from_foot = complex(tip_at(0.0)[0]) - complex(here.z.at(here.s, piece))
+    arm = (from_foot.conjugate() * along).imag
+    slides = (along.conjugate() * complex(derivative(tip_at, 1e-3 * here.s)[0])).real
+    tangent, crank = along * here.frame, 1j * beam.scene.crank.length * cmath.exp(1j * q1)
+    found = []
+    for k, one in enumerate(partial):
+        of_line = complex(Line.through(edges, one[:N]).at(here.s, piece)) - (crank if k == 0 else 0.0)
+        turns = Line.through(edges, one[2 * N + 2 : 3 * N + 2].real).at(here.s, piece)
+        found.append(((tangent.conjugate() * of_line).real + arm * turns) / slides)
+    return arm, slides, np.array(found)
+
+
 def _recovered(
     beam: PlainBeam,
     here: Configuration,
@@ -523,6 +604,7 @@ def _recovered(
     of_tip: tuple[complex, float],
     at_slider: tuple[complex, float],
     of_tool: complex,
+    late: Array,
 ) -> dict[str, float]:
     """Bending by the loads outboard, and the line that it makes.
 
@@ -534,6 +616,7 @@ def _recovered(
         of_tip: force of the tip body (N) and its moment about its own centre (N m).
         at_slider: the slider's force (N) and moment (N m) on the follower.
         of_tool: force on the flexible end (N), frame B.
+        late: by how much the curvature stays behind that of the moment at the Gauss points, 1/m.
     """
     follower, tip, edges = beam.scene.follower, beam.scene.tip_body, here.psi.edges
     x, L, last = _points(edges)[0], follower.length, len(edges) - 2
@@ -549,10 +632,12 @@ def _recovered(
         outboard += np.imag(np.conj(centre - z) * of_tip[0]) + of_tip[1] + np.imag(np.conj(complex(here.z.at(L, last)) - z) * of_tool)
         return np.asarray(outboard + (x < here.s) * (np.imag(np.conj(place - z) * at_slider[0]) + at_slider[1]), dtype=np.float64)
 
-    bent = moment(x, z) / follower.bending_stiffness
-    gauges, twelfths, at_s = np.array(follower.strain_gauges), L * np.arange(1, 12) / 12.0, np.array([here.s])
+    bent = moment(x, z) / follower.bending_stiffness - late
+    gauges, twelfths = np.array(follower.strain_gauges), np.asarray(L * np.arange(1, 12) / 12.0, dtype=np.float64)
+    at_s = np.array([here.s])
     moments = moment(twelfths, here.z.everywhere(twelfths))
-    strains = 0.5 * follower.thickness * moment(gauges, here.z.everywhere(gauges)) / follower.bending_stiffness
+    curvature = moment(gauges, here.z.everywhere(gauges)) / follower.bending_stiffness - Line.through(edges, late).everywhere(gauges)
+    strains = 0.5 * follower.thickness * curvature
     psi = Line.through(edges, bent).integral()
     line = Line.through(edges, np.exp(1j * psi.on_pieces_of(edges))).integral()
     end, q2, s = complex(line.at(L, last)), here.q2, here.s

@@ -2,10 +2,10 @@
 
 import pytest
 
-from tests.reference_model import beam_mutants, thesis_mutants
+from tests.reference_model import beam_mutants, joint_mutants, thesis_mutants
 from tests.reference_model.mutation import Hunt, original
 
-pytestmark = pytest.mark.parametrize("hunt", [beam_mutants.HUNT, thesis_mutants.HUNT], ids=["beam", "thesis"])
+pytestmark = pytest.mark.parametrize("hunt", [beam_mutants.HUNT, joint_mutants.HUNT, thesis_mutants.HUNT], ids=["beam", "joint", "thesis"])
 
 
 def test_the_unchanged_source_agrees(hunt: Hunt) -> None:
