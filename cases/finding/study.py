@@ -83,7 +83,7 @@ def study(workshop: Workshop, *, compute: bool) -> list[Row]:
     """
     begin = dict(zip(RUNS, orbits([run_case(run).mechanism for run in RUNS], workshop), strict=True))
     ways = {"": tuple(RUNS), "finer": SAMPLE, SECOND: CONFIRMED_RUNS}
-    jobs = {}
+    jobs = dict[tuple[str, int, Way], Job[tuple[Response, ...]]]()
     for way, runs in ways.items():
         for effect in (PUBLISHED, *effects()):
             if way != SECOND or effect.id not in UNCONFIRMED:
