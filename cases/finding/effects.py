@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from cases.case_file import load_case
 from cases.data import read_toml
@@ -34,6 +34,10 @@ class Effect:
         return {} if "." in self.set else {self.set: self.strengths[strength]}
 
 
+#: The runs without any effect.
+PUBLISHED: Final = Effect("published", "none", "", ("",), (), ("as published",))
+
+
 @functools.cache
 def effects() -> tuple[Effect, ...]:
     """All of them; `words` are filled."""
@@ -46,4 +50,4 @@ def effects() -> tuple[Effect, ...]:
 
 def name_of(effect: str) -> str:
     """An effect's name for people."""
-    return next((each.name for each in effects() if each.id == effect), effect)
+    return next(each.name for each in (PUBLISHED, *effects()) if each.id == effect)

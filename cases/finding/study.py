@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from cases.finding.effects import Effect, effects
+from cases.finding.effects import PUBLISHED, Effect, effects
 from cases.finding.response import Request, Response, respond
 from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
@@ -28,9 +28,6 @@ UNCONFIRMED: Final = ("cubic",)
 FINER: Final = 0.2
 #: The run whose fast vibration the thesis describes.
 EXAMPLE: Final = 24
-#: The row of the runs without any effect.
-PUBLISHED: Final = Effect("published", "as published", "", ("",), (), ("as published",))
-
 #: How a run is computed: "" as `Effect.engine` does, "finer", or by the engine of this name.
 Way = str
 Found = Mapping[tuple[str, int, Way], tuple[Response, ...]]
@@ -73,6 +70,13 @@ class Row:
     measured: float
     claim: tuple[float, ...]
     failed: int
+
+    @property
+    def apart(self) -> float | None:
+        """By how much more the frequency changes after the return than before it, median over the runs, as a part."""
+        pairs = zip(self.pre_frequency, self.post_frequency, strict=True)
+        found = [(100.0 + after) / (100.0 + before) - 1.0 for before, after in pairs if before is not None and after is not None]
+        return statistics.median(found) if found else None
 
 
 def study(workshop: Workshop, *, compute: bool) -> list[Row]:

@@ -7,20 +7,19 @@ Nothing is adjusted to the words; every set is counted with the choices that it 
 
 import math
 import statistics
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Final
 
 from cases.experiment import Statement, axis_labels, statements
-from cases.finding import EFFECTS
+from cases.finding.effects import PUBLISHED, Effect, effects, name_of
 from cases.finding.study import EXAMPLE, Row
 from cases.library.thesis import RUNS
+from cases.runs.comparison import REFERENCE
 from reports.findings.conclusions import ACCURATE
 
-#: The row of the thesis' own model, which is the simulation, and that of the converged model without any change.
+#: The row of the thesis' own model, which is the simulation.
 SIMULATION: Final = ("cubic", "1 element")
-PUBLISHED: Final = "published"
 #: Part of an axis' range from which on a vibration is seen in a printed figure.
 VISIBLE: Final = 0.01
 #: Hz by which a frequency may be off that is read at the return: half the resolution of a sixth of a turn of run 24, 63 ms.
@@ -45,7 +44,22 @@ class Tried:
     @property
     def words(self) -> str:
         """The effect and its strength."""
-        return f"{words_of(self.row.effect)}: {self.row.strength}" if self.row.effect != PUBLISHED else self.row.strength
+        return f"{name_of(self.row.effect)}: {self.row.strength}" if self.row.effect != PUBLISHED.id else self.row.strength
+
+
+@dataclass(frozen=True)
+class Split:
+    """An effect that makes the halves differ as the words ask, at the weakest strength that does: medians of the changes, as parts."""
+
+    effect: Effect
+    strength: str
+    pre: float
+    post: float
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether it makes one roller softer than the other, the one that carries after the return."""
+        return "slider.joint_stiffness_plus" in (self.effect.set, *self.effect.also)
 
 
 @dataclass(frozen=True)
@@ -58,18 +72,26 @@ class Sufficiency:
     best: Tried | None
 
 
-def words_of(effect: str) -> str:
-    """An effect's name for people."""
-    return next((each.words for each in EFFECTS if each.id == effect), effect)
+def splits(rows: Sequence[Row]) -> list[Split]:
+    """Those of fewest choices first."""
+    excess = next(each.low for each in statements() if each.id == "post-excess")
+    found = list[Split]()
+    for effect in effects():
+        mine = [row for row in rows if row.effect == effect.id and row.engine == effect.engine]
+        if row := next((row for row in mine if row.apart is not None and row.apart <= 1.0 / excess - 1.0), None):
+            pre, post = (
+                0.01 * statistics.median([each for each in half if each is not None]) for half in (row.pre_frequency, row.post_frequency)
+            )
+            found.append(Split(effect, row.strength, pre, post))
+    return sorted(found, key=lambda each: len(each.effect.choices))
 
 
 def tried(rows: Sequence[Row]) -> list[Tried]:
-    """Every row but those of the simulation's own elements; none without a study."""
+    """Every row but those of the simulation's own elements and of a second formulation; none without a study."""
     simulation = next((row for row in rows if (row.effect, row.strength) == SIMULATION), None)
-    choices = {effect.id: effect.choices for effect in EFFECTS}
-    return (
-        [] if simulation is None else [_tried(row, simulation, choices.get(row.effect, ())) for row in rows if row.effect != SIMULATION[0]]
-    )
+    choices = {effect.id: effect.choices for effect in effects()}
+    own = [row for row in rows if row.engine == REFERENCE]
+    return [_tried(row, simulation, choices.get(row.effect, ())) for row in own] if simulation else []
 
 
 def sufficiency(sets: Sequence[Tried]) -> list[Sufficiency]:
@@ -83,22 +105,10 @@ def sufficiency(sets: Sequence[Tried]) -> list[Sufficiency]:
     return found
 
 
-def conflicts(found: Sequence[Sufficiency]) -> list[tuple[Statement, Statement]]:
-    """Pairs of statements that some sets show, each by itself, and no set both."""
-    names = [(each.statement, {id(one) for one in each.sets}) for each in found if each.sets]
-    return [(one, other) for (one, mine), (other, its) in combinations(names, 2) if not mine & its]
-
-
-def apart(row: Row) -> float | None:
-    """Median over the runs by how much more the frequency changes after the return than before it, in parts."""
-    changes = [(1.0 + after / 100.0) / (1.0 + before / 100.0) - 1.0 for before, after in _both(row)]
-    return statistics.median(changes) if changes else None
-
-
-def _both(row: Row) -> Iterator[tuple[float, float]]:
-    for before, after in zip(row.pre_frequency, row.post_frequency, strict=True):
-        if before is not None and after is not None:
-            yield before, after
+def conflicting(found: Sequence[Sufficiency], id: str) -> list[str]:
+    """Words of the statements that some sets show, but none of those that show the one named; empty if no set shows that."""
+    mine = next(each.sets for each in found if each.statement.id == id)
+    return [each.statement.words for each in found if mine and each.sets and not any(one is other for one in mine for other in each.sets)]
 
 
 def _tried(row: Row, simulation: Row, choices: tuple[str, ...]) -> Tried:

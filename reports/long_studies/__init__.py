@@ -40,7 +40,6 @@ CODE: Final[Mapping[str, tuple[str, ...]]] = {
     "confirmation": (*SIMULATION, "cases.studies"),
     "conformance": (*SIMULATION, "cases.conformance"),
     "finding": (*SIMULATION, "cases.finding", "cases.measures", "cases.runs"),
-    "finding, second formulation": (*SIMULATION, "cases.finding", "cases.measures", "cases.runs"),
 }
 #: Significant digits of recorded numbers.
 DIGITS: Final = 6
@@ -141,11 +140,6 @@ def confirming() -> list[StudiedRun]:
 def finding() -> list[finding_study.Row]:
     """What each effect changes in the thesis' runs."""
     return table("finding", finding_study.Row)
-
-
-def finding_confirmed() -> list[finding_study.Confirmation]:
-    """The same by a second formulation, in some runs."""
-    return table("finding_second", finding_study.Confirmation)
 
 
 def matrix(cases: Iterable[Case]) -> Matrix | None:

@@ -43,13 +43,11 @@ def main(arguments: Sequence[str]) -> int:
     if matrix.cells:
         _write_matrix(matrix)
     conforming = [row for name in ENGINES if (row := _conformance(name, workshop, compute=compute)) is not None]
-    effects, second = finding.study(workshop, compute=compute), finding.confirmation(workshop, compute=compute)
+    effects = finding.study(workshop, compute=compute)
     _write("conformance", conforming)
     _write("finding", effects)
-    _write("finding_second", second)
     _write("confirmation", confirmed)
-    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed, "conformance": conforming}
-    made |= {"finding": effects, "finding, second formulation": second}
+    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed, "conformance": conforming, "finding": effects}
     _write("about", [each for study in CODE if (each := _made(study) if made[study] else about(study))])
     benchmarks, cells = f"{len(found)} of {len(cases)} scenes of the benchmark", f"{len(matrix.cells)} cells of the hard scenes"
     others = f"conformance of {len(conforming)} engines, {len(effects)} rows on the thesis' finding"

@@ -45,7 +45,7 @@ class Plot:
         below: values on the vertical axis below this mean nothing: the range is shaded.
         categories: where one axis has texts instead of numbers, these: each is a row, and `y` belongs to the horizontal axis.
         limit: a value that is marked by a line across the rows, and what it is.
-        regions: areas behind the points: a name, and corners as pairs of values.
+        regions: areas behind the points: their corners as pairs of values.
     """
 
     file: str
@@ -56,7 +56,7 @@ class Plot:
     below: float | None = None
     categories: Sequence[str] = ()
     limit: tuple[float, str] | None = None
-    regions: Sequence[tuple[str, Sequence[tuple[float, float]]]] = ()
+    regions: Sequence[Sequence[tuple[float, float]]] = ()
 
     @property
     def document(self) -> dict[str, Any]:

@@ -5,11 +5,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.finding.study import Confirmation, Row
-from reports.findings.sufficiency import Sufficiency, Tried, apart, words_of
-from reports.tables.table import Cell, Column, Table
-from reports.words import HALF, percent
+from cases.finding.effects import name_of
+from cases.finding.study import SAMPLE, SECOND, Row
+from cases.library.thesis import RUNS
+from cases.runs.comparison import REFERENCE
+from reports.findings.sufficiency import Sufficiency, Tried
+from reports.tables.table import Cell, Column, Columns, Table
+from reports.words import HALF, listed, percent
 
+#: How the columns of both formulations begin -> the engine.
+WAYS: Final = {"": REFERENCE, "second_": SECOND}
 #: Statements that compare simulation and experiment in numbers -> heading of the share of runs that show them.
 RELATIONS: Final = {
     "pre-frequency": "f₁ pre right",
@@ -46,15 +51,15 @@ def effects(rows: Sequence[Row]) -> Table:
         Column("ring", "at the return", "Hz", ".0f", group="run 24"),
         Column("failed", form="d", in_page=False),
     ]
-    table = Table("finding", columns)
+    table = Table("finding", columns, sample=listed([str(run) for run in SAMPLE]))
     for row in rows:
         claims = dict(zip(("frequency", "amplitude", "acceleration", "strain", "band"), row.claim, strict=False))
         units = {"band": 1.0}
         table.add(
-            effect=words_of(row.effect),
+            effect=name_of(row.effect),
             strength=row.strength,
             **_halves(row),
-            apart=apart(row),
+            apart=row.apart,
             measured=row.measured / 100.0,
             acceleration=row.acceleration[1] / 100.0,
             strain=row.strain[1] / 100.0,
@@ -87,32 +92,31 @@ def spread(values: Sequence[float | None]) -> tuple[float, ...]:
     return tuple(float(each) for each in np.percentile(found, (25.0, 50.0, 75.0))) if found else ()
 
 
-def second(found: Sequence[Confirmation]) -> Table:
-    """Both formulations."""
-    columns = [
-        Column(f"{who}{half}", HALF[half], "%", "+.2f", group=name)
-        for who, name in (("", "reference"), ("second_", "mujoco"))
-        for half in HALF
-    ]
-    table = Table("finding_second", ("effect", "strength", Column("run", form="d"), *columns, Column("reason", in_page=False)))
-    for each in found:
-        numbers = {column.key: getattr(each, column.key) for column in columns}
-        shares = {key: None if value is None else value / 100.0 for key, value in numbers.items()}
-        table.add(each, effect=words_of(each.effect), **shares)
+def second(pairs: Sequence[tuple[Row, Row]]) -> Table:
+    """Both formulations, run by run."""
+    columns = [Column(f"{who}{half}", HALF[half], "%", "+.2f", group=name) for who, name in WAYS.items() for half in HALF]
+    table = Table("finding_second", ("effect", "strength", Column("run", form="d"), *columns))
+    for row, other in pairs:
+        for run in RUNS:
+            numbers = [getattr(each, f"{half}_frequency")[run - 1] for each in (row, other) for half in HALF]
+            if any(number is not None for number in numbers[len(HALF) :]):
+                shares = (None if number is None else number / 100.0 for number in numbers)
+                cells = zip((column.key for column in columns), shares, strict=True)
+                table.add(effect=name_of(row.effect), strength=row.strength, run=run, **dict(cells))
     return table
 
 
 def sets(found: Sequence[Tried]) -> Table:
     """Every set, the choices it takes, and what it shows."""
     shares = [Column(name, head, "%", ".0f", group="share of the runs") for name, head in RELATIONS.items()]
-    columns = ("effect", "strength", Column("choices", form="d"), Column("chosen", in_page=False), *shares)
+    columns: Columns = ("effect", "strength", Column("choices", form="d"), Column("chosen", in_page=False), *shares)
     table = Table(
         "sufficiency_sets", (*columns, Column("ring", "at the return", "Hz", ".0f", group="run 24"), Column("statements", form="d"))
     )
     for each in found:
         cells = {name: Cell(each.shares[name], mark="good" if each.shown[name] else "") for name in RELATIONS}
         table.add(
-            effect=words_of(each.row.effect),
+            effect=name_of(each.row.effect),
             strength=each.row.strength,
             choices=len(each.choices),
             chosen=", ".join(each.choices),
@@ -144,7 +148,7 @@ def _suffices(found: Sufficiency, of_no_joint: Sequence[str]) -> Cell:
     if found.sets:
         strengths: dict[str, list[str]] = {}
         for each in found.sets:
-            strengths.setdefault(words_of(each.row.effect), []).append(each.row.strength)
+            strengths.setdefault(name_of(each.row.effect), []).append(each.row.strength)
         return Cell("; ".join(f"{effect} ({', '.join(names)})" for effect, names in strengths.items()), mark="good")
     if found.best is None:
         return Cell("none", mark="missed")

@@ -1,64 +1,60 @@
 """What the thesis' finding comes from: the recorded study, the picture of it, and what would suffice."""
 
 import statistics
-from collections.abc import Mapping, Sequence
-from itertools import groupby
+from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.finding import EFFECTS
-from cases.finding.study import Confirmation, Row
-from cases.runs.comparison import REFERENCE, CaseResult
-from reports.findings.conclusions import ACCURATE
+from cases.experiment import statements
+from cases.finding.effects import effects, name_of
+from cases.finding.study import SECOND, Row
+from cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from reports.findings.runs import thesis_runs
-from reports.findings.sufficiency import OF_NO_JOINT, SIMULATION, Tried, apart, conflicts, sufficiency, tried, words_of
+from reports.findings.sufficiency import OF_NO_JOINT, SIMULATION, Tried, conflicting, splits, sufficiency, tried
 from reports.page.plot import Plot, Series
 from reports.tables import finding as tables
 from reports.words import number
 
-#: The ratio after the return over that before it from which on the thesis' words "more substantial" are read.
-EXCESS: Final = 1.02
+#: The readings of the words that the frequency before the return is right, and that after it the excess is larger.
+PRE: Final = next(each for each in statements() if each.id == "pre-frequency")
+EXCESS: Final = next(each.low for each in statements() if each.id == "post-excess")
+#: How far down the region is drawn that is open below, as a part of the frequency.
+DEPTH: Final = 0.06
+#: Effects of friction.
+FRICTION: Final = ("friction", "drag", "pivot")
 #: The effect that preload makes linear again.
 PRELOAD: Final = "preload"
 
 
-def finding(rows: Sequence[Row], second: Sequence[Confirmation], results: Sequence[CaseResult]) -> dict[str, Any]:
+def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any]:
     """Facts for the chapter on the thesis; empty without a recorded study."""
-    sets = tried(rows)
+    sets = tried(study)
+    rows, second = ([row for row in study if (row.engine == SECOND) == other] for other in (False, True))
+    pairs = [(mine, its) for its in second for mine in rows if (mine.effect, mine.strength) == (its.effect, its.strength)]
     if not sets:
         return {}
     found = sufficiency(sets)
-    symmetric = {effect.id for effect in EFFECTS if effect.symmetric}
-    moved = {(row.effect, row.strength): gap for row in rows if (gap := apart(row)) is not None}
+    symmetric = {effect.id for effect in effects() if effect.symmetric}
+    moved = {(row.effect, row.strength): gap for row in rows if (gap := row.apart) is not None}
+    splitting = splits(rows)
     return {
-        "splitting": _splitting(rows, moved),
+        "splitting": splitting,
+        "only_one_sided": all(each.one_sided for each in splitting),
         "symmetric": max(abs(gap) for (effect, _), gap in moved.items() if effect in symmetric),
-        "against": max(((gap, words_of(effect), strength) for (effect, strength), gap in moved.items()), default=None),
+        "against": max((gap, name_of(effect), strength) for (effect, strength), gap in moved.items() if effect in FRICTION),
         "nothing": [each.statement.words for each in found if not each.sets and each.statement.id not in OF_NO_JOINT],
-        "conflicts": [(one.words, other.words) for one, other in conflicts(found)],
+        "conflicting": conflicting(found, "post-excess"),
         "sets": len(sets),
         "choices": sorted({len(each.choices) for each in sets}),
         "most": max(sets, key=lambda each: sum(each.shown.values())),
         "rings": _rings(sets),
         "gentle": _gentle(rows, results),
-        "apart_from_second": _from_second(second),
+        "from_second": _from_second(pairs),
         "effects_plot": _plot(rows),
         "effects": tables.effects(rows),
-        "second": tables.second(second),
+        "second": tables.second(pairs),
         "sufficient": tables.statements(found, len(sets), OF_NO_JOINT),
         "all_sets": tables.sets(sets),
     }
-
-
-def _splitting(rows: Sequence[Row], moved: Mapping[tuple[str, str], float]) -> list[dict[str, Any]]:
-    """Of each effect that makes the halves differ as the words ask for the weakest strength that does, those of fewest choices first."""
-    choices = {effect.id: len(effect.choices) for effect in EFFECTS}
-    found = []
-    for row in rows:
-        if moved.get((row.effect, row.strength), 0.0) <= 1.0 / EXCESS - 1.0 and row.effect not in {each["effect"] for each in found}:
-            medians = {half: tables.spread(getattr(row, f"{half}_frequency"))[1] for half in ("pre", "post")}
-            told = {"effect": row.effect, "words": words_of(row.effect), "strength": row.strength, "choices": choices[row.effect]}
-            found.append(told | medians | {"runs": len(tables.known(row.post_frequency))})
-    return sorted(found, key=lambda each: each["choices"])
 
 
 def _rings(sets: Sequence[Tried]) -> dict[str, list[float]]:
@@ -94,47 +90,32 @@ def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any
     }
 
 
-def _from_second(found: Sequence[Confirmation]) -> tuple[float, int, int] | None:
-    """Largest difference of a change between both formulations, of how many, and how many the second one could not make."""
-    pairs = [pair for each in found for pair in ((each.pre, each.second_pre), (each.post, each.second_post))]
-    differences = [abs(one - other) / 100.0 for one, other in pairs if one is not None and other is not None]
-    return (max(differences), len(differences), sum(bool(each.reason) for each in found)) if differences else None
+def _from_second(pairs: Sequence[tuple[Row, Row]]) -> tuple[float, int] | None:
+    """Largest difference of a change of frequency between both formulations, and of how many."""
+    halves = [f"{half}_frequency" for half in HALVES]
+    changes = [zip(getattr(mine, half), getattr(its, half), strict=True) for mine, its in pairs for half in halves]
+    differences = [abs(one - other) / 100.0 for each in changes for one, other in each if one is not None and other is not None]
+    return (max(differences), len(differences)) if differences else None
 
 
 def _plot(rows: Sequence[Row]) -> Plot:
-    """Change before the return across, after it up: an effect a line through its strengths."""
+    """Change before the return across, after it up: an effect a line through its strengths; bars from quartile to quartile of the runs."""
     series = []
-    for effect, strengths in groupby(rows, lambda row: row.effect):
-        points = [(row, tables.spread(row.pre_frequency), tables.spread(row.post_frequency)) for row in strengths]
-        points = [point for point in points if point[1] and point[2] and effect in {each.id for each in EFFECTS}]
-        if points:
-            series.append(
-                Series(
-                    words_of(effect),
-                    effect,
-                    [100.0 * pre[1] for _, pre, _ in points],
-                    [100.0 * post[1] for _, _, post in points],
-                    [
-                        f"{row.strength}: {number(100.0 * pre[1], '+.1f')} % and {number(100.0 * post[1], '+.1f')} %"
-                        for row, pre, post in points
-                    ],
-                    bars=[[100.0 * pre[0], 100.0 * pre[2], 100.0 * post[0], 100.0 * post[2]] for _, pre, post in points],
-                )
-            )
-    lowest = min(bar[2] for each in series for bar in each.bars)
-    cubic = next((row for row in rows if (row.effect, row.strength) == SIMULATION), None)
-    excess = 1.0 + tables.spread(cubic.pre_frequency)[1] if cubic else 1.0
-    regions = [
-        _region("asked of the machine, were the simulation right else", 1.0, lowest),
-        _region("with one cubic as the simulation", excess, lowest),
-    ]
+    for effect in effects():
+        mine = [row for row in rows if row.effect == effect.id]
+        spreads = [tuple(100.0 * each for each in tables.spread(row.pre_frequency) + tables.spread(row.post_frequency)) for row in mine]
+        points = [(row, spread) for row, spread in zip(mine, spreads, strict=True) if len(spread) == 6]
+        told = [f"{row.strength}: {number(spread[1], '+.1f')} % before, {number(spread[4], '+.1f')} % after" for row, spread in points]
+        across, up = [spread[1] for _, spread in points], [spread[4] for _, spread in points]
+        bars = [(spread[0], spread[2], spread[3], spread[5]) for _, spread in points]
+        series.append(Series(effect.name, effect.id, across, up, told, bars=bars))
+    cubic = next(row for row in rows if (row.effect, row.strength) == SIMULATION)
+    regions = [_asked(1.0), _asked(1.0 + tables.spread(cubic.pre_frequency)[1])]
     return Plot("finding.csv", "change before the return [%]", "change after the return [%]", series, regions=regions)
 
 
-def _region(name: str, simulation: float, lowest: float) -> tuple[str, list[tuple[float, float]]]:
-    """What the experiment may be where the simulation is right before the return and too high by more after it."""
-    ends = [simulation / ratio for ratio in reversed(ACCURATE)]
-    corners = [(end, end / EXCESS) for end in ends]
-    below = 1.0 + lowest / 100.0 if simulation == 1.0 else min(end / EXCESS for end in ends) - 0.05
-    corners += [(ends[1], below), (ends[0], below)]
-    return name, [(100.0 * (x - 1.0), 100.0 * (y - 1.0)) for x, y in corners]
+def _asked(simulation: float) -> list[tuple[float, float]]:
+    """Where the experiment lies by the words, %: the simulation right before the return, and too high by more after it; open below."""
+    ends = [simulation / ratio for ratio in (PRE.high, PRE.low)]
+    corners = [(end, end / EXCESS) for end in ends] + [(end, end / EXCESS - DEPTH) for end in reversed(ends)]
+    return [(100.0 * (x - 1.0), 100.0 * (y - 1.0)) for x, y in corners]

@@ -84,7 +84,7 @@ class Chart {
   /** Points and lines over two axes. */
   axes(shown, width) {
     const { plot } = this, named = width >= 760, height = width < 500 ? 320 : 380, [above, below] = [30, 44];
-    const marked = (axis) => [...shown.flatMap((series) => [...series[axis ? "y" : "x"], ...series.bars.flatMap((bar) => bar.slice(2 * axis, 2 * axis + 2))]), ...plot.regions.flatMap(([, corners]) => corners.map((corner) => corner[axis]))];
+    const marked = (axis) => [...shown.flatMap((series) => [...series[axis ? "y" : "x"], ...series.bars.flatMap((bar) => bar.slice(2 * axis, 2 * axis + 2))]), ...plot.regions.flat().map((corner) => corner[axis])];
     const vertical = new Axis(marked(1), plot.log.includes("y"), [height - below, above], 7);
     const left = 14 + Math.max(...vertical.ticks.map((value) => wide(onAxis(value)))), right = named ? 24 + Math.max(...shown.map(({ name }) => wide(name, NAME))) : 14;
     const horizontal = new Axis(marked(0), plot.log.includes("x"), [left, width - right], Math.floor((width - left - right) / 60));
@@ -98,10 +98,7 @@ class Chart {
       const top = Math.max(above, vertical.place(Math.min(plot.below, vertical.high)));
       made.append(svg("rect", { x: left, y: top, width: width - left - right, height: height - below - top, fill: colour("soft"), "fill-opacity": 0.16 }));
     }
-    for (const [name, corners] of plot.regions) {
-      const points = corners.map(([x, y]) => [horizontal.place(x), vertical.place(y)]), [x] = points[0], y = Math.max(...points.map((point) => point[1]));
-      made.append(svg("polygon", { points: points.join(" "), fill: colour("soft"), "fill-opacity": 0.16 }), words(x + 4, y - 5, name, { anchor: "start", fill: colour("ink") }));
-    }
+    for (const corners of plot.regions) made.append(svg("polygon", { points: corners.map(([x, y]) => [horizontal.place(x), vertical.place(y)]).join(" "), fill: colour("soft"), "fill-opacity": 0.16 }));
     made.append(svg("path", { d: `M${left} ${above}V${height - below}H${width - right}`, fill: "none", stroke: colour("soft") }));
     made.append(words(4, 16, plot.y, { anchor: "start", fill: colour("ink"), size: NAME }));
     made.append(words((left + width - right) / 2, height - 6, plot.x, { fill: colour("ink"), size: NAME }));
