@@ -85,13 +85,14 @@ def study(workshop: Workshop, *, compute: bool) -> list[Row]:
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    begin = dict(zip(RUNS, orbits([run_case(run).mechanism for run in RUNS], workshop), strict=True))
-    ways = {"": tuple(RUNS), "finer": SAMPLE, SECOND: CONFIRMED_RUNS}
+    order = (*SAMPLE, *(run for run in RUNS if run not in SAMPLE))
+    begin = dict(zip(order, orbits([run_case(run).mechanism for run in order], workshop), strict=True))
+    ways = {"": order, "finer": SAMPLE, SECOND: CONFIRMED_RUNS}
     jobs = dict[tuple[str, int, Way], Job[tuple[Response, ...]]]()
     for way, runs in ways.items():
-        for effect in (PUBLISHED, *effects()):
-            if way != SECOND or effect.id not in UNCONFIRMED:
-                jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for run in runs}
+        for run in runs:  # run by run, so that what is there when it is cut off is about the same for all effects
+            known = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id not in UNCONFIRMED]
+            jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for effect in known}
     if compute:
         outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
     else:

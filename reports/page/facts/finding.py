@@ -26,12 +26,12 @@ PRELOAD: Final = "preload"
 
 
 def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any]:
-    """Facts for the chapter on the thesis; empty without a recorded study."""
+    """Facts for the chapter on the thesis; no plot among them without a recorded study."""
     sets = tried(study)
     rows, second = ([row for row in study if (row.engine == SECOND) == other] for other in (False, True))
     pairs = [(mine, its) for its in second for mine in rows if (mine.effect, mine.strength) == (its.effect, its.strength)]
     if not sets:
-        return {}
+        return {"splitting": [], "effects_plot": None}
     found = sufficiency(sets)
     symmetric = {effect.id for effect in effects() if effect.symmetric}
     moved = {(row.effect, row.strength): gap for row in rows if (gap := row.apart) is not None}
