@@ -19,8 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.measures import CHANNELS, Cycle, Measure, consensus_of, measure_cycle, time_scale
+from cases.measures import CHANNELS, Cycle, TimeScale, time_scale
+from cases.measures.consensus import consensus
 from cases.measures.cycle import HALVES
+from cases.measures.first_mode import FirstMode, fit_first_modes
+from cases.measures.half_cycle import channel_half, half_cycle
 from cases.runs.marching import March, output_step, whole_cycles
 from cases.runs.orbit import PeriodicStart
 from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
@@ -33,7 +36,7 @@ Array = NDArray[np.float64]
 
 #: Cycles that are recorded once the motion is steady, and of those the share whose vibration is fitted, which takes longest.
 CYCLES: Final = 8
-EVERY: Final = 3
+EVERY: Final = 4
 #: Part of a disturbance that may be left before that.
 LEFT: Final = 0.03
 #: Cycles from which the speed is foretold that a torque leads to, by which part it may miss, and how often the torque is corrected.
@@ -193,28 +196,32 @@ def carrying(scene: Mechanism, half: str) -> Mechanism:
 
 def _first_modes(scene: Mechanism, cycles: list[Cycle]) -> dict[str, Half]:
     """Both halves, each on the time scale of the scene as small vibrations find it there."""
-    scenes = {half: carrying(scene, half) for half in HALVES}
-    measured: dict[Mechanism, list[tuple[Measure, ...]]] = {}
-    for found in dict.fromkeys(scenes.values()):
-        scale = time_scale(found)
-        measured[found] = [
-            measure_cycle(scale, cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in CHANNELS}).measures
-            for cycle in cycles
-        ]
-    return {half: _half(half, measured[found]) for half, found in scenes.items()}
+    scales = {found: time_scale(found) for found in {carrying(scene, half) for half in HALVES}}
+    return {half: _half(half, [_fitted(scales[carrying(scene, half)], half, cycle) for cycle in cycles]) for half in HALVES}
 
 
-def _half(half: str, cycles: list[tuple[Measure, ...]]) -> Half:
-    here = [[measure for measure in cycle if measure.half == half] for cycle in cycles]
+def _fitted(scale: TimeScale | None, half: str, cycle: Cycle) -> dict[str, FirstMode]:
+    """The first mode in one half, by channel; `cases.measures.measure_cycle` would fit both on one scale, and a second mode."""
+    if scale is None:
+        return {}
+    turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
+    start, end = CubicSpline(turned, cycle.time)(np.pi * np.array((0.0, 1.0) if half == "pre" else (1.0, 2.0)))
+    here = half_cycle(scale, float(start), float(end), CubicSpline(cycle.time, cycle.crank_angle))
+    signals = {name: CubicSpline(cycle.time, cycle.channels[name]) for name in scale.channels}
+    return fit_first_modes({name: channel_half(scale, here, name, signal) for name, signal in signals.items()})
 
+
+def _half(half: str, cycles: list[dict[str, FirstMode]]) -> Half:
     def mean(quantity: str) -> dict[str, float]:
-        found = {channel[0].channel: [getattr(each, quantity) for each in channel] for channel in zip(*here, strict=True)}
+        found = {name: [getattr(cycle[name], quantity) for cycle in cycles] for name in cycles[0]}
         return {name: float(np.mean(values)) for name, values in found.items() if None not in values}
 
-    agreed = [consensus_of(half, each).first_mode_frequency for each in here]
+    frequencies, uncertainties = mean("frequency"), mean("frequency_uncertainty")
+    weights = list(uncertainties.values())
+    agreed = [consensus(half, [cycle[name].frequency or 0.0 for name in frequencies], weights).first_mode_frequency for cycle in cycles]
     known = [frequency for frequency in agreed if frequency is not None]
     scatter = float(np.std(known, ddof=1) / np.mean(known) / math.sqrt(len(known))) if len(known) > 1 else 0.0
-    return Half(mean("first_mode_frequency"), mean("first_mode_frequency_uncertainty"), mean("first_mode_amplitude"), scatter)
+    return Half(frequencies, uncertainties, mean("amplitude"), scatter)
 
 
 def _ring(cycle: Cycle) -> Ring:
