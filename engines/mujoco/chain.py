@@ -5,13 +5,12 @@ at the end. Links are uniform rods and hinges have the stiffness EI/h: with both
 stiffness cancel in the interior, what is left is of order h⁴ (see the centre line in kernels.py for the last term of order h²).
 """
 
-import math
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from engines.base import ModelDescription
+from reference_model.joint import in_words
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 # kg and kg m^2: MuJoCo accepts no body with 1e-15 or less. A small machine's link has some 1e-13 kg m^2: with 1e-12 here, 60 links of an
@@ -66,7 +65,8 @@ def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: floa
         if number == 0:
             joint.damping = _polynomial(base.damping)
         else:
-            joint.stiffness = _polynomial(follower.bending_stiffness * hinges / follower.length)
+            stiffness = follower.bending_stiffness * hinges / follower.length
+            joint.stiffness, joint.damping = _polynomial(stiffness), _polynomial(follower.material_damping * stiffness)
             joint.armature = armature
         place = piece
     if tip is not None:
@@ -115,17 +115,19 @@ def describe(scene: Scene, hinges: int) -> ModelDescription:
         bodies.append("base: block and half a link about P")
         bodies += [f"link {j}: rigid rod" for j in range(1, hinges)]
         bodies.append(f"link {hinges}: half a link at the end")
-    joints += [f"hinge {j}: spring EI/h" for j in range(1, hinges + 1)]
+    spring = "spring EI/h" if scene.follower.material_damping == 0.0 else "spring EI/h and damper"
+    joints += [f"hinge {j}: {spring}" for j in range(1, hinges + 1)]
     if scene.tip is not None:
         bodies.append("tip: rigid body fixed to the end")
     if isinstance(scene, Mechanism):
         moving = "crank tip" if scene.crank_is_free else "crank tip, moved at the prescribed speed,"
-        compliant = math.isfinite(scene.slider.joint_stiffness)
+        compliant = not scene.slider.is_rigid
         how = (
-            "beside the follower's smooth centre line: spring and damper"
+            f"beside the follower's smooth centre line: {in_words(scene.slider)}"
             if compliant
             else "on the follower's smooth centre line: one constraint, exact multiplier"
         )
+        how += ", with friction" if scene.slider.has_friction else ""
         joints.append(f"{moving} {how}")
         free += int(scene.crank_is_free) + int(compliant)
     return ModelDescription(tuple(bodies), tuple(joints), free)
@@ -145,7 +147,7 @@ def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> t
 
 
 def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
-    """Damping matrix (N m s) that goes with `follower_matrices`: what the kernel's forces on the link centres do to a straight chain."""
+    """Damping matrix (N m s) that goes with `follower_matrices`: of a straight chain, on link centres and in hinges."""
     lengths = np.full(hinges, scene.follower.length / max(hinges, 1))
     lengths[-1:] *= 0.5
     every_hinge = np.tril(np.ones((hinges, hinges)))  # turns its own link and every one beyond
@@ -153,4 +155,7 @@ def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
     damping = np.zeros((hinges + 1, hinges + 1))
     damping[0, 0] = scene.base.damping
     damping[1:, 1:] = scene.follower.damping * (centres.T * lengths) @ centres
+    if scene.follower.material_damping > 0.0:
+        in_hinge = scene.follower.material_damping * scene.follower.bending_stiffness * hinges / scene.follower.length
+        damping[1:, 1:] += in_hinge * np.eye(hinges)
     return damping

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines import refusals
-from engines.base import SPRING, USUAL, Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
+from engines.base import FRICTION, ROLLERS, USUAL, Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
 from engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
 from engines.start import Start
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -39,7 +39,7 @@ class MujocoEngine(Engine[ChainSettings]):
     method: ClassVar[str] = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, Runge-Kutta of order 4"
     default_accuracy: ClassVar[float] = 7e-3
     settings_type = ChainSettings
-    quantities = (*USUAL, *SPRING)
+    quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping")
 
     def version(self) -> str:
         return f"mujoco {installed(*_DISTRIBUTIONS) or 'not installed'}"

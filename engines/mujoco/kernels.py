@@ -31,6 +31,7 @@ from engines.mujoco.native import (
     pointer,
 )
 from reference_model import columns as c
+from reference_model import joint
 from reference_model.spin_up import base_motion as motion_of_base
 from reference_model.tip_force import share as share_of_force
 
@@ -53,7 +54,9 @@ CONTEXT = np.dtype(
         ("bending_stiffness", "f8"),  # N m^2, 0 for a rigid follower
         ("half_thickness", "f8"),
         ("beam_damping", "f8"),  # N s/m^2
+        ("material_damping", "f8"),  # s
         ("base_damping", "f8"),  # N m s/rad
+        ("base_friction", "f8"),  # N m
         ("pivot_distance", "f8"),
         ("crank_length", "f8"),
         ("crank_is_free", "i8"),
@@ -78,12 +81,21 @@ CONTEXT = np.dtype(
         ("spin_up_speed", "f8"),
         ("spin_up_time", "f8"),  # s
         ("joint_is_compliant", "i8"),
-        ("joint_stiffness", "f8"),  # N/m
-        ("joint_damping", "f8"),  # N s/m
+        ("plus", "f8"),  # this and the next five: see `joint.Rollers`
+        ("minus", "f8"),
+        ("plus_from", "f8"),
+        ("minus_from", "f8"),
+        ("contact_loss", "f8"),
+        ("joint_damping", "f8"),
+        ("friction", "f8"),  # 1
+        ("friction_force", "f8"),  # N
+        ("friction_speed", "f8"),  # m/s
         # the slider now
         ("slider_position", "f8"),
         ("slider_speed", "f8"),
         ("slider_force", "f8"),  # N, on the follower
+        ("tangential_force", "f8"),  # N, the same
+        ("slider_couple", "f8"),  # N m, the same: friction acts at the crank tip, which is beside the line
         ("gap", "f8"),
         # the crank's motor and the dampings: now, and integrated with the weights of the Runge-Kutta stages
         ("drive_torque", "f8"),
@@ -123,6 +135,7 @@ def _entry(signature: Any) -> Callable[[Function], Function]:
 
 
 share, base_motion = _compiled(share_of_force), _compiled(motion_of_base)
+joint_force, joint_energy, friction_share = _compiled(joint.joint_force), _compiled(joint.joint_energy), _compiled(joint.friction_share)
 
 
 @_compiled
@@ -221,6 +234,30 @@ def _constraint_row(ctx: Context, e: Points, c0: Array, tangent: complex, crank_
 
 
 @_compiled
+def _sliding_row(ctx: Context, e: Points, at: tuple[Array, Array, Array, complex], crank_arm: complex) -> tuple[Array, float, float]:
+    """(S, S_crank, 1/(1 - gap curvature)): rate of the foot's arc length is S q̇ + S_crank q̇1, as with `_constraint_row`.
+
+    Args:
+        ctx: the simulation, with its gap.
+        e: directions of the links.
+        at: c, c', c'' and the tangent there, see `_find_slider`.
+        crank_arm: from O to the crank tip.
+    """
+    c0, c1, c2, tangent = at
+    normal, slope = 1j * tangent, abs((c1 * e).sum())
+    share = 1.0 / (1.0 - ctx.gap * _dot(normal, (c2 * e).sum()) / slope**2)
+    crank = share * _dot(tangent, 1j * crank_arm)
+    row = np.empty(ctx.coordinates)
+    if ctx.crank_is_free:
+        row[0] = crank
+    outboard = 0.0
+    for i in range(ctx.hinges, -1, -1):
+        outboard += share * (c0[i] * _dot(normal, e[i]) + ctx.gap / slope * c1[i] * _dot(tangent, e[i]))
+        row[ctx.coordinates - ctx.hinges - 1 + i] = outboard
+    return row, crank, share
+
+
+@_compiled
 def _crank(ctx: Context, time: float, qpos: Array, qvel: Array) -> tuple[complex, float, float]:
     """(arm from O to the slider, angle, speed)."""
     if ctx.crank_is_free:
@@ -257,6 +294,54 @@ def _damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
 
 
 @_compiled
+def _damp_hinges(ctx: Context, qvel: Array) -> float:
+    """Power that the material takes in the hinges, W; MuJoCo's joints have the moments of it."""
+    if ctx.material_damping == 0.0:
+        return 0.0
+    rates = qvel[ctx.coordinates - ctx.hinges :]
+    return ctx.material_damping * ctx.bending_stiffness / ctx.link_length * np.sum(rates**2)
+
+
+@_compiled
+def _rub_pivot(ctx: Context, rate: float, force: Array) -> float:
+    """Add the friction of the pivot to the base's share of `force`; returns the power taken, W."""
+    if ctx.base_friction == 0.0:
+        return 0.0
+    moment = ctx.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE)
+    force[ctx.coordinates - ctx.hinges - 1] -= moment
+    return moment * rate
+
+
+@_compiled
+def _hold(model: int, data: int, ctx: Context, rows: tuple[Array, Array], remaining: float, sliding: float, applied: Array) -> float:
+    """Multiplier of a rigid joint: the gap's acceleration vanishes. The slider's friction is in proportion to it, and so found with it.
+
+    Args:
+        model: by address; `data` alike.
+        data: see `model`.
+        ctx: the simulation.
+        rows: of `_constraint_row` and `_sliding_row`.
+        remaining: the gap's acceleration without that of the coordinates, m/s^2.
+        sliding: share of the friction that acts, with its sign.
+        applied: forces without the joint's.
+    """
+    n, row = ctx.coordinates, rows[0]
+    count = 2 if ctx.friction == 0.0 else 3
+    known, solved = np.empty((count, n)), np.empty((count, n))
+    known[0] = _array(ctx.force_passive, n) - _array(ctx.force_bias, n) + applied
+    known[1] = row
+    if ctx.friction > 0.0:
+        known[2] = rows[1]
+    mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, count)
+    asked, held = -(np.dot(row, solved[0]) + remaining), np.dot(row, solved[1])
+    if ctx.friction > 0.0:
+        held -= math.copysign(ctx.friction, asked) * sliding * np.dot(row, solved[2])
+        if not held > 0.0:  # the friction jams the slider
+            return math.nan
+    return asked / held
+
+
+@_compiled
 def _pushes(ctx: Context, crank_angle: float) -> complex:
     """The force on the tip, N, along n1 + i n2."""
     if ctx.tip_force == 0.0:
@@ -279,6 +364,13 @@ def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: 
         force[first + i] += moment
         power += part * rates[i]
     return power
+
+
+@_compiled
+def _rate(ctx: Context, row: Array, qvel: Array, crank_row: float, crank_speed: float) -> float:
+    """Rate that a row of the coordinates' rates, and of the crank's, describes."""
+    along = np.dot(row, qvel)
+    return along if ctx.crank_is_free else along + crank_row * crank_speed
 
 
 @_compiled
@@ -306,28 +398,38 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     if ctx.crank_is_free:
         applied[0] = ctx.crank_torque
     dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
-    dissipation += _damp_beam(ctx, e, rates, applied)
+    dissipation += _damp_beam(ctx, e, rates, applied) + _damp_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
     tool_power = _push_tip(ctx, angle, e, rates, applied)
 
+    rubs = ctx.friction > 0.0 or ctx.friction_force > 0.0
+    sliding, sliding_speed, sliding_row, crank_sliding, share_at_foot = 0.0, 0.0, row, 0.0, 1.0
+    if rubs:
+        sliding_row, crank_sliding, share_at_foot = _sliding_row(ctx, e, (c0, c1, c2, tangent), crank_arm)
+        sliding_speed = _rate(ctx, sliding_row, qvel, crank_sliding, crank_speed)
+        sliding = friction_share(sliding_speed, ctx.friction_speed)
+        applied -= ctx.friction_force * sliding * sliding_row
     if ctx.joint_is_compliant:
-        gap_rate = np.dot(row, qvel)
-        if not ctx.crank_is_free:
-            gap_rate += crank_row * crank_speed
-        multiplier = -ctx.joint_stiffness * ctx.gap - ctx.joint_damping * gap_rate
-        dissipation += ctx.joint_damping * gap_rate**2
+        gap_rate = _rate(ctx, row, qvel, crank_row, crank_speed)
+        law = ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from
+        multiplier = -joint_force(ctx.gap, gap_rate, *law, ctx.contact_loss, ctx.joint_damping)
+        dissipation -= gap_rate * (multiplier + joint_force(ctx.gap, 0.0, *law, 0.0, 0.0))
     else:
-        known, solved = np.empty((2, n)), np.empty((2, n))
-        known[0] = _array(ctx.force_passive, n) - _array(ctx.force_bias, n) + applied
-        known[1] = row
-        mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
-        multiplier = -(np.dot(row, solved[0]) + remaining) / np.dot(row, solved[1])
+        multiplier = _hold(model, data, ctx, (row, sliding_row), remaining, sliding, applied)
     applied += multiplier * row
     ctx.slider_force = -multiplier
-
     ctx.drive_torque = ctx.crank_torque
     if not ctx.crank_is_free:
         weight = ctx.prescribed_weight_2 * math.cos(angle) - ctx.prescribed_weight_1 * math.sin(angle)
         ctx.drive_torque = weight - multiplier * crank_row
+    if rubs:
+        with_force = ctx.friction * abs(multiplier) * sliding
+        applied -= with_force * sliding_row
+        along = ctx.friction_force * sliding + with_force
+        dissipation += along * sliding_speed
+        ctx.tangential_force = along * share_at_foot
+        ctx.slider_couple = -ctx.gap * ctx.tangential_force
+        if not ctx.crank_is_free:
+            ctx.drive_torque += along * crank_sliding
     if ctx.stage < 4:
         ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
         ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * (ctx.drive_torque * crank_speed + tool_power)
@@ -342,6 +444,7 @@ def _turn_base(model: int, data: int, ctx: Context, time: float) -> None:
     rates = _rates(ctx, qvel)
     applied[:] = 0.0
     dissipation = ctx.base_damping * rates[0] ** 2 + _damp_beam(ctx, _directions(ctx, qpos), rates, applied)
+    dissipation += _damp_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
     known, solved = np.zeros((2, n)), np.empty((2, n))
     known[0] = _array(ctx.force_passive, n) - _array(ctx.force_bias, n) + applied
     known[1, 0] = 1.0
@@ -387,33 +490,35 @@ def _project(model: int, data: int, ctx: Context) -> None:
         elif not abs(gap) > 1e-15 * ctx.follower_length:
             break
         qpos -= direction * (gap / np.dot(row, direction))
-    gap_rate = np.dot(row, qvel)
-    if not ctx.crank_is_free:
-        gap_rate += crank_row * crank_speed
-    qvel -= direction * (gap_rate / np.dot(row, direction))
+    qvel -= direction * (_rate(ctx, row, qvel, crank_row, crank_speed) / np.dot(row, direction))
 
 
 @_compiled
-def _smooth_curvatures(ctx: Context, qpos: Array) -> Array:
-    """Curvature at the hinges, 1/m, without the kink that the slider force makes; shape (N,).
+def _smooth_moments(ctx: Context, qpos: Array, qvel: Array) -> Array:
+    """Bending moment over EI at the hinges, 1/m, without the kink and the jump that the slider makes; shape (N,).
 
-    The slider force F bends hinge j by F b_j, b_j = Σ_{i >= j} c_i; the beam by the ramp F (s - x) inboard of the slider.
+    The slider force F bends hinge j by F b_j, b_j = Σ_{i >= j} c_i; the beam by the ramp F (s - x) inboard of the slider. Its couple acts
+    with the derivatives of the c_i.
     """
     smooth = np.empty(ctx.hinges)
     if ctx.hinges == 0:
         return smooth
-    kink = ctx.slider_force / ctx.bending_stiffness
+    kink, jump = ctx.slider_force / ctx.bending_stiffness, ctx.slider_couple / ctx.bending_stiffness
     c0 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 0)
-    lever = 0.0
+    c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
+    lever = turned = 0.0
     for j in range(ctx.hinges, 0, -1):
         lever += c0[j]
-        smooth[j - 1] = qpos[ctx.coordinates - ctx.hinges - 1 + j] / ctx.link_length - kink * lever
+        turned += c1[j]
+        k = ctx.coordinates - ctx.hinges - 1 + j
+        bent = qpos[k] + ctx.material_damping * qvel[k]
+        smooth[j - 1] = bent / ctx.link_length - kink * lever - jump * turned
     return smooth
 
 
 @_compiled
-def _curvature(ctx: Context, smooth: Array, x: float) -> float:
-    """Curvature at the arc length x, 1/m: the cubic through the four nearest hinges, and the kink; 0 where there is no hinge."""
+def _at_place(ctx: Context, smooth: Array, x: float) -> float:
+    """A field at the arc length x by the cubic through the four nearest hinges; 0 where there is no hinge."""
     if ctx.hinges == 0:
         return 0.0
     if not math.isfinite(x):
@@ -428,7 +533,16 @@ def _curvature(ctx: Context, smooth: Array, x: float) -> float:
             if k != j:
                 weight *= (place - k) / (j - k)
         value += weight * smooth[j]
-    return value + ctx.slider_force / ctx.bending_stiffness * max(0.0, ctx.slider_position - x)
+    return value
+
+
+@_compiled
+def _moment(ctx: Context, smooth: Array, x: float) -> float:
+    """Bending moment over EI at the arc length x, 1/m, kink and jump included; at the slider the outboard one."""
+    if ctx.hinges == 0:
+        return 0.0
+    jump = ctx.slider_couple / ctx.bending_stiffness if x < ctx.slider_position else 0.0
+    return _at_place(ctx, smooth, x) + ctx.slider_force / ctx.bending_stiffness * max(0.0, ctx.slider_position - x) + jump
 
 
 @_compiled
@@ -458,7 +572,7 @@ def _bearing_forces(
     """
     c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
     slope = (c1 * e).sum()
-    on_follower = ctx.slider_force * 1j * slope / abs(slope)
+    on_follower = complex(ctx.tangential_force, ctx.slider_force) * slope / abs(slope)
     angle, speed, acceleration = motion
     pivot = _follower_inertia(ctx, e, rates, accelerations) - _pushes(ctx, angle) - on_follower
     swing = (1j * acceleration - speed**2) * complex(math.cos(angle), math.sin(angle))
@@ -488,9 +602,9 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, out: Array) -> N
     if hinges >= 2:
         base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent, h²/24 dκ/dx beside the link's
     strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
-    smooth = _smooth_curvatures(ctx, qpos)
+    smooth, bending_rates = _smooth_moments(ctx, qpos, qvel), qvel[first + 1 :] / ctx.link_length
     gravity = energy[0] - strain_energy
-    strain_energy += 0.5 * ctx.joint_stiffness * ctx.gap**2
+    strain_energy += joint_energy(ctx.gap, ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from)
     gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
 
     out[c.CRANK_ANGLE], out[c.CRANK_SPEED] = angle, crank_speed
@@ -502,11 +616,14 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, out: Array) -> N
         x = place * ctx.follower_length / (c.PLACES + 1)
         line = centre_line_coefficients(x, hinges, ctx.link_length, 0)
         out[c.FIRST_OF_SHAPE - 1 + place] = _dot(across, (line * e).sum())
-        out[c.FIRST_OF_MOMENTS - 1 + place] = ctx.bending_stiffness * _curvature(ctx, smooth, x)
-    out[c.MOMENT_SLIDER] = ctx.bending_stiffness * _curvature(ctx, smooth, ctx.slider_position)
+        out[c.FIRST_OF_MOMENTS - 1 + place] = ctx.bending_stiffness * _moment(ctx, smooth, x)
+    out[c.MOMENT_SLIDER] = ctx.bending_stiffness * _moment(ctx, smooth, ctx.slider_position)
     out[c.TIP_ACCELERATION] = _dot(1j * e[hinges], tip_acceleration)
     for gauge in range(3):
-        out[c.STRAIN_1 + gauge] = ctx.half_thickness * _curvature(ctx, smooth, gauges[gauge])
+        curvature = _moment(ctx, smooth, gauges[gauge])
+        if ctx.material_damping > 0.0:
+            curvature -= ctx.material_damping * _at_place(ctx, bending_rates, gauges[gauge])
+        out[c.STRAIN_1 + gauge] = ctx.half_thickness * curvature
     crank = angle, crank_speed, qacc[0] if ctx.crank_is_free else 0.0
     pivot, at_crank = _bearing_forces(ctx, crank, e, rates, accelerations)
     out[c.PIVOT_FORCE_X], out[c.PIVOT_FORCE_Y] = pivot.real, pivot.imag

@@ -20,9 +20,9 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
     held = changed(mechanism, {"crank.drive": PrescribedSpeed(speed=0.0)})
     mass, stiffness = chain.follower_matrices(chain.build(held, hinges, 0.0), held, hinges)
     constraint = support_row(mechanism, hinges, crank_angle)
-    if math.isfinite(mechanism.slider.joint_stiffness):
+    if not mechanism.slider.is_rigid:
         free = np.eye(hinges + 1)
-        stiffness = stiffness + mechanism.slider.joint_stiffness * np.outer(constraint, constraint)
+        stiffness = stiffness + mechanism.slider.closed_stiffness * np.outer(constraint, constraint)
     else:
         free = scipy.linalg.null_space(constraint[None, :])
     squares = scipy.linalg.eigvalsh(free.T @ stiffness @ free, free.T @ mass @ free) if free.size else np.empty(0)
@@ -49,11 +49,18 @@ def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     if isinstance(scene, FollowerAlone):
         return _fastest(mass[1:, 1:], damping[1:, 1:], stiffness[1:, 1:])
     slider = scene.slider
-    if not math.isfinite(slider.joint_stiffness):
+    if slider.is_rigid:
         return _fastest(mass, damping, stiffness)
-    rows = [support_row(scene, hinges, crank_angle) for crank_angle in np.linspace(0.0, math.pi, 13)]
-    joints = [np.outer(row, row) for row in rows]
-    return max(_fastest(mass, damping + slider.joint_damping * joint, stiffness + slider.joint_stiffness * joint) for joint in joints)
+    joint = sum(slider.sides) if slider.preload > 0.0 else max(slider.sides)
+    blow_speed = scene.crank.length * abs(scene.crank.drive.initial_speed)
+    rates = []
+    for crank_angle in np.linspace(0.0, math.pi, 13):
+        row = support_row(scene, hinges, crank_angle)
+        place = np.outer(row, row)
+        # a blow at the speed v has a force v sqrt(k m), m the mass that gives way, and the damping is in proportion to it
+        blow = slider.contact_damping * blow_speed * math.sqrt(joint / float(row @ np.linalg.solve(mass, row)))
+        rates.append(_fastest(mass, damping + (slider.joint_damping + blow) * place, stiffness + joint * place))
+    return max(rates)
 
 
 def _fastest(mass: NDArray[np.float64], damping: NDArray[np.float64], stiffness: NDArray[np.float64]) -> float:

@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 
 import mujoco
 import numpy as np
@@ -16,12 +17,14 @@ from engines.start import Start
 from engines.start_state import reconstruct
 from engines.trajectory import FollowerTrajectory, Trajectory
 from reference_model.columns import BENDING, OBSERVED, of_follower_alone
+from reference_model.joint import rollers
 from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
 
 _STABILITY_LIMIT = 2.0 * math.sqrt(2.0)  # step x rate of an undamped vibration, classical Runge-Kutta method; a decay has 2.79
 _SAFETY = 0.9  # a bent chain and a moving constraint shift the highest frequency
+_RESOLVED = 0.1  # step x rate of the joint's vibration, all that a rigid follower has: it leaves 1e-6 of the energy in each
 _STEPS_PER_TURN = 400  # of the crank, where stability asks for less
 _ROWS_AT_ONCE = 250  # so that an interrupt from the keyboard is heard between
 
@@ -46,8 +49,7 @@ class ChainSimulation(Simulation):
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
         self._step_is_set = settings.step > 0.0
-        fastest = modes.fastest_rate(self._model, scene, self._hinges) if self._hinges and not self._step_is_set else 0.0
-        self._largest_step = _SAFETY * _STABILITY_LIMIT / fastest if fastest > 0.0 else settings.step or math.inf
+        self._largest_step = settings.step or _largest_step(self._model, scene, self._hinges)
         if start is not None:
             self._place(start)
         self.setup_seconds = time.perf_counter() - begun
@@ -140,6 +142,15 @@ class ChainSimulation(Simulation):
         return "the motion grew beyond all bounds", f"try a step below {self._model.opt.timestep:.3g} s (engine.step) or more links"
 
 
+def _largest_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
+    """Largest step (s) that the straight chain's fastest rate allows; infinite for a rigid follower on a rigid joint."""
+    if hinges > 0:
+        return _SAFETY * _STABILITY_LIMIT / modes.fastest_rate(model, scene, hinges)
+    if isinstance(scene, Mechanism) and not scene.slider.is_rigid:
+        return _RESOLVED / modes.fastest_rate(model, scene, hinges)
+    return math.inf
+
+
 def _armature(mechanism: Scene, settings: ChainSettings) -> float:
     """Inertia added to a hinge's rate, kg m^2. The power 1.5 lets its error fall with the links as fast as the chain's own."""
     follower = mechanism.follower
@@ -175,7 +186,9 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "bending_stiffness": follower.bending_stiffness if hinges else 0.0,
         "half_thickness": follower.thickness / 2.0,
         "beam_damping": follower.damping,
+        "material_damping": follower.material_damping,
         "base_damping": scene.base.damping,
+        "base_friction": scene.base.friction_torque,
         "mass_per_length": follower.mass_per_length,
         "tip_mass": scene.tip_body.mass,
         "tip_offset": scene.tip_body.center_of_mass,
@@ -203,8 +216,10 @@ def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
     if tip.is_forced:
         span = {"force_begin": tip.force_from, "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp}
         values |= {"tip_force": complex(*tip.force), **span}
-    if math.isfinite(slider.joint_stiffness):
-        values |= {"joint_is_compliant": 1, "joint_stiffness": slider.joint_stiffness, "joint_damping": slider.joint_damping}
+    values |= {"friction": slider.friction, "friction_force": slider.friction_force, "friction_speed": slider.friction_speed}
+    if not slider.is_rigid:
+        law = asdict(rollers(slider))
+        values |= {"joint_is_compliant": 1, "contact_loss": law.pop("loss"), "joint_damping": law.pop("damping"), **law}
     if isinstance(drive, TorqueDrive):
         values |= {"crank_torque": drive.torque, "crank_damping": drive.damping}
     else:
