@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from cases.finding.effects import PUBLISHED, Effect, effects
 from cases.finding.response import Request, Response, respond
-from cases.jobs.job import Job
+from cases.jobs.job import Job, Outcome
 from cases.jobs.workshop import Workshop
 from cases.library.thesis import RUNS, run_case
 from cases.measures import CHANNELS
@@ -53,7 +53,7 @@ class Row:
         measured: what the measurement leaves open of a frequency, %, median over runs and halves, the cycles' scatter included.
         claim: estimated errors, the greatest of the sample: of the changes of frequency, amplitude, peak acceleration and peak strain, in
             %, and of the band, m/s^2; empty where none was estimated.
-        failed: number of runs that broke down.
+        runs: how many were computed, and `failed` of them broke down.
     """
 
     effect: str
@@ -69,6 +69,7 @@ class Row:
     example: tuple[float, ...]
     measured: float
     claim: tuple[float, ...]
+    runs: int
     failed: int
 
     @property
@@ -80,7 +81,11 @@ class Row:
 
 
 def study(workshop: Workshop, *, compute: bool) -> list[Row]:
-    """All rows, those of the second formulation last; none unless all is stored, or computed.
+    """All rows, those of the second formulation last.
+
+    Args:
+        workshop: where.
+        compute: False: of the runs that are stored; no rows unless all of the sample are.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
@@ -96,11 +101,11 @@ def study(workshop: Workshop, *, compute: bool) -> list[Row]:
     if compute:
         outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
     else:
-        outcomes = [outcome for job in jobs.values() if (outcome := workshop.stored(job)) is not None]
-    if len(outcomes) < len(jobs):
-        return []
+        outcomes = [workshop.stored(job) or Outcome(job) for job in jobs.values()]
     broken = (Response(reason="its process did not end well"),) * 3
-    found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True)}
+    found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if outcome.value or outcome.failure}
+    if any(name not in found for name in jobs if name[1] in SAMPLE):
+        return []
     rows = [_row(effect, place, "", found) for effect in (PUBLISHED, *effects()) for place in range(len(effect.strengths))]
     return rows + [_row(effect, MIDDLE, SECOND, found) for effect in effects() if effect.id not in UNCONFIRMED]
 
@@ -148,6 +153,7 @@ def _row(effect: Effect, place: int, way: Way, found: Found) -> Row:
         example=_example(example[1]) if example else (),
         measured=round(statistics.median(errors), 2) if errors else 0.0,
         claim=_claim(effect, found) if not way and place == MIDDLE else (),
+        runs=sum(pair is not None for pair in pairs.values()),
         failed=sum(bool(pair and pair[1].reason) for pair in pairs.values()),
     )
 

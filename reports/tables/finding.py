@@ -49,6 +49,7 @@ def effects(rows: Sequence[Row]) -> Table:
         Column("claim_strain", unit="%", in_page=False),
         Column("claim_amplitude", unit="%", in_page=False),
         Column("ring", "at the return", "Hz", ".0f", group="run 24"),
+        Column("runs", form="d", in_page=False),
         Column("failed", form="d", in_page=False),
     ]
     table = Table("finding", columns, sample=listed([str(run) for run in SAMPLE]))
@@ -61,10 +62,11 @@ def effects(rows: Sequence[Row]) -> Table:
             **_halves(row),
             apart=row.apart,
             measured=row.measured / 100.0,
-            acceleration=row.acceleration[1] / 100.0,
-            strain=row.strain[1] / 100.0,
-            band=row.band[1],
+            acceleration=row.acceleration[1] / 100.0 if row.acceleration else None,
+            strain=row.strain[1] / 100.0 if row.strain else None,
+            band=row.band[1] if row.band else None,
             ring=row.example[3] if row.example else None,
+            runs=row.runs,
             failed=row.failed,
             **{f"claim_{name}": value * units.get(name, 0.01) for name, value in claims.items()},
         )

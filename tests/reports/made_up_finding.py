@@ -49,5 +49,6 @@ def _row(effect: str, strength: str, engine: str, changes: tuple[float, float], 
         example=(16.6 * (1.0 + changes[0] / 100.0), 16.7 * (1.0 + changes[1] / 100.0), rms, frequency, -0.8, sign),
         measured=0.7,
         claim=(0.05, 1.0, 2.0, 1.0, 0.1) if claimed else (),
+        runs=len(shown),
         failed=0,
     )

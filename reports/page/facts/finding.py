@@ -44,6 +44,7 @@ def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, An
         "nothing": [each.statement.words for each in found if not each.sets and each.statement.id not in OF_NO_JOINT],
         "conflicting": conflicting(found, "post-excess"),
         "sets": len(sets),
+        "runs": min(row.runs for row in rows),
         "choices": sorted({len(each.choices) for each in sets}),
         "most": max(sets, key=lambda each: sum(each.shown.values())),
         "rings": _rings(sets),
