@@ -90,12 +90,12 @@ def study(workshop: Workshop, *, compute: bool) -> list[Row]:
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    order = (*SAMPLE, *(run for run in RUNS if run not in SAMPLE))
-    begin = dict(zip(order, orbits([run_case(run).mechanism for run in order], workshop), strict=True))
-    ways = {"": order, "finer": SAMPLE, SECOND: CONFIRMED_RUNS}
+    others = tuple(run for run in RUNS if run not in SAMPLE)
+    begin = dict(zip(RUNS, orbits([run_case(run).mechanism for run in RUNS], workshop), strict=True))
     jobs = dict[tuple[str, int, Way], Job[tuple[Response, ...]]]()
-    for way, runs in ways.items():
-        for run in runs:  # run by run, so that what is there when it is cut off is about the same for all effects
+    # the sample first, so that what is there when this is cut off is the same for all effects
+    for way, runs in (("", SAMPLE), (SECOND, CONFIRMED_RUNS), ("finer", SAMPLE), ("", others)):
+        for run in runs:
             known = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id not in UNCONFIRMED]
             jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for effect in known}
     if compute:
@@ -104,7 +104,7 @@ def study(workshop: Workshop, *, compute: bool) -> list[Row]:
         outcomes = [workshop.stored(job) or Outcome(job) for job in jobs.values()]
     broken = (Response(reason="its process did not end well"),) * 3
     found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if outcome.value or outcome.failure}
-    if any(name not in found for name in jobs if name[1] in SAMPLE):
+    if any(name not in found for name in jobs if name[1] in SAMPLE and not name[2]):
         return []
     rows = [_row(effect, place, "", found) for effect in (PUBLISHED, *effects()) for place in range(len(effect.strengths))]
     return rows + [_row(effect, MIDDLE, SECOND, found) for effect in effects() if effect.id not in UNCONFIRMED]

@@ -158,8 +158,8 @@ class Stage {
     pen.beginPath(); pen.roundRect(-15 * size, -10 * size, 30 * size, 20 * size, 3); pen.fill();
     pen.globalAlpha = 1;
     pen.strokeStyle = colours.ink; pen.lineWidth = 2; pen.stroke();
-    const away = size * (rollers?.free ? 9 : 6.5);
-    rollers?.soft.forEach((soft, k) => stroke(pen, colours.ink, 1.5, () => pen.arc(0, k ? -away : away, 5 * size, 0, 2 * Math.PI), "butt", soft ? [3, 2] : []));
+    const away = size * (rollers?.free ? 15 : 11);
+    rollers?.soft.forEach((soft, k) => stroke(pen, colours.ink, 1.5, () => pen.arc(0, k ? -away : away, 4.5 * size, 0, 2 * Math.PI), "butt", soft ? [3, 2] : []));
     pen.restore();
   }
 
