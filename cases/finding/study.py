@@ -4,7 +4,7 @@ import math
 import statistics
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from cases.finding.effects import PUBLISHED, Effect, effects
 from cases.finding.response import Request, Response, respond
@@ -21,9 +21,9 @@ from cases.runs.request import CODE
 MIDDLE: Final = 1
 SAMPLE: Final = (4, 10, 16, 24)
 CONFIRMED_RUNS: Final = (10, 24)
-#: The second formulation, and the effects of which it knows nothing: cubic elements are an engine of their own.
+#: The second formulation, and the effects that it computes, too: those of the joint.
 SECOND: Final = "mujoco"
-UNCONFIRMED: Final = ("cubic",)
+OF_JOINT: Final = ("linear", "post-side", "pre-side", "preload", "post-side-alloy", "clearance", "friction", "drag", "pivot")
 #: Error with the finer settings of `reference` over that with the usual ones: four modes and seven (`engines.own.reference.COMPARED`).
 FINER: Final = 0.2
 #: The run whose fast vibration the thesis describes.
@@ -35,17 +35,17 @@ Found = Mapping[tuple[str, int, Way], tuple[Response, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """An effect of one strength. Changes are in % of the run as published; None: not resolvable, not computed, or broken down.
+    """An effect of one strength; changes are those of the run as published. None: not resolvable, not computed, or broken down.
 
     Attributes:
         effect: `Effect.id`.
         strength: its words.
         engine: that computed it.
-        pre_frequency: change of the first mode's consensus frequency, of each run from 1 on.
+        pre_frequency: change of the first mode's consensus frequency, 0.01 %, of each run from 1 on, of `SECOND` of `CONFIRMED_RUNS`.
         post_frequency: likewise.
-        pre_amplitude: change of its amplitude, median over the channels.
+        pre_amplitude: change of its amplitude, %, median over the channels.
         post_amplitude: likewise.
-        acceleration: change of the peak tip acceleration: least, median and greatest over the runs.
+        acceleration: change of the peak tip acceleration, %, median over the runs.
         strain: likewise of the peak strain, the largest of three.
         band: RMS from 90 to 180 Hz in the tip acceleration at the return, m/s^2, likewise.
         example: of run 24 the first mode's frequency before and after the return, Hz (0: not resolvable); at the return the RMS of the
@@ -59,25 +59,35 @@ class Row:
     effect: str
     strength: str
     engine: str
-    pre_frequency: tuple[float | None, ...]
-    post_frequency: tuple[float | None, ...]
+    pre_frequency: tuple[int | None, ...]
+    post_frequency: tuple[int | None, ...]
     pre_amplitude: tuple[int | None, ...]
     post_amplitude: tuple[int | None, ...]
-    acceleration: tuple[int, ...]
-    strain: tuple[int, ...]
-    band: tuple[float, ...]
+    acceleration: int | None
+    strain: int | None
+    band: float | None
     example: tuple[float, ...]
     measured: float
     claim: tuple[float, ...]
     runs: int
     failed: int
 
+    def changes(self, name: str) -> dict[int, float]:
+        """Run -> change of what the field `name` holds, as a part, where it is known."""
+        unit, runs = 1e-4 if name.endswith("frequency") else 1e-2, CONFIRMED_RUNS if self.engine == SECOND else tuple(RUNS)
+        return {run: unit * value for run, value in zip(runs, getattr(self, name), strict=True) if value is not None}
+
     @property
     def apart(self) -> float | None:
         """By how much more the frequency changes after the return than before it, median over the runs, as a part."""
-        pairs = zip(self.pre_frequency, self.post_frequency, strict=True)
-        found = [(100.0 + after) / (100.0 + before) - 1.0 for before, after in pairs if before is not None and after is not None]
+        before, after = self.changes("pre_frequency"), self.changes("post_frequency")
+        found = [(1.0 + after[run]) / (1.0 + before[run]) - 1.0 for run in before if run in after]
         return statistics.median(found) if found else None
+
+    @property
+    def tells_halves_apart(self) -> bool:
+        """Whether they differ by more than what the measurement leaves open of a difference of two frequencies."""
+        return self.apart is not None and abs(self.apart) > 0.01 * math.sqrt(2.0) * self.measured
 
 
 def study(workshop: Workshop, *, compute: bool) -> list[Row]:
@@ -96,7 +106,7 @@ def study(workshop: Workshop, *, compute: bool) -> list[Row]:
     # the sample first, so that what is there when this is cut off is the same for all effects
     for way, runs in (("", SAMPLE), (SECOND, CONFIRMED_RUNS), ("finer", SAMPLE), ("", others)):
         for run in runs:
-            known = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id not in UNCONFIRMED]
+            known = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id in (PUBLISHED.id, *OF_JOINT)]
             jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for effect in known}
     if compute:
         outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
@@ -107,7 +117,7 @@ def study(workshop: Workshop, *, compute: bool) -> list[Row]:
     if any(name not in found for name in jobs if name[1] in SAMPLE and not name[2]):
         return []
     rows = [_row(effect, place, "", found) for effect in (PUBLISHED, *effects()) for place in range(len(effect.strengths))]
-    return rows + [_row(effect, MIDDLE, SECOND, found) for effect in effects() if effect.id not in UNCONFIRMED]
+    return rows + [_row(effect, MIDDLE, SECOND, found) for effect in effects() if effect.id in OF_JOINT]
 
 
 def _job(effect: Effect, run: int, way: Way, begin: Orbit) -> Job[tuple[Response, ...]]:
@@ -133,7 +143,7 @@ def _job(effect: Effect, run: int, way: Way, begin: Orbit) -> Job[tuple[Response
 
 
 def _row(effect: Effect, place: int, way: Way, found: Found) -> Row:
-    pairs = {run: _pair(effect, place, run, way, found) for run in RUNS}
+    pairs = {run: _pair(effect, place, run, way, found) for run in (CONFIRMED_RUNS if way == SECOND else RUNS)}
     known = [pair for pair in pairs.values() if pair and not pair[1].reason]
     frequencies = {half: [_frequency(pair, half) for pair in pairs.values()] for half in HALVES}
     errors = [error for half in HALVES for _, error in frequencies[half] if error is not None]
@@ -143,13 +153,13 @@ def _row(effect: Effect, place: int, way: Way, found: Found) -> Row:
         effect=effect.id,
         strength=effect.words[place],
         engine=way or effect.engine,
-        pre_frequency=tuple(_rounded(change, 2) for change, _ in frequencies["pre"]),
-        post_frequency=tuple(_rounded(change, 2) for change, _ in frequencies["post"]),
-        pre_amplitude=tuple(_rounded(each, None) for each in amplitudes["pre"]),
-        post_amplitude=tuple(_rounded(each, None) for each in amplitudes["post"]),
-        acceleration=_spread([_peak(pair, CHANNELS[:1]) for pair in known], None),
-        strain=_spread([_peak(pair, CHANNELS[1:]) for pair in known], None),
-        band=_spread([pair[1].ring.rms for pair in known if pair[1].ring], 2),
+        pre_frequency=tuple(_whole(change, 100.0) for change, _ in frequencies["pre"]),
+        post_frequency=tuple(_whole(change, 100.0) for change, _ in frequencies["post"]),
+        pre_amplitude=tuple(_whole(each) for each in amplitudes["pre"]),
+        post_amplitude=tuple(_whole(each) for each in amplitudes["post"]),
+        acceleration=round(statistics.median(_peak(pair, CHANNELS[:1]) for pair in known)) if known else None,
+        strain=round(statistics.median(_peak(pair, CHANNELS[1:]) for pair in known)) if known else None,
+        band=round(statistics.median(pair[1].ring.rms for pair in known if pair[1].ring), 2) if known else None,
         example=_example(example[1]) if example else (),
         measured=round(statistics.median(errors), 2) if errors else 0.0,
         claim=_claim(effect, found) if not way and place == MIDDLE else (),
@@ -215,18 +225,13 @@ def _claim(effect: Effect, found: Found) -> tuple[float, ...]:
     )
     pairs = [tuple(_pair(effect, MIDDLE, run, way, found) for way in ("", "finer")) for run in SAMPLE]
     pairs = [both for both in pairs if all(pair and not pair[1].reason for pair in both)]
-    claims = []
-    for kind in kinds:
+    claims = list[float]()
+    for kind in kinds if pairs else ():
         values = [(one, two) for usual, finer in pairs for one, two in zip(kind(usual), kind(finer), strict=True)]
         differences = [abs(one - two) for one, two in values if one is not None and two is not None]
         claims.append(round(max(differences, default=0.0) / (1.0 - FINER), 2))
     return tuple(claims)
 
 
-def _rounded(value: float | None, digits: int | None) -> Any:
-    return None if value is None else round(value, digits)
-
-
-def _spread(values: Sequence[float], digits: int | None) -> tuple[Any, ...]:
-    """Least, median, greatest."""
-    return tuple(round(each, digits) for each in (min(values), statistics.median(values), max(values))) if values else ()
+def _whole(value: float | None, times: float = 1.0) -> int | None:
+    return None if value is None else round(times * value)

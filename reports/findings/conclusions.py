@@ -173,12 +173,15 @@ def _excess(results: Sequence[CaseResult]) -> dict[int, float]:
 
 def _joint(statement: Statement, basis: Basis) -> Conclusion:
     """What is softer than expected, by the study: a spring, which acts on both halves, or the one roller that carries after the return."""
-    gaps = {row.effect: gap for row in basis.finding if (gap := row.apart) is not None}  # of the strongest, which comes last
-    if not {"linear", "post-side"} <= set(gaps):
+    own = [row for row in basis.finding if row.engine == REFERENCE]
+    linear, one_sided = ([row for row in own if row.effect == effect] for effect in ("linear", "post-side"))
+    if not linear or not one_sided:
         return _told("not_recorded", statement, UNCHECKABLE)
-    splits = gaps["post-side"] < -abs(gaps["linear"]) / ALIKE
-    outcome = UNCHECKABLE if splits else CANNOT_FOLLOW
-    return _told("joint", statement, outcome, inference=splits, linear=gaps["linear"], one_sided=gaps["post-side"], splits=splits)
+    lowers = any(row.tells_halves_apart and (row.apart or 0.0) < 0.0 for row in one_sided)
+    splits = lowers and not any(row.tells_halves_apart for row in linear)
+    outcome, middle = UNCHECKABLE if splits else CANNOT_FOLLOW, len(linear) // 2
+    facts = {"linear": linear[middle].apart, "one_sided": one_sided[middle].apart, "strength": linear[middle].strength}
+    return _told("joint", statement, outcome, inference=splits, splits=splits, **facts)
 
 
 def _two_modes(statement: Statement, basis: Basis) -> Conclusion:

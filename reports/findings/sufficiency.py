@@ -14,8 +14,7 @@ from typing import Final
 from cases.experiment import Statement, axis_labels, statements
 from cases.finding.effects import PUBLISHED, Effect, effects, name_of
 from cases.finding.study import EXAMPLE, Row
-from cases.library.thesis import RUNS
-from cases.runs.comparison import REFERENCE
+from cases.runs.comparison import HALVES, REFERENCE
 from reports.findings.conclusions import ACCURATE
 
 #: The row of the thesis' own model, which is the simulation.
@@ -78,10 +77,8 @@ def splits(rows: Sequence[Row]) -> list[Split]:
     found = list[Split]()
     for effect in effects():
         mine = [row for row in rows if row.effect == effect.id and row.engine == effect.engine]
-        if row := next((row for row in mine if row.apart is not None and row.apart <= 1.0 / excess - 1.0), None):
-            pre, post = (
-                0.01 * statistics.median([each for each in half if each is not None]) for half in (row.pre_frequency, row.post_frequency)
-            )
+        if row := next((row for row in mine if row.tells_halves_apart and (row.apart or 0.0) <= 1.0 / excess - 1.0), None):
+            pre, post = (statistics.median(row.changes(f"{half}_frequency").values()) for half in HALVES)
             found.append(Split(effect, row.strength, pre, post))
     return sorted(found, key=lambda each: len(each.effect.choices))
 
@@ -119,16 +116,18 @@ def _tried(row: Row, simulation: Row, choices: tuple[str, ...]) -> Tried:
 
 
 def _relation(statement: Statement, simulation: Row, row: Row) -> float | None:
+    if statement.quantity == "post_over_pre_frequency" and not row.tells_halves_apart:
+        return 0.0  # an excess that the measurement cannot tell from none
     return statement.share_of(ratios(statement.quantity, simulation, row))
 
 
 def ratios(quantity: str, simulation: Row, row: Row) -> dict[int, float]:
     """Run -> simulation over experiment, of a quantity that statements name."""
     if quantity == "post_over_pre_frequency":
-        before, after = (ratios(f"{half}_frequency", simulation, row) for half in ("pre", "post"))
+        before, after = (ratios(f"{half}_frequency", simulation, row) for half in HALVES)
         return {run: after[run] / before[run] for run in before if run in after}
-    pairs = zip(RUNS, getattr(simulation, quantity), getattr(row, quantity), strict=True)
-    return {run: (100.0 + mine) / (100.0 + its) for run, mine, its in pairs if mine is not None and its is not None}
+    mine, its = simulation.changes(quantity), row.changes(quantity)
+    return {run: (1.0 + mine[run]) / (1.0 + its[run]) for run in mine if run in its}
 
 
 def _cause(_: Statement, simulation: Row, row: Row) -> float | None:
@@ -157,7 +156,7 @@ def _signs(_: Statement, __: Row, row: Row) -> float | None:
 
 
 def _two_modes(_: Statement, simulation: Row, row: Row) -> float | None:
-    found = [ratio for half in ("pre", "post") for ratio in ratios(f"{half}_frequency", simulation, row).values()]
+    found = [ratio for half in HALVES for ratio in ratios(f"{half}_frequency", simulation, row).values()]
     return sum(ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in found) / len(found) if found else None
 
 

@@ -1,13 +1,12 @@
 """What each effect changes in the thesis' runs, and which of the thesis' statements that would suffice for."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 
 from cases.finding.effects import name_of
 from cases.finding.study import SAMPLE, SECOND, Row
-from cases.library.thesis import RUNS
 from cases.runs.comparison import REFERENCE
 from reports.findings.sufficiency import Sufficiency, Tried
 from reports.tables.table import Cell, Column, Columns, Table
@@ -62,9 +61,9 @@ def effects(rows: Sequence[Row]) -> Table:
             **_halves(row),
             apart=row.apart,
             measured=row.measured / 100.0,
-            acceleration=row.acceleration[1] / 100.0 if row.acceleration else None,
-            strain=row.strain[1] / 100.0 if row.strain else None,
-            band=row.band[1] if row.band else None,
+            acceleration=None if row.acceleration is None else row.acceleration / 100.0,
+            strain=None if row.strain is None else row.strain / 100.0,
+            band=row.band,
             ring=row.example[3] if row.example else None,
             runs=row.runs,
             failed=row.failed,
@@ -76,22 +75,15 @@ def effects(rows: Sequence[Row]) -> Table:
 def _halves(row: Row) -> dict[str, Any]:
     cells: dict[str, Any] = {}
     for half in HALF:
-        found = spread(getattr(row, f"{half}_frequency"))
-        amplitude = spread(getattr(row, f"{half}_amplitude"))
-        cells |= dict(zip((f"{half}_low", f"{half}_frequency", f"{half}_high"), found, strict=False))
-        cells |= {f"{half}_amplitude": amplitude[1] if amplitude else None, f"{half}_runs": len(known(getattr(row, f"{half}_frequency")))}
+        frequency, amplitude = row.changes(f"{half}_frequency"), row.changes(f"{half}_amplitude")
+        cells |= dict(zip((f"{half}_low", f"{half}_frequency", f"{half}_high"), spread(frequency), strict=False))
+        cells |= {f"{half}_amplitude": spread(amplitude)[1] if amplitude else None, f"{half}_runs": len(frequency)}
     return cells
 
 
-def known(values: Sequence[float | None]) -> list[float]:
-    """Those that are there, as parts."""
-    return [value / 100.0 for value in values if value is not None]
-
-
-def spread(values: Sequence[float | None]) -> tuple[float, ...]:
-    """Lower quartile, median and upper quartile of percentages, as parts; nothing of nothing."""
-    found = known(values)
-    return tuple(float(each) for each in np.percentile(found, (25.0, 50.0, 75.0))) if found else ()
+def spread(changes: Mapping[int, float]) -> tuple[float, ...]:
+    """Lower quartile, median and upper quartile over the runs; nothing of nothing."""
+    return tuple(float(each) for each in np.percentile(list(changes.values()), (25.0, 50.0, 75.0))) if changes else ()
 
 
 def second(pairs: Sequence[tuple[Row, Row]]) -> Table:
@@ -99,12 +91,10 @@ def second(pairs: Sequence[tuple[Row, Row]]) -> Table:
     columns = [Column(f"{who}{half}", HALF[half], "%", "+.2f", group=name) for who, name in WAYS.items() for half in HALF]
     table = Table("finding_second", ("effect", "strength", Column("run", form="d"), *columns))
     for row, other in pairs:
-        for run in RUNS:
-            numbers = [getattr(each, f"{half}_frequency")[run - 1] for each in (row, other) for half in HALF]
-            if any(number is not None for number in numbers[len(HALF) :]):
-                shares = (None if number is None else number / 100.0 for number in numbers)
-                cells = zip((column.key for column in columns), shares, strict=True)
-                table.add(effect=name_of(row.effect), strength=row.strength, run=run, **dict(cells))
+        changes = {f"{who}{half}": each.changes(f"{half}_frequency") for who, each in zip(WAYS, (row, other), strict=True) for half in HALF}
+        for run in sorted(other.changes("pre_frequency") | other.changes("post_frequency")):
+            cells = {key: found.get(run) for key, found in changes.items()}
+            table.add(effect=name_of(row.effect), strength=row.strength, run=run, **cells)
     return table
 
 

@@ -39,7 +39,7 @@ def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, An
     return {
         "splitting": splitting,
         "only_one_sided": all(each.one_sided for each in splitting),
-        "symmetric": max(abs(gap) for (effect, _), gap in moved.items() if effect in symmetric),
+        "symmetric": any(row.tells_halves_apart for row in rows if row.effect in symmetric),
         "against": max((gap, name_of(effect), strength) for (effect, strength), gap in moved.items() if effect in FRICTION),
         "nothing": [each.statement.words for each in found if not each.sets and each.statement.id not in OF_NO_JOINT],
         "conflicting": conflicting(found, "post-excess"),
@@ -77,10 +77,10 @@ def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any
         return None
     preload = float(strongest.strength.split()[0])
     gaps: dict[bool, list[float]] = {True: [], False: []}
-    for run, force in forces.items():
-        before, after = strongest.pre_frequency[run - 1], strongest.post_frequency[run - 1]
-        if before is not None and after is not None:
-            gaps[force < preload].append((1.0 + after / 100.0) / (1.0 + before / 100.0) - 1.0)
+    before, after = (strongest.changes(f"{half}_frequency") for half in HALVES)
+    for run in before:
+        if run in after and run in forces:
+            gaps[forces[run] < preload].append((1.0 + after[run]) / (1.0 + before[run]) - 1.0)
     if not all(gaps.values()):
         return None
     return {
@@ -93,9 +93,11 @@ def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any
 
 def _from_second(pairs: Sequence[tuple[Row, Row]]) -> tuple[float, int] | None:
     """Largest difference of a change of frequency between both formulations, and of how many."""
-    halves = [f"{half}_frequency" for half in HALVES]
-    changes = [zip(getattr(mine, half), getattr(its, half), strict=True) for mine, its in pairs for half in halves]
-    differences = [abs(one - other) / 100.0 for each in changes for one, other in each if one is not None and other is not None]
+    differences = []
+    for mine, its in pairs:
+        for half in HALVES:
+            one, other = (row.changes(f"{half}_frequency") for row in (mine, its))
+            differences += [abs(one[run] - other[run]) for run in other if run in one]
     return (max(differences), len(differences)) if differences else None
 
 
@@ -104,14 +106,14 @@ def _plot(rows: Sequence[Row]) -> Plot:
     series = []
     for effect in effects():
         mine = [row for row in rows if row.effect == effect.id]
-        spreads = [tuple(100.0 * each for each in tables.spread(row.pre_frequency) + tables.spread(row.post_frequency)) for row in mine]
+        spreads = [tuple(100.0 * each for half in HALVES for each in tables.spread(row.changes(f"{half}_frequency"))) for row in mine]
         points = [(row, spread) for row, spread in zip(mine, spreads, strict=True) if len(spread) == 6]
         told = [f"{row.strength}: {number(spread[1], '+.1f')} % before, {number(spread[4], '+.1f')} % after" for row, spread in points]
         across, up = [spread[1] for _, spread in points], [spread[4] for _, spread in points]
         bars = [(spread[0], spread[2], spread[3], spread[5]) for _, spread in points]
         series.append(Series(effect.name, effect.id, across, up, told, bars=bars))
     cubic = next(row for row in rows if (row.effect, row.strength) == SIMULATION)
-    regions = [_asked(1.0), _asked(1.0 + tables.spread(cubic.pre_frequency)[1])]
+    regions = [_asked(1.0), _asked(1.0 + tables.spread(cubic.changes("pre_frequency"))[1])]
     return Plot("finding.csv", "change before the return [%]", "change after the return [%]", series, regions=regions)
 
 
