@@ -83,12 +83,9 @@ def test_halves_that_differ_by_what_the_words_mean_are_not_ruled_out() -> None:
 
 @pytest.mark.parametrize(("post_side", "verdict"), [(-600, UNCHECKABLE), (-10, CANNOT_FOLLOW), (600, CANNOT_FOLLOW)])
 def test_the_joint_can_be_the_cause_only_if_one_side_lowers_the_frequency_after_the_return_alone(post_side: int, verdict: str) -> None:
-    rows = [
-        dataclasses.replace(row, post_frequency=(post_side,) * 24, pre_frequency=(0,) * 24)
-        if (row.effect, row.engine) == ("post-side", "reference")
-        else row
-        for row in made_up_finding()
-    ]
+    changed = {"post_frequency": (post_side,) * 24, "pre_frequency": (0,) * 24}
+    own = ("post-side", "reference")
+    rows = [dataclasses.replace(row, **changed) if (row.effect, row.engine) == own else row for row in made_up_finding()]
     assert conclusion_on("joint-cause", Basis([], FROZEN_CRANK, finding=rows))[::2] == (verdict, verdict == UNCHECKABLE)
     assert conclusion_on("joint-cause", Basis([], FROZEN_CRANK))[::2] == (UNCHECKABLE, False)
 

@@ -10,7 +10,7 @@ EFFECTS = {effect.id: effect for effect in effects()}
 
 @pytest.mark.parametrize("effect", effects(), ids=EFFECTS)
 def test_every_strength_changes_the_scene_or_the_engine(effect: Effect) -> None:
-    published = (run_case(24).mechanism, {})
+    published = run_case(24).mechanism, dict[str, str]()
     strengths = [published, *((effect.scene(24, place), effect.settings(place)) for place in range(3))]
     assert all(one != other for place, one in enumerate(strengths) for other in strengths[:place])
     assert len(effect.words) == len(effect.strengths) == 3

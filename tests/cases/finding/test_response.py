@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.finding import study
-from cases.finding.effects import PUBLISHED, effects
+from cases.finding.effects import PUBLISHED, Effect, effects
 from cases.finding.response import Response, _ring, respond
 from cases.library.thesis import run_case
 from cases.measures import CHANNELS, Cycle
@@ -61,6 +61,6 @@ def test_a_soft_roller_changes_the_half_that_it_carries_by_what_its_spring_does_
     assert expected < -1.0
 
 
-def _responses(effect: study.Effect, orbit: Orbit) -> tuple[Response, ...]:
+def _responses(effect: Effect, orbit: Orbit) -> tuple[Response, ...]:
     (requests,) = study._job(effect, 24, "", orbit).arguments
     return respond(requests[:1])
