@@ -1,6 +1,7 @@
 """What the report concludes, from results whose answer is known beforehand."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -83,7 +84,7 @@ def test_halves_that_differ_by_what_the_words_mean_are_not_ruled_out() -> None:
 
 @pytest.mark.parametrize(("post_side", "verdict"), [(-600, UNCHECKABLE), (-10, CANNOT_FOLLOW), (600, CANNOT_FOLLOW)])
 def test_the_joint_can_be_the_cause_only_if_one_side_lowers_the_frequency_after_the_return_alone(post_side: int, verdict: str) -> None:
-    changed = {"post_frequency": (post_side,) * 24, "pre_frequency": (0,) * 24}
+    changed: dict[str, Any] = {"post_frequency": (post_side,) * 24, "pre_frequency": (0,) * 24}
     own = ("post-side", "reference")
     rows = [dataclasses.replace(row, **changed) if (row.effect, row.engine) == own else row for row in made_up_finding()]
     assert conclusion_on("joint-cause", Basis([], FROZEN_CRANK, finding=rows))[::2] == (verdict, verdict == UNCHECKABLE)
