@@ -70,6 +70,25 @@ SIGNALS: Final = {
     "strain_3": Look(*_OLIVE, 2.6, (5.0, 5.0), order=4, marker="triangle-down"),
     "slider_force": Look(*_PURPLE, 2.6, (2.0, 4.0), order=5, marker="star"),
 }
+#: Looks of what could have made the thesis' finding, in one chart: a colour for each that moves something, marks for those that do not.
+EFFECTS: Final = {
+    "post-side": Look(*_VERMILION, 3.0, marker="diamond"),
+    "post-side-alloy": Look(*_BROWN, 3.0, marker="diamond"),
+    "preload": Look(*_WINE, 3.0, marker="diamond"),
+    "pre-side": Look(*_BLUE, 3.0, marker="square"),
+    "linear": Look(*_INK, 3.0, marker="circle"),
+    "clearance": Look(*_PURPLE, 3.0, marker="star"),
+    "drag": Look(*_TEAL, 3.0, marker="triangle"),
+    "friction": Look(*_FOREST, 3.0, marker="triangle-down"),
+    "pivot": Look(*_OLIVE, 3.0, marker="triangle-left"),
+    "strip": Look(*_SKY, 3.0, marker="hexagon"),
+    "tip": Look(*_NAVY, 3.0, marker="pentagon"),
+    "cubic": Look(*_WINE, 3.0, marker="plus"),
+    "slider-inertia": Look(*_BROWN, 3.0, marker="triangle-right"),
+    "slider-mass": Look(*_TEAL, 3.0, marker="cross"),
+    "gravity": Look(*_OLIVE, 3.0, marker="cross"),
+    "drive": Look(*_SKY, 3.0, marker="plus"),
+}
 #: Looks of all other names.
 _OTHERS: Final = (
     Look(*_SKY, 2.4, (9.0, 3.0), order=9, marker="hexagon"),
@@ -87,7 +106,7 @@ def looks(names: Iterable[str]) -> dict[str, Look]:
     of these names has. With more than five unknown names looks are given again.
     """
     asked = list(dict.fromkeys(names))
-    found = {name: known for name in asked if (known := ENGINES.get(name) or SIGNALS.get(name))}
+    found = {name: known for name in asked if (known := ENGINES.get(name) or SIGNALS.get(name) or EFFECTS.get(name))}
     for name in sorted(set(asked) - set(found)):
         taken = list(found.values())
         found[name] = min(_in_turn(name), key=taken.count)

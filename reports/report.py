@@ -20,7 +20,7 @@ from cases.judging.matrix import judge_scenes
 from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.recorded import RecordedTable, experiment_tables
-from cases.runs.comparison import REFERENCE, CaseResult, cross_validate
+from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
 from engines.registry import MAIN, engine
@@ -138,9 +138,7 @@ def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[Froze
     """What is known of the example run with its crank held, and why nothing is, if it could not be computed."""
     if example is None:
         return None, []
-    reference = example.runs.get(REFERENCE)
-    cycle = {name: reference.cycle[name] for name in ("crank_angle", "time")} if reference is not None and reference.usable else {}
-    job = Job("frozen crank", frozen_crank, (example.case.mechanism, cycle), kind="frozen crank", code=("cases.frozen_crank",))
+    job = Job("frozen crank", frozen_crank, (example.case.mechanism,), kind="frozen crank", code=("cases.frozen_crank",))
     (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
     if outcome.value is not None:
         return outcome.value, []
@@ -166,12 +164,14 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
         "confirmation": not studies.confirming,
         "benchmark": any(own[name] is None and name in known for name in SCENES),
         "hard scenes": not matrix.cells,
+        "finding": True,
     }
     return {
         "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
         "benchmarks": [table for name in SCENES if (table := own[name] or known.get(name))],
         "compiling": compiling(workshop, ENGINES, compute=False) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
+        "finding": long_studies.finding(),
         "of_record": {study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
     }
 

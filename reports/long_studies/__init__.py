@@ -21,6 +21,7 @@ from cases.benchmark import Benchmark, Compiling
 from cases.benchmark.findings import Point
 from cases.case import Case
 from cases.conformance import Conformance
+from cases.finding import study as finding_study
 from cases.jobs.key import SIMULATION, code_fingerprint
 from cases.jobs.records import decoded, encoded
 from cases.jobs.store import Record
@@ -38,6 +39,7 @@ CODE: Final[Mapping[str, tuple[str, ...]]] = {
     "hard scenes": (*SIMULATION, "cases.judging"),
     "confirmation": (*SIMULATION, "cases.studies"),
     "conformance": (*SIMULATION, "cases.conformance"),
+    "finding": (*SIMULATION, "cases.finding", "cases.measures", "cases.runs"),
 }
 #: Significant digits of recorded numbers.
 DIGITS: Final = 6
@@ -133,6 +135,11 @@ def conformance() -> dict[str, str]:
 def confirming() -> list[StudiedRun]:
     """Solutions that confirm the converged one of the studies."""
     return table("confirmation", StudiedRun)
+
+
+def finding() -> list[finding_study.Row]:
+    """What each effect changes in the thesis' runs."""
+    return table("finding", finding_study.Row)
 
 
 def matrix(cases: Iterable[Case]) -> Matrix | None:

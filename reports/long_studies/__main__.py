@@ -10,6 +10,7 @@ from cases import conformance
 from cases.benchmark import SCENES, Benchmark, compiling, measure, stored
 from cases.benchmark.scenes import ENGINES
 from cases.case_file import load_case
+from cases.finding import study as finding
 from cases.jobs.job import Outcome
 from cases.jobs.key import LIBRARIES, code_fingerprint
 from cases.jobs.store import Store, write_atomically
@@ -42,12 +43,15 @@ def main(arguments: Sequence[str]) -> int:
     if matrix.cells:
         _write_matrix(matrix)
     conforming = [row for name in ENGINES if (row := _conformance(name, workshop, compute=compute)) is not None]
+    effects = finding.study(workshop, compute=compute)
     _write("conformance", conforming)
+    _write("finding", effects)
     _write("confirmation", confirmed)
-    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed, "conformance": conforming}
+    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed, "conformance": conforming, "finding": effects}
     _write("about", [each for study in CODE if (each := _made(study) if made[study] else about(study))])
     benchmarks, cells = f"{len(found)} of {len(cases)} scenes of the benchmark", f"{len(matrix.cells)} cells of the hard scenes"
-    print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions, conformance of {len(conforming)} engines")
+    others = f"conformance of {len(conforming)} engines, {len(effects)} rows on the thesis' finding"
+    print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions, {others}")
     return 0
 
 

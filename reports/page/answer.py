@@ -13,6 +13,7 @@ from cases.runs.request import SETTLED
 from engines.registry import OWN
 from reports.findings.agreement import Spread, differences, engines_of, spread
 from reports.findings.conclusions import MODEL
+from reports.findings.sufficiency import Split, splits
 from reports.page.content import Content
 
 #: An engine tells the same story where at most this part of its numbers differ by more than claimed.
@@ -58,6 +59,7 @@ class Answer:
         extreme: likewise in the extremes.
         cubic: None where the thesis' model or the reference is missing.
         fastest: to the second of the errors at which methods are compared; None where nothing was measured.
+        splits: what makes the halves differ as the thesis says, where that was recorded and its runs are shown.
     """
 
     cases: int
@@ -72,6 +74,7 @@ class Answer:
     extreme: Spread | None
     cubic: Cubic | None
     fastest: Contest | None
+    splits: Sequence[Split] = ()
 
 
 def answer_of(content: Content) -> Answer:
@@ -98,6 +101,7 @@ def answer_of(content: Content) -> Answer:
         **found,
         cubic=_cubic(results),
         fastest=fastest if fastest and fastest.found else None,
+        splits=splits(content.finding) if content.thesis_results else (),
     )
 
 

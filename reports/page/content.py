@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from cases.benchmark import Benchmark, Compiling
+from cases.finding.study import Row
 from cases.frozen_crank import FrozenCrank
 from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
@@ -30,6 +31,7 @@ class Content:
         compiling: what it takes to compile engines, where that was measured.
         frozen_crank: on the thesis' example run; None where that is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
+        finding: the recorded study of what the thesis' finding comes from.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
         verification: of the long verification, if there are results.
         conformance: engine -> verdict on whether it does what it says, where that was tried.
@@ -44,6 +46,7 @@ class Content:
     compiling: Sequence[Compiling] = ()
     frozen_crank: FrozenCrank | None = None
     hard_scenes: Matrix | None = None
+    finding: Sequence[Row] = ()
     of_record: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
     conformance: Mapping[str, str] = field(default_factory=dict)
@@ -74,7 +77,7 @@ class Content:
     @property
     def conclusions(self) -> list[Conclusion]:
         """On the thesis' statements."""
-        return conclusions(Basis(self.thesis_results, self.frozen_crank, statement_values(self.comparisons, MODEL)))
+        return conclusions(Basis(self.thesis_results, self.frozen_crank, statement_values(self.comparisons, MODEL), self.finding))
 
     @property
     def troubles(self) -> list[tuple[str, Run]]:

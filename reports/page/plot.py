@@ -18,6 +18,7 @@ class Series:
         hollow: whether its marks are hollow, as those of variants.
         line: whether the points are joined.
         broad: whether it is the broad band behind the others.
+        bars: spread of each point: from and to on the horizontal axis, from and to on the vertical one; or nothing.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Series:
     hollow: bool = False
     line: bool = True
     broad: bool = False
+    bars: Sequence[Sequence[float]] = ()
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,7 @@ class Plot:
         below: values on the vertical axis below this mean nothing: the range is shaded.
         categories: where one axis has texts instead of numbers, these: each is a row, and `y` belongs to the horizontal axis.
         limit: a value that is marked by a line across the rows, and what it is.
+        regions: areas behind the points: their corners as pairs of values.
     """
 
     file: str
@@ -53,6 +56,7 @@ class Plot:
     below: float | None = None
     categories: Sequence[str] = ()
     limit: tuple[float, str] | None = None
+    regions: Sequence[Sequence[tuple[float, float]]] = ()
 
     @property
     def document(self) -> dict[str, Any]:

@@ -154,14 +154,20 @@ def _kept(columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _scene(mechanism: Mechanism) -> dict[str, Any]:
-    """Lengths in m, and between which crank angles (rad, either side of 0) the follower swings back: where the crank is square to it."""
-    ratio = mechanism.crank.length / mechanism.pivot_distance
+    """Lengths in m, and between which crank angles (rad, either side of 0) the follower swings back: where the crank is square to it.
+
+    Of a joint that gives way: whether its rollers have clearance, and which of them, plus and minus, is the softer one.
+    """
+    ratio, slider = mechanism.crank.length / mechanism.pivot_distance, mechanism.slider
     return {
         "pivot": mechanism.pivot_distance,
         "crank": mechanism.crank.length,
         "follower": mechanism.follower.length,
         "tip": mechanism.tip is not None,
         "rigid": mechanism.follower.is_rigid,
+        "rollers": None
+        if slider.is_rigid
+        else {"free": slider.clearance > 0.0, "soft": [side < max(slider.sides) for side in slider.sides]},
         "quick": math.acos(ratio) if ratio < 1.0 else None,
     }
 

@@ -1,8 +1,7 @@
-"""The thesis' model against the converged one, its statements, and what a soft joint would do."""
+"""The thesis' model against the converged one, and its statements."""
 
 from collections.abc import Sequence
 
-from cases.frozen_crank import LBF_PER_IN, JointEffect
 from cases.measures import CHANNELS
 from cases.runs.comparison import HALVES, CaseResult, Difference, Kind
 from reports.findings.agreement import Summary, differences, summary_of
@@ -74,21 +73,4 @@ def statements(conclusions: Sequence[Conclusion]) -> Table:
             verdict=Cell(each.outcome, mark=mark),
             inference=Cell(each.inference, "inference" if each.inference else "–"),
         )
-    return table
-
-
-def joints(effects: Sequence[JointEffect]) -> Table:
-    """What a linearly soft slider joint does."""
-    columns = (
-        Column("stiffness", "joint stiffness", "kN/m", ".3g"),
-        Column("stiffness_in_lbf_per_in", "the same", "lbf/in", ".4g"),
-        Column("change_pre", "pre-return", "%", "+.2f", group="change of f₁"),
-        Column("change_post", "post-return", "%", "+.2f", group="change of f₁"),
-        Column("third_mode_low", "from", "Hz", ".0f", group="f₃"),
-        Column("third_mode_high", "to", "Hz", ".0f", group="f₃"),
-    )
-    table = Table("joint_stiffness", columns)
-    for effect in effects:
-        mode = effect.third_mode
-        table.add(effect, stiffness_in_lbf_per_in=effect.stiffness / LBF_PER_IN, third_mode_low=mode.low, third_mode_high=mode.high)
     return table

@@ -16,6 +16,7 @@ from reports.findings.axes import COLUMNS, axis_comparisons, fits_worse, measure
 from reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, MODEL, NOT, OUTCOMES
 from reports.findings.raw_extremes import Excess, counted_excess
 from reports.page.content import Content
+from reports.page.facts.finding import finding
 from reports.page.facts.studies import strongest
 from reports.tables import experiment as experiment_tables
 from reports.tables import thesis_view as tables
@@ -37,7 +38,6 @@ def thesis(content: Content) -> dict[str, Any] | None:
     conclusions, excesses = content.conclusions, counted_excess(results)
     found = {half: [each.ratio for each in differences(results, MODEL, "frequency", half=half)] for half in HALF}
     fitted = [difference.relative for difference in differences(results, MODEL, "frequency")]
-    joints = content.frozen_crank.joints if content.frozen_crank is not None else ()
     return {
         "conclusions": conclusions,
         "outcomes": {outcome: count for outcome in OUTCOMES if (count := sum(each.outcome == outcome for each in conclusions))},
@@ -52,13 +52,13 @@ def thesis(content: Content) -> dict[str, Any] | None:
         "strains": {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF},
         "larger_after": _larger_after(excesses),
         "marked": MARKED,
-        "joints": joints,
         "second_mode": SECOND_MODE,
+        "of_record": content.of_record.get("finding"),
+        **finding(content.finding, results),
         "stiffness": stiffness_reading(fitted),
         "ratios": tables.ratios(results),
         "statements": tables.statements(conclusions),
         "counted": tables.counted(excesses),
-        "joint_table": tables.joints(joints),
     }
 
 

@@ -84,9 +84,10 @@ class Chart {
   /** Points and lines over two axes. */
   axes(shown, width) {
     const { plot } = this, named = width >= 760, height = width < 500 ? 320 : 380, [above, below] = [30, 44];
-    const vertical = new Axis(shown.flatMap(({ y }) => y), plot.log.includes("y"), [height - below, above], 7);
+    const marked = (axis) => [...shown.flatMap((series) => [...series[axis ? "y" : "x"], ...series.bars.flatMap((bar) => bar.slice(2 * axis, 2 * axis + 2))]), ...plot.regions.flat().map((corner) => corner[axis])];
+    const vertical = new Axis(marked(1), plot.log.includes("y"), [height - below, above], 7);
     const left = 14 + Math.max(...vertical.ticks.map((value) => wide(onAxis(value)))), right = named ? 24 + Math.max(...shown.map(({ name }) => wide(name, NAME))) : 14;
-    const horizontal = new Axis(shown.flatMap(({ x }) => x), plot.log.includes("x"), [left, width - right], Math.floor((width - left - right) / 60));
+    const horizontal = new Axis(marked(0), plot.log.includes("x"), [left, width - right], Math.floor((width - left - right) / 60));
     const made = this.frame(width, height);
     this.grid(made, horizontal, width, above, height - below);
     for (const value of vertical.ticks) {
@@ -97,6 +98,7 @@ class Chart {
       const top = Math.max(above, vertical.place(Math.min(plot.below, vertical.high)));
       made.append(svg("rect", { x: left, y: top, width: width - left - right, height: height - below - top, fill: colour("soft"), "fill-opacity": 0.16 }));
     }
+    for (const corners of plot.regions) made.append(svg("polygon", { points: corners.map(([x, y]) => [horizontal.place(x), vertical.place(y)]).join(" "), fill: colour("soft"), "fill-opacity": 0.16 }));
     made.append(svg("path", { d: `M${left} ${above}V${height - below}H${width - right}`, fill: "none", stroke: colour("soft") }));
     made.append(words(4, 16, plot.y, { anchor: "start", fill: colour("ink"), size: NAME }));
     made.append(words((left + width - right) / 2, height - 6, plot.x, { fill: colour("ink"), size: NAME }));
@@ -107,6 +109,9 @@ class Chart {
       if (series.broad) group.append(svg("polyline", { points: path, fill: "none", stroke: colour("line"), "stroke-width": 14, "stroke-linecap": "round", "stroke-linejoin": "round" }));
       else {
         if (series.line) group.append(svg("polyline", { points: path, ...strokeOf(series.of) }));
+        series.bars.forEach(([from, to, low, high], k) => group.append(svg("path", {
+          d: `M${horizontal.place(from)} ${points[k][1]}H${horizontal.place(to)}M${points[k][0]} ${vertical.place(low)}V${vertical.place(high)}`, stroke: lookOf(series.of).colour, "stroke-opacity": 0.45,
+        })));
         points.forEach(([x, y], index) => { group.append(mark(series.of, x, y, 5, series.hollow)); this.marks.push({ x, y, series, index }); });
       }
       made.append(group);

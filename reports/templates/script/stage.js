@@ -80,7 +80,7 @@ class Stage {
     support(pen, O, colours);
     support(pen, P, colours);
     stroke(pen, colours.ink, compact ? 5 : 7, () => { pen.moveTo(...O); pen.lineTo(...C); });
-    this.sliderBox(pen, C, chord, colours, compact ? 0.8 : 1);
+    this.sliderBox(pen, C, chord, colours, compact ? 0.8 : 1, motion.scene.rollers);
     for (const joint of [O, P, C]) dot(pen, joint, compact ? 3.5 : 4.5, colours.ground, colours.ink, 2);
     this.bar(pen, width, height, scale, colours);
     this.labels(pen, { O, P, C, radius, quick, lines, edges, width, height, compact });
@@ -148,7 +148,8 @@ class Stage {
     pen.restore();
   }
 
-  sliderBox(pen, C, angle, colours, size) {
+  /** The slider; with a joint that gives way its two rollers, apart from the arm where they have clearance, a softer one dashed. */
+  sliderBox(pen, C, angle, colours, size, rollers) {
     pen.save();
     pen.translate(...C);
     pen.rotate(angle);
@@ -157,6 +158,8 @@ class Stage {
     pen.beginPath(); pen.roundRect(-15 * size, -10 * size, 30 * size, 20 * size, 3); pen.fill();
     pen.globalAlpha = 1;
     pen.strokeStyle = colours.ink; pen.lineWidth = 2; pen.stroke();
+    const away = size * (rollers?.free ? 15 : 11);
+    rollers?.soft.forEach((soft, k) => stroke(pen, colours.ink, 1.5, () => pen.arc(0, k ? -away : away, 4.5 * size, 0, 2 * Math.PI), "butt", soft ? [3, 2] : []));
     pen.restore();
   }
 

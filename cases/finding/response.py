@@ -1,0 +1,246 @@
+"""A changed scene in its steady cycles, measured.
+
+Where the loop stays closed and nothing rubs, `reference` finds the periodic state directly, and one cycle is measured. Everything else is
+marched from the periodic state of the scene as published: until 3 % of a disturbance are left by that state's largest Floquet
+multiplier, and then through the cycles that are measured. Numbers are means over these, with their scatter; a rattling joint has
+no cycle that repeats.
+
+Friction and impacts slow the crank, and its speed changes the vibration more than they do. So a torque drive gets the torque that
+keeps the published scene's mean speed: what the crank loses in the first cycles says which.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cases.measures import CHANNELS, Cycle, TimeScale, time_scale
+from cases.measures.consensus import consensus
+from cases.measures.cycle import HALVES
+from cases.measures.first_mode import FirstMode, fit_first_modes
+from cases.measures.half_cycle import channel_half, half_cycle
+from cases.runs.marching import March, output_step, whole_cycles
+from cases.runs.orbit import PeriodicStart
+from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
+from engines.registry import engine as engine_of_name
+from engines.settings import Settings
+from engines.start import standard_start
+from reference_model.mechanism import Mechanism, TorqueDrive, changed
+
+Array = NDArray[np.float64]
+
+#: Cycles that are recorded once the motion is steady, and of those the share whose vibration is fitted, which takes longest.
+CYCLES: Final = 8
+EVERY: Final = 4
+#: Part of a disturbance that may be left before that.
+LEFT: Final = 0.03
+#: Cycles from which the speed is foretold that a torque leads to, by which part it may miss, and how often the torque is corrected.
+TRIED: Final = 4
+SPEED: Final = 2e-3
+CORRECTIONS: Final = 3
+#: Hz, the band in which section 3.4 saw a second mode, and a wider one in which its frequency is looked for.
+BAND: Final = (90.0, 180.0)
+SOUGHT: Final = (60.0, 200.0)
+#: Share of a cycle's crank angle behind the farthest place that counts as "at the return": 360 to 420 degrees.
+RETURN: Final = (0.5, 0.5 + 60.0 / 360.0)
+#: Rows of a cycle at even instants, and transforms of so many times its length.
+ROWS: Final = 4096
+PADDING: Final = 16
+
+
+@dataclass(frozen=True)
+class Half:
+    """The first mode in a half, by channel, where all measured cycles resolve it.
+
+    Attributes:
+        frequencies: Hz.
+        uncertainties: of their measurement, Hz.
+        amplitudes: RMS of the envelope, in the channel's unit.
+        scatter: standard error of the mean frequency over the cycles, relative; 0 of one cycle.
+    """
+
+    frequencies: Mapping[str, float]
+    uncertainties: Mapping[str, float]
+    amplitudes: Mapping[str, float]
+    scatter: float
+
+
+@dataclass(frozen=True)
+class Ring:
+    """The tip acceleration at the return, from 90 to 180 Hz.
+
+    Attributes:
+        rms: m/s^2.
+        frequency: Hz, the strongest between 60 and 200 Hz.
+        signs: correlation of strain 1 with 2, and with 3, from 60 to 200 Hz.
+    """
+
+    rms: float
+    frequency: float
+    signs: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Response:
+    """What was measured; `reason` says why nothing was."""
+
+    halves: Mapping[str, Half] = field(default_factory=dict)
+    peaks: Mapping[str, float] = field(default_factory=dict)  # largest magnitude in a cycle, by channel, mean over the cycles
+    ring: Ring | None = None
+    speed: float = 0.0  # mean crank speed, rad/s
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A scene to be brought to its steady cycles.
+
+    Attributes:
+        scene: changed from one as published.
+        start: periodic state of that.
+        multiplier: its largest Floquet multiplier.
+        speed: its mean crank speed, which is kept, rad/s.
+        engine: name.
+        settings: of it, as texts; others are those of its default accuracy.
+        finer: whether it takes the finer settings that its error is estimated with.
+    """
+
+    scene: Mechanism
+    start: PeriodicStart
+    multiplier: float
+    speed: float
+    engine: str = "reference"
+    settings: Mapping[str, str] = field(default_factory=dict)
+    finer: bool = False
+
+
+def respond(requests: tuple[Request, ...]) -> tuple[Response, ...]:
+    """What each scene does in its steady cycles; what an engine cannot do becomes a reason."""
+    return tuple(_response(request) for request in requests)
+
+
+def _response(request: Request) -> Response:
+    engine, scene = engine_of_name(request.engine), request.scene
+    try:
+        settings = engine.settings_for(engine.default_accuracy, scene).with_texts(dict(request.settings))
+        if request.finer:
+            settings = engine.comparisons(settings, scene, output_step(scene))[0].other
+        return _measured(scene, _at_speed(engine, settings, request))
+    except (EngineFailure, Refusal, ValueError) as failure:
+        return Response(reason=str(failure))
+
+
+def _at_speed(engine: AnyEngine, settings: Settings, request: Request) -> list[Cycle]:
+    """The steady cycles with the torque that keeps the mean speed."""
+    scene, corrections = request.scene, CORRECTIONS
+    while True:
+        cycles, reached = _steady_cycles(engine, settings, scene, request.start, request.multiplier)
+        drive = scene.crank.drive
+        if not corrections or not isinstance(drive, TorqueDrive) or abs(reached / request.speed - 1.0) < SPEED:
+            return list(cycles)
+        corrections -= 1
+        scene = changed(scene, {"crank.drive.torque": drive.torque + drive.damping * (request.speed - reached)})
+
+
+def _steady_cycles(
+    engine: AnyEngine, settings: Settings, scene: Mechanism, start: PeriodicStart, multiplier: float
+) -> tuple[Iterator[Cycle], float]:
+    """The cycles, which a march makes as they are taken, and the mean speed (rad/s) that they have or tend to."""
+    step = output_step(scene)
+    try:
+        found = engine.steady_state(scene, standard_start(scene), settings)
+    except NoSteadyState:
+        found = None
+    if found is not None and found.stable:
+        cycle = whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
+        return iter([cycle]), 2.0 * math.pi / found.period
+    march = iter(March(engine.prepare(scene, start, settings), start.crank_speed, step))
+    periods = [float(cycle.time[-1] - cycle.time[0]) for cycle in islice(march, TRIED)]
+    before, last = (2.0 * math.pi / period for period in periods[-2:])
+    # part of the speed's distance from its limit that is left after a cycle
+    kept = math.exp(-getattr(scene.crank.drive, "damping", math.inf) / scene.crank.inertia_about_pivot * periods[-1])
+    waited = max(0, math.ceil(math.log(LEFT) / math.log(multiplier)) - TRIED)
+    return islice(march, waited, waited + CYCLES), last + (last - before) * kept / (1.0 - kept)
+
+
+def _measured(scene: Mechanism, cycles: list[Cycle]) -> Response:
+    peaks = {name: float(np.mean([np.max(np.abs(cycle.channels[name])) for cycle in cycles])) for name in CHANNELS}
+    rings = [_ring(cycle) for cycle in cycles]
+    signs = np.mean([ring.signs for ring in rings], axis=0)
+    return Response(
+        halves=_first_modes(scene, cycles[::EVERY]),
+        peaks=peaks,
+        ring=Ring(
+            float(np.sqrt(np.mean([ring.rms**2 for ring in rings]))),
+            float(np.median([ring.frequency for ring in rings])),
+            (float(signs[0]), float(signs[1])),
+        ),
+        speed=2.0 * math.pi * len(cycles) / float(cycles[-1].time[-1] - cycles[0].time[0]),
+    )
+
+
+def carrying(scene: Mechanism, half: str) -> Mechanism:
+    """The scene as small vibrations in a half find it: with the one roller that carries there, or with both where preload keeps both."""
+    plus, minus = scene.slider.sides
+    if plus == minus:
+        return scene
+    alone = {"joint_stiffness_plus": math.inf, "joint_stiffness_minus": math.inf, "preload": 0.0, "contact_damping": 0.0}
+    own = {f"slider.{key}": value for key, value in alone.items()}
+    return changed(scene, own | {"slider.joint_stiffness": plus if half == "post" else minus})
+
+
+def _first_modes(scene: Mechanism, cycles: list[Cycle]) -> dict[str, Half]:
+    """Both halves, each on the time scale of the scene as small vibrations find it there."""
+    scales = {found: time_scale(found) for found in {carrying(scene, half) for half in HALVES}}
+    return {half: _half(half, [_fitted(scales[carrying(scene, half)], half, cycle) for cycle in cycles]) for half in HALVES}
+
+
+def _fitted(scale: TimeScale | None, half: str, cycle: Cycle) -> dict[str, FirstMode]:
+    """The first mode in one half, by channel; `cases.measures.measure_cycle` would fit both on one scale, and a second mode."""
+    if scale is None:
+        return {}
+    turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
+    start, end = CubicSpline(turned, cycle.time)(np.pi * np.array((0.0, 1.0) if half == "pre" else (1.0, 2.0)))
+    here = half_cycle(scale, float(start), float(end), CubicSpline(cycle.time, cycle.crank_angle))
+    signals = {name: CubicSpline(cycle.time, cycle.channels[name]) for name in scale.channels}
+    return fit_first_modes({name: channel_half(scale, here, name, signal) for name, signal in signals.items()})
+
+
+def _half(half: str, cycles: list[dict[str, FirstMode]]) -> Half:
+    def mean(quantity: str) -> dict[str, float]:
+        found = {name: [getattr(cycle[name], quantity) for cycle in cycles] for name in cycles[0]}
+        return {name: float(np.mean(values)) for name, values in found.items() if None not in values}
+
+    frequencies, uncertainties = mean("frequency"), mean("frequency_uncertainty")
+    weights = list(uncertainties.values())
+    agreed = [consensus(half, [cycle[name].frequency or 0.0 for name in frequencies], weights).first_mode_frequency for cycle in cycles]
+    known = [frequency for frequency in agreed if frequency is not None]
+    scatter = float(np.std(known, ddof=1) / np.mean(known) / math.sqrt(len(known))) if len(known) > 1 else 0.0
+    return Half(frequencies, uncertainties, mean("amplitude"), scatter)
+
+
+def _ring(cycle: Cycle) -> Ring:
+    """The fast vibration at the return of one cycle; the cycle is taken as one of a periodic signal, whose ends lie far from there."""
+    period = cycle.time[-1] - cycle.time[0]
+    instants = cycle.time[0] + period / ROWS * np.arange(ROWS)
+    progress = np.abs(CubicSpline(cycle.time, cycle.crank_angle)(instants) - cycle.crank_angle[0]) / (2.0 * np.pi)
+    here = (progress >= RETURN[0]) & (progress < RETURN[1])
+
+    def band(name: str, limits: tuple[float, float]) -> Array:
+        spectrum = np.fft.rfft(CubicSpline(cycle.time, cycle.channels[name])(instants))
+        frequencies = np.fft.rfftfreq(ROWS, period / ROWS)
+        return np.asarray(np.fft.irfft(np.where((frequencies >= limits[0]) & (frequencies <= limits[1]), spectrum, 0.0), ROWS)[here])
+
+    wide = band("tip_acceleration", SOUGHT)
+    spectrum = np.abs(np.fft.rfft(wide * np.hanning(wide.size), PADDING * wide.size))
+    strains = np.corrcoef([band(name, SOUGHT) for name in CHANNELS[1:]])
+    return Ring(
+        float(np.sqrt(np.mean(band("tip_acceleration", BAND) ** 2))),
+        float(np.fft.rfftfreq(PADDING * wide.size, period / ROWS)[np.argmax(spectrum)]),
+        (float(strains[0, 1]), float(strains[0, 2])),
+    )
