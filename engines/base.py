@@ -168,7 +168,8 @@ class Solver(ABC, Generic[SceneT, StartT, S]):
                 name = f"{section}.{key}"
                 if (known := NAMED.get(name)) is not None and value != known.default and name not in self.quantities:
                     accepted = "a crank driven otherwise" if known.default is None else known.default
-                    raise Refusal(f"{name}: {value} {known.unit} is not modelled by engine {self.name}; accepted: {accepted}")
+                    given = f"{value} {known.unit}" if known.unit != "1" else f"{value}"
+                    raise Refusal(f"{name}: {given} is not modelled by engine {self.name}; accepted: {accepted}")
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
