@@ -143,7 +143,7 @@ def test_preloaded_rollers_vibrate_on_both(engine: Engine) -> None:
 
 
 def test_exudyn_does_not_rub() -> None:
-    with pytest.raises(Refusal, match=r"slider\.friction: 0\.3 1 is not modelled by engine exudyn"):
+    with pytest.raises(Refusal, match=r"slider\.friction: 0\.3 is not modelled by engine exudyn"):
         ExudynEngine().check(run_24(slider=Slider(friction=0.3)))
 
 
