@@ -126,6 +126,20 @@ def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: flo
         raise NoPeriodicOrbit(str(broken)) from broken
 
 
+def instability(multipliers: NDArray[np.complex128]) -> str:
+    """How a periodic motion loses its stability, by its largest multiplier: "" while it is stable.
+
+    A real multiplier leaves the unit circle at 1 (fold: two orbits meet) or at -1 (period doubling: the motion repeats after two turns),
+    a complex pair anywhere else (torus: a second frequency appears). Y. A. Kuznetsov, Elements of Applied Bifurcation Theory, chapter 4.
+    """
+    largest = complex(multipliers[0])
+    if abs(largest) < 1.0:
+        return ""
+    if largest.imag != 0.0:
+        return "torus"
+    return "fold" if largest.real > 0.0 else "period doubling"
+
+
 @dataclass(frozen=True)
 class _Cycle:
     """A cycle from a state at the farthest place; `residual` is what it changes of the free quantities."""
