@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Final, Protocol
 
 import numpy as np
@@ -26,8 +25,8 @@ FIRST_STEP: Final = 0.02
 LEAST_STEP: Final = 1e-5
 LONGEST_STEP: Final = 0.2
 #: Angle between the tangents at two points: what is aimed at, and what is accepted (rad).
-TURN: Final = 0.15
-MOST_TURN: Final = 0.4
+TURN: Final = 0.25
+MOST_TURN: Final = 0.6
 #: Relative disturbance from which derivatives are taken: what they miss is of this order. It is at least `LEAST_DISTURBANCE` local errors.
 DISTURBANCE: Final = 1e-4
 LEAST_DISTURBANCE: Final = 1e3
@@ -136,7 +135,8 @@ def branch(family: Family, point: Array, parameter: float, low: float, high: flo
         family: the map.
         point: about the fixed point, shape (m,).
         parameter: its a, within the range.
-        low, high: the range.
+        low: least value of the range.
+        high: its largest.
 
     Raises:
         CycleBroken, NotConverged: no fixed point is near the one given.
@@ -160,26 +160,34 @@ def first_point(family: Family, point: Array, parameter: float, limits: tuple[fl
     return _towards(_differentiated(family, found, parameter, limits), 1.0)
 
 
-def corrected(family: Family, at: BranchPoint, point: Array, parameter: float, border: Array) -> tuple[Array, float]:
-    """The fixed point in a hyperplane through a point, by Newton's method with the matrix taken at `at` (equation 10.10).
+def corrected(
+    family: Family, at: BranchPoint, point: Array, parameter: float, border: Array, tolerance: float = CORRECTED
+) -> tuple[Array, float]:
+    """The fixed point in a hyperplane through a point, by Broyden's method from the matrix taken at `at` (equation 10.10).
 
     Args:
         family: the map.
         at: a point of the branch near by.
-        point, parameter: where to begin, x (m,) and a.
+        point: x to begin with, shape (m,).
+        parameter: a to begin with.
         border: normal of the hyperplane in the scaled variables, shape (m + 1,).
+        tolerance: length of the last correction in the scaled variables.
 
     Raises:
         CycleBroken, NotConverged: it does not converge.
     """
-    inverse = np.linalg.inv(np.vstack([at.matrix, border]))[:, :-1]
-    last = math.inf
+    inverse = np.linalg.inv(np.vstack([at.matrix, border]))
+    last, missed, step = math.inf, np.empty(0), np.empty(0)
     for _ in range(MOST_CORRECTIONS):
         image = family.image(point, parameter)
-        step = -inverse @ ((image.point - point) / at.sizes)
+        before, missed = missed, np.append((image.point - point) / at.sizes, 0.0)
+        if len(before):  # Broyden's update: the change that the last step made is known now
+            change = inverse @ (missed - before)
+            inverse = inverse + np.outer(step - change, step @ inverse) / (step @ change)
+        step = -inverse @ missed
         point, parameter = point + step[:-1] * at.sizes, parameter + float(step[-1]) * at.width
         length = float(np.max(np.abs(step)))
-        if length < max(CORRECTED, float(np.max(image.noise / at.sizes))):
+        if length < max(tolerance, float(np.max(image.noise / at.sizes))):
             return point, parameter
         if not length < CONTRACTION * last:
             break
@@ -201,6 +209,7 @@ class _Walk:
         for _ in range(MOST_POINTS):
             try:
                 there = self._step(here, step)
+                special = list(self._special(here, there))
             except (CycleBroken, NotConverged) as failed:
                 step *= 0.5
                 if step < LEAST_STEP:
@@ -208,7 +217,7 @@ class _Walk:
                     self.ending = Ending(here.parameter, tolerance, getattr(failed, "left", False), str(failed))
                     return
                 continue
-            yield from self._special(here, there)
+            yield from special
             low, high = self._limits
             if not low < there.parameter < high:
                 if low == there.parameter or there.parameter == high:
@@ -263,7 +272,10 @@ class _Walk:
         """Where the parameter turns back, without derivatives (equation 10.11)."""
         whole, way = there.arclength - here.arclength, -math.copysign(1.0, here.tangent[-1])
         found = minimize_scalar(
-            lambda place: way * self._between(here, there, place)[1], bounds=(0.0, whole), method="bounded", options={"xatol": LOCATED * whole}
+            lambda place: way * self._between(here, there, place)[1],
+            bounds=(0.0, whole),
+            method="bounded",
+            options={"xatol": LOCATED * whole},
         )
         return float(found.x)
 
@@ -343,4 +355,4 @@ def _returned(here: BranchPoint, there: BranchPoint, first: BranchPoint) -> bool
         return False
     ahead = np.append((first.point - here.point) / here.sizes, (first.parameter - here.parameter) / here.width)
     step = there.arclength - here.arclength
-    return bool(np.linalg.norm(ahead) < step and 0.0 < ahead @ here.tangent and _seen(first, here) @ here.tangent > 0.5)
+    return bool(np.linalg.norm(ahead) < step and ahead @ here.tangent > 0.0 and _seen(first, here) @ here.tangent > 0.5)

@@ -22,6 +22,8 @@ SEARCHED: Final = 1e-3
 #: Factor between the prescribed speeds for which models are built: a model's tables do not depend on the speed, only the sizes that its
 #: integration's errors refer to do.
 PACE: Final = 1.25
+#: Length of the last correction of a point that is only compared with.
+COMPARED: Final = 1e-4
 #: Models that are kept: corrections and derivatives ask for the same values again.
 KEPT: Final = 8
 
@@ -75,7 +77,9 @@ class CycleFamily:
         """
         cycle, like = self.at(value)
         state = cycle.state(point, like)
-        period = cycle.passage(state, cycle.time_to_go(state)).duration
+        period = cycle.time_to_go(state)
+        if self.scene_at(value).crank_is_free:
+            period = cycle.passage(state, period).duration
         states = cycle.model.integrate(state, period / rows, rows, self.tolerance).states
         return {"time": np.linspace(0.0, period, rows + 1), **cycle.model.observe(states)}
 
@@ -97,7 +101,7 @@ class CycleFamily:
         matrix[np.ix_(kept, rows)] = other.matrix
         point, tangent = np.zeros(len(sizes)), np.zeros(len(sizes) + 1)
         point[kept], tangent[rows] = other.point, other.tangent
-        return corrected(self, replace(other, point=point, sizes=sizes, matrix=matrix), point, other.parameter, tangent)
+        return corrected(self, replace(other, point=point, sizes=sizes, matrix=matrix), point, other.parameter, tangent, COMPARED)
 
     def _kept(self, size: int) -> NDArray[np.intp]:
         """Places of the free quantities of a model with fewer modes among those of this one: eta, crank speed if free, rates of eta."""
