@@ -29,7 +29,7 @@ PARTS = 16
 LONGEST_REST = 2000
 
 _CAUSES: Final = {
-    LEFT_FOLLOWER: "the slider leaves the follower's end",
+    LEFT_FOLLOWER: "the slider left the follower's end",
     STEP_TOO_SMALL: "the step size fell below its least",
     TOO_MANY_CALLS: "it took too many evaluations",
     NOT_A_NUMBER: "the loop cannot close any more",
