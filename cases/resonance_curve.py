@@ -16,7 +16,7 @@ from cases.measures.extremes import extremes
 from cases.units import QuantityError, parse_quantity
 from engines import progress
 from engines.base import EngineFailure, Refusal
-from engines.own.reference import ReferenceEngine
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from reference_model.columns import OBSERVED
 from reference_model.continuation import Branch, BranchPoint, NotConverged, branch
 from reference_model.cycle_family import CycleFamily
@@ -74,7 +74,7 @@ class SpecialPoint:
         kind: "fold", "period doubling", "torus", "slider left" or "lost".
         value: of the varied quantity, SI.
         tolerance: by how much the model's own value may be missed.
-        error: claim: by how much more modes move it; nan: unknown.
+        error: claim: by how much more modes move it; None: unknown.
         at: number of the point on the curve.
         reason: why the curve ends there (a clause); "" where it goes on.
     """
@@ -82,7 +82,7 @@ class SpecialPoint:
     kind: str
     value: float
     tolerance: float
-    error: float
+    error: float | None
     at: int
     reason: str = ""
 
@@ -114,7 +114,7 @@ class ResonanceCurve:
     Attributes:
         case: its name.
         range: what varies, and between which values.
-        prescribed: speed of the crank (rad/s) that was prescribed in place of the case's own drive; nan where none was.
+        prescribed: whether the crank's speed was prescribed in place of the case's own drive.
         values: of the varied quantity, SI.
         arclength: along the curve, in parts of the range and of the motion's size.
         measures: by name.
@@ -128,7 +128,7 @@ class ResonanceCurve:
 
     case: str
     range: Range
-    prescribed: float
+    prescribed: bool
     values: Array
     arclength: Array
     measures: dict[str, Array]
@@ -217,25 +217,27 @@ def resonance_curve(
         _check(engine, scene_at(value))
     settings = engine.settings_for(accuracy or engine.default_accuracy, scene_at(varied.high))
     comparison = engine.comparisons(settings, scene_at(varied.high), case.output_step)[0]
+    other = comparison.other
+    assert isinstance(other, ReferenceSettings)
     family = CycleFamily(scene_at, settings.modes, INTEGRATION)
     found = _followed(family, varied)
-    finer = CycleFamily(scene_at, comparison.other.modes, INTEGRATION) if claims else None
+    finer = CycleFamily(scene_at, other.modes, other.tolerance) if claims else None
     rows = [_measured(each, family, finer, measures, abs(comparison.factor - 1.0)) for each in _told(found.points, "measuring")]
     taken = {name: np.array([row.measures[name] for row in rows]) for name in measures}
     value_errors = np.array([row.value_error for row in rows])
     special = [
-        SpecialPoint(each.special, each.parameter, _tolerance(found.points, at), float(value_errors[at]), at)
+        SpecialPoint(each.special, each.parameter, _tolerance(found.points, at), rows[at].value_error if claims else None, at)
         for at, each in enumerate(found.points)
         if each.special
     ]
     for at, ending in zip((0, len(rows) - 1), found.endings, strict=True):
         if ending is not None:
             kind = "slider left" if ending.left else "lost"
-            special.append(SpecialPoint(kind, ending.parameter, ending.tolerance, math.nan, at, ending.reason))
+            special.append(SpecialPoint(kind, ending.parameter, ending.tolerance, None, at, ending.reason))
     return ResonanceCurve(
         case=case.name,
         range=varied,
-        prescribed=math.nan if speed is None or not scene.crank_is_free else speed,
+        prescribed=scene.crank_is_free and not scene_at(varied.low).crank_is_free,
         values=np.array([each.parameter for each in found.points]),
         arclength=np.array([each.arclength for each in found.points]) - found.points[0].arclength,
         measures=taken,
@@ -245,7 +247,7 @@ def resonance_curve(
         kinds=tuple(each.instability for each in found.points),
         special=tuple(sorted(special, key=lambda each: each.at)),
         peaks=tuple(_peaks(found.points, taken[measures[0]], scene_at)),
-        settings={"modes": settings.modes, "finer_modes": comparison.other.modes, "tolerance": INTEGRATION},
+        settings={"modes": settings.modes, "finer_modes": other.modes, "tolerance": INTEGRATION},
     )
 
 
