@@ -60,7 +60,7 @@ class Image:
 
 
 class Family(Protocol):
-    """A map P(x, a) that depends smoothly on a parameter."""
+    """A map P(x, a) that depends smoothly on a parameter, and whose fixed points form curves (equation 10.8)."""
 
     def image(self, point: Array, parameter: float) -> Image:
         """P(x, a). Raises CycleBroken: there is none."""
@@ -142,14 +142,11 @@ def branch(family: Family, point: Array, parameter: float, low: float, high: flo
         CycleBroken, NotConverged: no fixed point is near the one given.
     """
     begin = first_point(family, point, parameter, (low, high))
-    halves = []
-    for way in (-1.0, 1.0):
-        walk = _Walk(family, low, high)
-        found = [] if parameter == (high if way > 0.0 else low) else list(walk.points(_towards(begin, way)))
-        halves.append((found, walk.ending))
-    (before, ending_before), (after, ending_after) = halves
-    reversed_before = [replace(each, arclength=-each.arclength, tangent=-each.tangent) for each in reversed(before)]
-    return Branch((*reversed_before, begin, *after), (ending_before, ending_after))
+    forward, backward = _Walk(family, low, high), _Walk(family, low, high)
+    after = list(forward.points(_towards(begin, 1.0))) if parameter < high else []
+    before = list(backward.points(_towards(begin, -1.0))) if parameter > low and not forward.closed else []
+    turned = [replace(each, arclength=-each.arclength, tangent=-each.tangent) for each in reversed(before)]
+    return Branch((*turned, begin, *after), (backward.ending, forward.ending))
 
 
 def first_point(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
@@ -196,12 +193,18 @@ def corrected(
 
 
 class _Walk:
-    """From a point along its tangent; `ending` tells afterwards why it ended, None where the range did."""
+    """From a point along its tangent.
+
+    Attributes:
+        ending: afterwards why it ended; None where the range did, or the branch is closed.
+        closed: afterwards whether it came back to its first point.
+    """
 
     def __init__(self, family: Family, low: float, high: float) -> None:
         self._family = family
         self._limits = low, high
         self.ending: Ending | None = None
+        self.closed = False
 
     def points(self, here: BranchPoint) -> Iterator[BranchPoint]:
         """The points after `here`, with the special ones between them."""
@@ -224,7 +227,8 @@ class _Walk:
                     yield there
                 return
             yield there
-            if _returned(here, there, first):
+            self.closed = _returned(here, there, first)
+            if self.closed:
                 return
             step = min(max(there.arclength - here.arclength, LEAST_STEP) * min(2.0, TURN / max(_turn(here, there), 1e-3)), LONGEST_STEP)
             here = there
