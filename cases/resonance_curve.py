@@ -144,10 +144,10 @@ class ResonanceCurve:
 def range_of(key: str, text: str, option: str = "--vary") -> Range:
     """The range that "a .. b" describes. CaseError: it cannot be."""
     if key not in PATHS or key.startswith("simulation."):
-        raise CaseError(option, None, as_written(key), "is no quantity of a scene", nearest_or_all(key, tuple(PATHS)))
+        raise CaseError(option, key, None, "is no quantity of a scene", nearest_or_all(key, tuple(PATHS)))
     about = PATHS[key]
     if about.count is not None or not about.moves or key in _WITHOUT_EFFECT:
-        raise CaseError(option, None, as_written(key), "changes no periodic motion continuously", "give a single number of the scene")
+        raise CaseError(option, key, None, "changes no periodic motion continuously", "give a single number of the scene")
     ends = [part.strip() for part in text.split("..")]
     example = f'such as "{"60 rpm .. 300 rpm" if key == SPEED else f"1 {about.unit} .. 2 {about.unit}"}"'
     if len(ends) != 2 or not all(ends):
@@ -181,6 +181,23 @@ def scene_with(scene: Mechanism, values: Mapping[str, float]) -> Mechanism:
     return found
 
 
+def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:
+    """The scene for each value of what varies; arguments and errors as of `resonance_curve`, as far as they are known beforehand."""
+    for name in measures:
+        if name not in PEAKS:
+            raise CaseError("--measure", name, None, "is unknown", nearest_or_all(name, tuple(PEAKS)))
+    scene = case.mechanism
+    base = scene if speed is None or varied.key == SPEED else scene_with(scene, {SPEED: speed})
+
+    def scene_at(value: float) -> Mechanism:
+        progress.tell(phase=f"following the motion at {value / varied.size:.4g} {varied.unit}")
+        return scene_with(base, {varied.key: value})
+
+    for value in (varied.low, varied.high):
+        _check(scene_at(value))
+    return scene_at
+
+
 def resonance_curve(
     case: Case,
     varied: Range,
@@ -203,18 +220,7 @@ def resonance_curve(
         CaseError, Refusal, ImpossibleMechanism: something cannot be.
         EngineFailure: no periodic motion was found anywhere in the range.
     """
-    for name in measures:
-        if name not in PEAKS:
-            raise CaseError("--measure", None, as_written(name), "is unknown", nearest_or_all(name, tuple(PEAKS)))
-    engine, scene = ReferenceEngine(), case.mechanism
-    base = scene if speed is None or varied.key == SPEED else scene_with(scene, {SPEED: speed})
-
-    def scene_at(value: float) -> Mechanism:
-        progress.tell(phase=f"following the motion at {value / varied.size:.4g} {varied.unit}")
-        return scene_with(base, {varied.key: value})
-
-    for value in (varied.low, varied.high):
-        _check(engine, scene_at(value))
+    scene_at, engine = checked_scenes(case, varied, speed, measures), ReferenceEngine()
     settings = engine.settings_for(accuracy or engine.default_accuracy, scene_at(varied.high))
     comparison = engine.comparisons(settings, scene_at(varied.high), case.output_step)[0]
     other = comparison.other
@@ -237,7 +243,7 @@ def resonance_curve(
     return ResonanceCurve(
         case=case.name,
         range=varied,
-        prescribed=scene.crank_is_free and not scene_at(varied.low).crank_is_free,
+        prescribed=case.mechanism.crank_is_free and not scene_at(varied.low).crank_is_free,
         values=np.array([each.parameter for each in found.points]),
         arclength=np.array([each.arclength for each in found.points]) - found.points[0].arclength,
         measures=taken,
@@ -260,8 +266,9 @@ class _Row:
     value_error: float
 
 
-def _check(engine: ReferenceEngine, scene: Mechanism) -> None:
+def _check(scene: Mechanism) -> None:
     """Refusal: a scene whose cycle is no map that can be differentiated."""
+    engine = ReferenceEngine()
     engine.check(scene)
     if scene.follower.is_rigid:
         raise Refusal("a resonance curve needs a follower that bends; give a finite follower.bending_stiffness")

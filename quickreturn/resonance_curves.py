@@ -223,7 +223,7 @@ def speed_of(text: str, option: str = "--speed") -> float:
     try:
         found = parse_quantity(text, ANGULAR_SPEED)
     except QuantityError as wrong:
-        raise CaseError(option, None, as_written(text), wrong.problem, wrong.accepted) from None
+        raise CaseError(option, SPEED, as_written(text), wrong.problem, wrong.accepted) from None
     if found == 0.0:
-        raise CaseError(option, None, as_written(text), "does not turn the crank", 'give a speed such as "165 rpm"')
+        raise CaseError(option, SPEED, as_written(text), "does not turn the crank", 'give a speed such as "165 rpm"')
     return found

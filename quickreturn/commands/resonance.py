@@ -51,7 +51,7 @@ def command(
     Exit code 3: no periodic motion was found in the range.
     """
     from cases.jobs.job import Job
-    from cases.resonance_curve import SPEED, USUAL, range_of, resonance_curve
+    from cases.resonance_curve import SPEED, USUAL, checked_scenes, range_of, resonance_curve
     from quickreturn.command_line import GOOD
     from quickreturn.questions import value_of
     from quickreturn.resonance_curves import Resonance, speed_of
@@ -67,11 +67,13 @@ def command(
         varied, held = range_of(SPEED, speed, "--speed"), None
     else:
         raise click.UsageError("Missing option '--speed'; give a range such as \"60 rpm .. 300 rpm\"")
+    asked = tuple(measures) or (USUAL,)
+    checked_scenes(loaded, varied, held, asked)
     for file, endings in ((output, (*TABLES, *PICTURES)), (plot, PICTURES)):
         if file is not None:
             check_writable(Path(file), "" if loaded.source == "library" else case, *endings)
     workshop = options.opened_workshop([loaded], ["reference"])
-    arguments = (loaded, varied, held, tuple(measures) or (USUAL,), accuracy, claims)
+    arguments = (loaded, varied, held, asked, accuracy, claims)
     inputs = (loaded.scene, *arguments[1:])
     code = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes")
     job = Job(f"{loaded.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), code, inputs)
