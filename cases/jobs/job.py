@@ -40,6 +40,7 @@ class Job(Generic[T]):
         code: packages and modules that it depends on besides those of a simulation (`cases.jobs.key.SIMULATION`).
         inputs: what determines the result besides engines and code; None: the arguments.
         limits: None: those of the executor.
+        points: how much of the whole it is, for the person who waits.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Job(Generic[T]):
     code: tuple[str, ...] = ()
     inputs: Any = None
     limits: Limits | None = None
+    points: int = 1
 
 
 @dataclass(frozen=True)

@@ -209,4 +209,5 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[R
     first = ", ".join(f"{key} = {text}" for key, text in changed[0].items())
     inputs = (case.scene, [list(each.items()) for each in changed], asked)
     arguments = (case, changed, asked)
-    return Job(f"{asked.engine}, {len(changed)} points from {first}", measured_row, arguments, "row of a study", engines, CODE, inputs)
+    name = f"{asked.engine}, {len(changed)} points from {first}"
+    return Job(name, measured_row, arguments, "row of a study", engines, CODE, inputs, points=len(changed))
