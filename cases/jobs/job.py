@@ -40,6 +40,8 @@ class Job(Generic[T]):
         code: packages and modules that it depends on besides those of a simulation (`cases.jobs.key.SIMULATION`).
         inputs: what determines the result besides engines and code; None: the arguments.
         limits: None: those of the executor.
+        brief: whether it is one of many short ones, whose processes would take longer to get ready than they compute. A process may do
+            several of them one after the other. What crashes or hangs there costs its own job and the process.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Job(Generic[T]):
     code: tuple[str, ...] = ()
     inputs: Any = None
     limits: Limits | None = None
+    brief: bool = False
 
 
 @dataclass(frozen=True)
