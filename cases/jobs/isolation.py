@@ -19,19 +19,23 @@ Whatever happens to it becomes an `Outcome` with one clause that says so:
 If the fork server is killed its workers finish what they are at, and the next job gets a new server.
 """
 
+import contextlib
+import fcntl
 import math
 import os
 import pickle
 import signal
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import connection
+from pathlib import Path
 from typing import Any, Final
 
 from cases.jobs.fork_server import PRELOAD, Process
 from cases.jobs.job import Job, Limits, Outcome, T, Watch, default_limits
 from cases.jobs.worker import serve
+from reference_model import machine_code
 
 #: How the failure of a job begins that took longer than it may.
 STOPPED: Final = "stopped at the time limit"
@@ -61,22 +65,23 @@ def isolated(
         stopped: whether the job is not wanted any more; it is asked from time to time.
         preload: modules that the fork server imports once; only the first job of this process decides.
     """
-    try:
-        worker = _worker_for(job, preload)
-    except (OSError, EOFError) as error:
-        return Outcome(job, failure=f"could not be started ({error or type(error).__name__})")
-    outcome = None
-    try:
-        if watch is not None:
-            watch(job, None)
-        outcome = worker.outcome(job, job.limits or limits or default_limits(), watch, stopped)
-    finally:
-        if outcome is not None and outcome.completed and _may_share(job):
-            with _LOCK:
-                _waiting.append(worker)
-        else:
-            worker.end()
-    return outcome
+    with _first_alone(job, stopped):
+        try:
+            worker = _worker_for(job, preload)
+        except (OSError, EOFError) as error:
+            return Outcome(job, failure=f"could not be started ({error or type(error).__name__})")
+        outcome = None
+        try:
+            if watch is not None:
+                watch(job, None)
+            outcome = worker.outcome(job, job.limits or limits or default_limits(), watch, stopped)
+        finally:
+            if outcome is not None and outcome.completed and _may_share(job):
+                with _LOCK:
+                    _waiting.append(worker)
+            else:
+                worker.end()
+        return outcome
 
 
 def end_waiting() -> None:
@@ -85,6 +90,29 @@ def end_waiting() -> None:
         workers = [_waiting.pop() for _ in list(_waiting)]
     for worker in workers:
         worker.end()
+
+
+@contextlib.contextmanager
+def _first_alone(job: Job[Any], stopped: Callable[[], bool]) -> Iterator[None]:
+    """Hold up brief jobs while the first of their kind is computed: on a new machine it compiles what the others then find on the disk.
+
+    A file beside the compiled code is locked meanwhile, and no longer empty afterwards.
+    """
+    if not (job.brief and job.engines):
+        yield
+        return
+    folder = Path(os.environ[machine_code.VARIABLE])
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / f"{job.function.__qualname__} {' '.join(job.engines)}.first").open("a") as file:
+        while not os.fstat(file.fileno()).st_size and not stopped():
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                time.sleep(_EVERY_LOOK)
+        yield
+        if not os.fstat(file.fileno()).st_size:
+            file.write("done")
 
 
 def _may_share(job: Job[Any]) -> bool:

@@ -3,8 +3,7 @@
 import os
 import threading
 from collections.abc import Callable, Generator, Sequence
-from concurrent import futures
-from contextlib import closing
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from functools import partial
 
@@ -18,22 +17,47 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def computed(pool: futures.Executor, compute: Callable[[Job[V]], Outcome[V]], jobs: Sequence[Job[V]]) -> Generator[Outcome[V], None, None]:
-    """Outcomes as `compute` delivers them where the pool calls it; closing the generator cancels those jobs that have not begun."""
-    waiting = {pool.submit(compute, job): job for job in jobs}
+def computed(
+    submit: Callable[[Job[V]], "Future[Outcome[V]]"], jobs: Sequence[Job[V]], cancel: Callable[[], object] = lambda: None
+) -> Generator[Outcome[V], None, None]:
+    """Outcomes as they come from where `submit` sends the jobs.
+
+    Closing the generator, or Ctrl-C, calls `cancel` and then cancels what is left one by one, which may take long where there is much.
+    """
+    waiting: dict[Future[Outcome[V]], Job[V]] = {}
     try:
-        for future in futures.as_completed(waiting):
+        waiting.update((submit(job), job) for job in jobs)
+        for future in as_completed(list(waiting)):
             yield _outcome(waiting.pop(future), future)
     finally:
+        cancel()
         for future in waiting:
             future.cancel()
 
 
-def _outcome(job: Job[V], future: "futures.Future[Outcome[V]]") -> Outcome[V]:
+def _outcome(job: Job[V], future: "Future[Outcome[V]]") -> Outcome[V]:
     try:
         return replace(future.result(), job=job)  # from another process comes a copy of the job
-    except Exception as error:
-        return Outcome(job, failure=f"was lost ({type(error).__name__}: {error})")
+    except Exception as error:  # of whatever kind the executor raises
+        return Outcome(job, failure=f"was lost ({type(error).__name__}: {str(error).partition('. ')[0]})")
+
+
+class Pool:
+    """Computes jobs by any executor of `concurrent.futures`, each in a process of its own where that executor calls its functions.
+
+    Args:
+        executor: e.g. a `ProcessPoolExecutor`, or one of a cluster. It stays open.
+        at_once: how many jobs it computes at a time; the time left is told by it.
+        limits, quiet: as of `LocalProcesses`.
+    """
+
+    def __init__(self, executor: Executor, at_once: int = 1, limits: Limits | None = None, quiet: bool = True) -> None:
+        self.at_once, self.limits, self.quiet = at_once, limits or default_limits(), quiet
+        self.submit = partial(executor.submit, isolated, limits=self.limits)
+
+    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
+        """See `cases.jobs.job.Executor`; `watch` is not told, for the executor does not say when it begins a job."""
+        yield from computed(self.submit, jobs)
 
 
 class LocalProcesses:
@@ -57,11 +81,11 @@ class LocalProcesses:
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.jobs.job.Executor`."""
         ended = threading.Event()
-        compute = partial(isolated, limits=self.limits, watch=watch, stopped=ended.is_set, preload=self._preload)
-        pool = futures.ThreadPoolExecutor(self.at_once)
+        pool = ThreadPoolExecutor(self.at_once)
         try:
-            with closing(computed(pool, compute, jobs)) as outcomes:
-                yield from outcomes
+            yield from computed(
+                partial(pool.submit, isolated, limits=self.limits, watch=watch, stopped=ended.is_set, preload=self._preload), jobs
+            )
         finally:
             ended.set()
             pool.shutdown()
