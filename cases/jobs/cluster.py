@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from cases.jobs.isolation import isolated
-from cases.jobs.job import Job, Limits, Outcome, V, Watch, default_limits
+from cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
 from cases.jobs.key import LIBRARIES, code_fingerprint, key_of, library_version, version_of
 from cases.jobs.processes import computed
 from engines.base import first_line
@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 PATIENCE: Final = 10.0
 
 
-class ClusterError(Exception):
-    """The cluster cannot be used; the text is one sentence."""
-
-
 def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "Cluster":
     """The executor on a cluster; leaving its `with` block ends the connection.
 
@@ -37,18 +33,18 @@ def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "
         quiet: whether nobody is to be told how far the jobs are.
 
     Raises:
-        ClusterError: there is no such scheduler, no worker, or one that would compute something else than this machine.
+        ExecutorError: there is no such scheduler, no worker, or one that would compute something else than this machine.
     """
     place = f"cluster {address}"
     try:
         from distributed import Client
     except ImportError as error:
-        raise ClusterError(f"{place}: the package distributed is not installed; try pip install 'quickreturn[cluster]'") from error
+        raise ExecutorError(f"{place}: the package distributed is not installed; try pip install 'quickreturn[cluster]'") from error
     try:
         with ThreadPoolExecutor(1) as elsewhere:  # a notebook's own thread runs a loop of events already
             elsewhere.submit(asyncio.run, _answers(address)).result()
     except (OSError, ValueError) as error:
-        raise ClusterError(f"{place}: no scheduler answers there ({first_line(error)}); start one with `dask scheduler`") from error
+        raise ExecutorError(f"{place}: no scheduler answers there ({first_line(error)}); start one with `dask scheduler`") from error
     client = Client(address, timeout=PATIENCE, set_as_default=False)
     try:
         _check(client, address)
@@ -96,19 +92,19 @@ def _check(client: "Client", address: str) -> None:
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError as error:
-        raise ClusterError(f"cluster {address}: it has no worker; start one with `dask worker {address}`") from error
+        raise ExecutorError(f"cluster {address}: it has no worker; start one with `dask worker {address}`") from error
     here = installed()
     for worker, found in client.run(_worker, on_error="return").items():
         place = f"cluster {address}: worker {worker}"
         if isinstance(found, Exception):
-            raise ClusterError(f"{place} has no quickreturn of this version ({type(found).__name__}: {found}); install it there")
+            raise ExecutorError(f"{place} has no quickreturn of this version ({type(found).__name__}: {found}); install it there")
         daemon, there = found
         differing = [name for name in here if there.get(name) != here[name]]
         if differing:
             name = differing[0]
-            raise ClusterError(f"{place} has {name} {there.get(name)}, this machine {here[name]}; both must have the same")
+            raise ExecutorError(f"{place} has {name} {there.get(name)}, this machine {here[name]}; both must have the same")
         if daemon:
-            raise ClusterError(f"{place} may start no processes; set DASK_DISTRIBUTED__WORKER__DAEMON=False where it is started")
+            raise ExecutorError(f"{place} may start no processes; set DASK_DISTRIBUTED__WORKER__DAEMON=False where it is started")
 
 
 def installed() -> dict[str, str]:
@@ -125,10 +121,15 @@ def _worker() -> tuple[bool, dict[str, str]]:
 
 def _on_worker(job: Job[V], key: str, limits: Limits) -> Outcome[V]:
     """On a worker: compute a job, for as long as it is wanted. A worker that joined late was not checked, so the key is."""
-    from distributed import get_worker
+    from distributed import Status, get_worker
 
     worker = get_worker()
     if key_of(job) != key:
-        return Outcome(job, failure=f"was refused: worker {worker.address} has other code or libraries than the machine that asks")
+        raise ExecutorError(f"worker {worker.address} has other code or libraries than the machine that asks it for {job.name}")
     task = worker.get_current_task()
-    return isolated(job, limits, stopped=lambda: worker.state.tasks[task].state == "cancelled")
+
+    def unwanted() -> bool:
+        """Whether who asked has gone or changed his mind, or the worker is about to go itself."""
+        return worker.state.tasks[task].state == "cancelled" or worker.status in (Status.closing, Status.closed, Status.failed)
+
+    return isolated(job, limits, stopped=unwanted)

@@ -97,6 +97,10 @@ class Outcome(Generic[T]):
 Watch = Callable[[Job[Any], "Progress | None"], None]
 
 
+class ExecutorError(Exception):
+    """Jobs cannot be computed where they were sent; the text is one sentence."""
+
+
 class Executor(Protocol):
     """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other.
 
@@ -119,4 +123,5 @@ class Executor(Protocol):
 
         Raises:
             KeyboardInterrupt: Ctrl-C; nothing is left running.
+            ExecutorError: the machines that compute them are lost, or would compute something else than this one.
         """

@@ -3,13 +3,13 @@
 import os
 import threading
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from functools import partial
 
 from cases.jobs.fork_server import PRELOAD
 from cases.jobs.isolation import end_waiting, isolated
-from cases.jobs.job import Job, Limits, Outcome, V, Watch, default_limits
+from cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
 
 
 def available_cores() -> int:
@@ -38,6 +38,10 @@ def computed(
 def _outcome(job: Job[V], future: "Future[Outcome[V]]") -> Outcome[V]:
     try:
         return replace(future.result(), job=job)  # from another process comes a copy of the job
+    except ExecutorError:
+        raise
+    except CancelledError as error:
+        raise ExecutorError("the connection to the machines that compute is lost; what they delivered is stored") from error
     except Exception as error:  # of whatever kind the executor raises
         return Outcome(job, failure=f"was lost ({type(error).__name__}: {str(error).partition('. ')[0]})")
 
