@@ -42,6 +42,7 @@ class Job(Generic[T]):
         limits: None: those of the executor.
         brief: whether it is one of many short ones, whose processes would take longer to get ready than they compute. A process may do
             several of them one after the other. What crashes or hangs there costs its own job and the process.
+        points: how much of the whole it is, for the person who waits.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Job(Generic[T]):
     inputs: Any = None
     limits: Limits | None = None
     brief: bool = False
+    points: int = 1
 
 
 @dataclass(frozen=True)
