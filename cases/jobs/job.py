@@ -112,9 +112,14 @@ class Executor(Protocol):
         limits: of a job that has none of its own.
     """
 
-    quiet: bool
-    at_once: int
-    limits: Limits
+    @property
+    def quiet(self) -> bool: ...  # noqa: D102
+
+    @property
+    def at_once(self) -> int: ...  # noqa: D102
+
+    @property
+    def limits(self) -> Limits: ...  # noqa: D102
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """Outcomes as jobs end, in whatever order that is; closing the generator ends those that are at work.

@@ -210,4 +210,5 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[R
     inputs = (case.scene, [list(each.items()) for each in changed], asked)
     arguments = (case, changed, asked)
     name = f"{asked.engine}, {len(changed)} points from {first}"
-    return Job(name, measured_row, arguments, "row of a study", engines, CODE, inputs, points=len(changed))
+    brief = asked.engine == "reference"  # whose code is the project's own; a library may leave anything behind in its process
+    return Job(name, measured_row, arguments, "row of a study", engines, CODE, inputs, points=len(changed), brief=brief)
