@@ -18,9 +18,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from distributed import LocalCluster
 
+import quickreturn as qr
 from cases.jobs import cluster as module
 from cases.jobs.cluster import Cluster, cluster
 from cases.jobs.job import ExecutorError, Job, Limits
@@ -200,6 +202,36 @@ def test_a_job_is_refused_by_a_worker_with_other_code_than_the_machine_that_asks
     monkeypatch.setattr(module, "_on_worker", _of_other_code)
     with pytest.raises(ExecutorError, match=r"^worker tcp://127.0.0.1:\d+ has other code .* asks it for job$"):
         list(executor.run([Job("job", len, ((),))]))
+
+
+@pytest.mark.verify
+def test_a_study_is_the_same_bit_for_bit_where_a_worker_is_killed_in_the_middle(tmp_path: Path) -> None:
+    grid = {"tip.mass": "0 g; 20 g; 40 g; 60 g; 80 g; 100 g", "crank.prescribed_speed": "100 rpm .. 200 rpm : 5"}
+    stores = {name: Store(tmp_path / name) for name in ("there", "here")}
+
+    def results(name: str) -> dict[str, bytes]:
+        return {file.name: file.read_bytes() for file in stores[name].folder.glob("*.result")}
+
+    def kill() -> None:
+        until(lambda: results("there"))
+        worker.kill()
+
+    with (
+        here(0) as scheduler,
+        ended(started(scheduler.scheduler_address, nanny=False)) as worker,
+        ended(started(scheduler.scheduler_address)),
+        cluster(scheduler.scheduler_address) as executor,
+    ):
+        until(lambda: executor.at_once == 2)
+        killer = threading.Thread(target=kill)
+        killer.start()
+        there = qr.sweep("thesis-24", grid, workshop=Workshop(stores["there"], executor), quiet=True)
+        killer.join()
+    local = qr.sweep("thesis-24", grid, workshop=Workshop(stores["here"], LocalProcesses(2)), quiet=True)
+    assert set(np.unique(there["status"])) == {"settled"}
+    assert there.equals(local)
+    assert len(results("there")) == 6
+    assert results("there") == results("here")
 
 
 #: Ends the worker that the job is computed for: the parent of the fork server.
