@@ -22,6 +22,7 @@ from reference_model.continuation import Branch, BranchPoint, NotConverged, bran
 from reference_model.cycle_family import CycleFamily
 from reference_model.mechanism import Mechanism
 from reference_model.periodic import NoPeriodicOrbit
+from reference_model.rigid import crank_pace
 from reference_model.scene_values import ALTERNATIVES, scene_of, values_of
 from reference_model.section_map import CycleBroken
 
@@ -44,6 +45,8 @@ PROMINENT: Final = 1.1
 FOLD_TOLERANCE: Final = 1e-6
 #: By how much a multiplier is missed: differences of cycles leave about 1e-4 of the largest derivatives.
 MULTIPLIER_TOLERANCE: Final = 1e-3
+#: Part of its own speed within which the curve around a machine goes.
+NEAR: Final = 0.15
 #: Keys that no periodic motion depends on.
 _WITHOUT_EFFECT: Final = ("crank.initial_angle", "crank.initial_speed")
 
@@ -196,6 +199,19 @@ def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Seq
     for value in (varied.low, varied.high):
         _check(scene_at(value))
     return scene_at
+
+
+def curve_around(case: Case) -> ResonanceCurve:
+    """The curve over speeds within `NEAR` of the machine's own, without claims; of a machine that a torque drives, of its mean speed.
+
+    Raises:
+        CaseError, Refusal, EngineFailure: as `resonance_curve` does; Refusal also of a crank that stands still.
+    """
+    pace = crank_pace(case.mechanism)
+    if pace == 0.0:
+        raise Refusal("a resonance curve needs a crank that turns; give a speed, or a torque and damping")
+    low, high = sorted(((1.0 - NEAR) * pace, (1.0 + NEAR) * pace))
+    return resonance_curve(case, Range(SPEED, low, high, "rpm", math.pi / 30.0), claims=False)
 
 
 def resonance_curve(

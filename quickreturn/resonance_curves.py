@@ -174,6 +174,30 @@ class Resonance(Shown):
         return "unknown" if value is None or math.isnan(value) else f"{value / self.curve.range.size:{digits}}"
 
 
+def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
+    """What a curve of speeds says of a machine that runs at `pace` (rad/s): its own motion, and what is nearest, in lines."""
+    name, (low, high) = next(iter(curve.measures)), sorted((curve.range.low, curve.range.high))
+    crossings = [
+        (height, kind)
+        for value, other, height, kind in zip(curve.values, curve.values[1:], curve.measures[name], curve.kinds, strict=False)
+        if min(value, other) <= pace < max(value, other)
+    ]
+    rpm, unit = curve.range.size, COLUMNS[PEAKS[name]].unit
+    drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
+    lines = [f"the machine runs at {pace / rpm:.5g} rpm{drive}"]
+    for height, kind in crossings:
+        lines.append(f"there {name} is about {height:.3g} {unit}, {f'unstable: {kind}' if kind else 'stable'}")
+    found = [(f"order {each.order}, {each.height:.3g} {unit}", each.value) for each in curve.peaks]
+    for what, places in (("peak", found), ("change of stability", [(each.kind, each.value) for each in curve.special])):
+        if not places:
+            lines.append(f"no {what} between {low / rpm:.4g} and {high / rpm:.4g} rpm")
+            continue
+        words, value = min(places, key=lambda each: abs(each[1] - pace))
+        way = "faster" if abs(value) > abs(pace) else "slower"
+        lines.append(f"nearest {what}: {words}, at {value / rpm:.5g} rpm, {100.0 * abs(value / pace - 1.0):.2g} % {way}")
+    return lines
+
+
 def _stretches(curve: ResonanceCurve) -> Iterator[tuple[slice, bool]]:
     """Stretches of the curve, and whether they are unstable; special points belong to both stretches that they part."""
     special = {each.at for each in curve.special}

@@ -28,7 +28,7 @@ TABLES: Final = (".csv", ".nc", ".parquet")
 @options.case_assignments
 @options.output(f"Where the table goes, {', '.join(TABLES)}; or a picture, {', '.join(PICTURES)}.", required=False)
 @options.single("--plot", metavar="FILE", help="Where a picture goes besides.")
-@options.of_workshop
+@options.limited
 @options.json
 def command(
     case: str,
