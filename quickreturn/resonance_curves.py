@@ -163,7 +163,8 @@ class Resonance(Shown):
             for each in curve.special
         ]
         for each in curve.peaks:
-            height = f"{each.height:.4g} +- {curve.errors[first][each.at]:.2g} {self._unit(first)}"
+            error = curve.errors[first][each.at]
+            height = f"{each.height:.4g} {self._unit(first)}" + ("" if math.isnan(error) else f" +- {error:.2g}")
             claim = f"+- {self._of_range(curve.value_errors[each.at], '.2g')}"
             rows.append((f"peak of order {each.order}", f"{self._of_range(each.value)} {unit}", claim, height))
         if rows:

@@ -12,6 +12,7 @@ import xarray as xr
 
 import quickreturn as qr
 from cases.resonance_curve import range_of, scene_with
+from quickreturn.resonance_curves import told_around
 from tests.quickreturn.conftest import Call
 
 RPM = math.pi / 30.0
@@ -113,3 +114,19 @@ def test_other_values_replace_what_excludes_them() -> None:
     assert held.crank.drive.initial_speed == 10.0
     assert held.tip_body.mass == 0.02
     assert range_of("tip.mass", "0 g .. 25 g").high == pytest.approx(0.025)
+
+
+def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -> None:
+    fold = found.special["value"].item()
+    pace = 0.998 * fold
+    lines = told_around(found.curve, pace)
+    assert lines[0].startswith(f"the machine runs at {pace / RPM:.5g} rpm, its mean speed")
+    assert {line.rpartition(", ")[2] for line in lines[1:3]} == {"stable", "unstable: fold"}
+    assert lines[3].startswith("no peak between 237.5 and 241 rpm")
+    assert lines[4] == f"nearest change of stability: fold, at {fold / RPM:.5g} rpm, 0.2 % faster"
+
+
+def test_a_rigid_machine_has_no_curve(call: Call) -> None:
+    answer = call("show", "rigid", "--resonance")
+    assert answer.code == 2
+    assert "bending_stiffness" in answer.errors
