@@ -21,7 +21,7 @@ TABLES: Final = (".csv", ".nc", ".parquet")
     "measures",
     metavar="NAME",
     multiple=True,
-    help="peak.COLUMN of a trajectory; may be given again.",
+    help="Measure, such as peak.strain_2; may be given again.",
 )
 @options.accuracy
 @click.option("--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save half of the time.")
