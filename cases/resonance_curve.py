@@ -248,7 +248,13 @@ def resonance_curve(
     taken = {name: np.array([row.measures[name] for row in rows]) for name in measures}
     value_errors = np.array([row.value_error for row in rows])
     special = [
-        SpecialPoint(each.special, each.parameter, _tolerance(found.points, at), rows[at].value_error if claims else None, at)
+        SpecialPoint(
+            each.special,
+            each.parameter,
+            _tolerance(found.points, at),
+            None if math.isnan(rows[at].value_error) else rows[at].value_error,
+            at,
+        )
         for at, each in enumerate(found.points)
         if each.special
     ]
