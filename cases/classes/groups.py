@@ -3,9 +3,8 @@
 By similarity two machines with the same groups move alike: lengths scale with the follower's, times with the period of its lowest mode.
 """
 
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
@@ -13,14 +12,9 @@ from cases.library.thesis import run_case
 from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip, changed
 from reference_model.natural_modes import stiffness_ratio
 from reference_model.rigid import crank_pace
-from reference_model.scene_values import NAMED, values_of
 
 #: Square of the tip body's radius of gyration over that of the follower's length: the thesis' plates, 0.068 in^2 and 25 in (table 5.1).
 GYRATION: Final = 0.068 / 25.0**2
-#: Quantities of a case file that the groups stand for, so that no value of theirs lies outside the map by itself.
-_GROUPED: Final = frozenset(
-    {"crank.torque", "crank.prescribed_speed", "follower.damping", "follower.material_damping", "slider.joint_stiffness"}
-)
 
 
 @dataclass(frozen=True)
@@ -31,7 +25,8 @@ class Groups:
         speed: crank's frequency over the lowest natural frequency of the follower with the crank held, wherever that is lowest.
         tip: mass of the tip body over that of the arm.
         crank: crank's length over the distance of the pivots.
-        damping: share of critical damping that the arm's own damping gives to the lowest mode, as if there were no tip body.
+        damping: share of critical damping of the lowest mode: of the arm's own damping as if there were no tip body, and of the pivot's as
+            if the arm turned as a whole.
         joint: stiffness of the slider's joint over EI / L^3 of the arm; infinite where it is rigid.
     """
 
@@ -84,10 +79,11 @@ def groups_of(mechanism: Mechanism) -> Groups | None:
     if ratio == 0.0:
         return None
     lowest = ratio * crank_pace(mechanism)
+    rates = arm.damping / arm.mass_per_length + mechanism.base.damping / (arm.mass * arm.length**2 / 3.0)
     return Groups(
         speed=1.0 / ratio,
         tip=mechanism.tip_body.mass / arm.mass,
         crank=mechanism.crank.length / mechanism.pivot_distance,
-        damping=0.5 * (arm.damping / arm.mass_per_length / lowest + arm.material_damping * lowest),
+        damping=0.5 * (rates / lowest + arm.material_damping * lowest),
         joint=min(mechanism.slider.sides) * arm.length**3 / arm.bending_stiffness,
     )

@@ -8,14 +8,14 @@ from cases.benchmark.measurement import CONFIRMING, TRUTH
 from cases.classes.grid import case_of, grid, name_of
 from cases.classes.groups import Groups
 from cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, Truth, measured, truth
-from cases.jobs.job import Job, Limits, Outcome, default_limits
+from cases.jobs.job import Job, Outcome, default_limits
 from cases.jobs.processes import STOPPED
 from cases.jobs.workshop import Workshop
 from engines.registry import MAIN, RIVALS, engine
 
 ENGINES: Final = (*MAIN, *RIVALS)
-CODE: Final = ("cases.benchmark", "cases.classes", "cases.library")
-#: Time (s) after which a method is stopped on a scene, or the solution that it is measured against.
+CODE: Final = ("cases.benchmark", "cases.classes.grid", "cases.classes.groups", "cases.classes.measurement")
+#: Time (s) after which a method is stopped on a scene: its ladder and two answers take `LIMIT` each, and some runs are repeated.
 STOP: Final = 12.0 * LIMIT
 
 
@@ -67,21 +67,18 @@ def _outcomes(workshop: Workshop, jobs: Sequence[Job[Any]], title: str, compute:
 
 def _truth_job(groups: Groups) -> Job[Truth]:
     engines = (TRUTH[0], CONFIRMING[0])
-    return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, _inputs(groups), _limits())
+    return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, _inputs(groups))
 
 
 def _job(groups: Groups, name: str, true: Truth) -> Job[list[Reach]]:
     arguments = (groups, name, true.trajectory)
-    return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, _inputs(groups), _limits())
+    limits = replace(default_limits(), seconds=STOP)
+    return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, _inputs(groups), limits)
 
 
 def _inputs(groups: Groups) -> Any:
     case = case_of(groups)
     return case.mechanism, case.duration, case.output_step
-
-
-def _limits() -> Limits:
-    return replace(default_limits(), seconds=STOP)
 
 
 def _scene(groups: Groups, outcome: Outcome[Truth]) -> Scene:

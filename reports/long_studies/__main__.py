@@ -1,4 +1,7 @@
-"""Write the tables: `python -m reports.long_studies`; what is not stored is computed, which takes hours; `--stored` takes what is."""
+"""Write the tables: `python -m reports.long_studies`; what is not stored is computed, which takes hours; `--stored` takes what is.
+
+Names of studies, as in `CODE`, choose among them: `python -m reports.long_studies classes`.
+"""
 
 import dataclasses
 import sys
@@ -10,6 +13,7 @@ from cases import conformance
 from cases.benchmark import SCENES, Benchmark, compiling, measure, stored
 from cases.benchmark.scenes import ENGINES
 from cases.case_file import load_case
+from cases.classes import study as classes
 from cases.finding import study as finding
 from cases.jobs.job import Outcome
 from cases.jobs.key import LIBRARIES, code_fingerprint
@@ -28,31 +32,68 @@ STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_ga
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write all tables; exit code 2 for an option that is none."""
-    if set(arguments) - {"--stored"}:
-        print(f"python -m reports.long_studies: {' '.join(arguments)}: accepted: --stored", file=sys.stderr)
+    """Write the tables of all studies, or of those that are named; exit code 2 for an argument that is none."""
+    names = [each for each in arguments if each != "--stored"]
+    if unknown := sorted(set(names) - set(CODE)):
+        print(f"python -m reports.long_studies: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
         return 2
-    workshop, compute = Workshop(Store()), not arguments
+    workshop, told = Workshop(Store()), list[str]()
+    for study in names or CODE:
+        if found := _RECORDERS[study](workshop, "--stored" not in arguments):
+            told.append(found)
+            _write("about", [_made(each) if each == study else made for each in CODE if (made := about(each)) or each == study])
+            about.cache_clear()
+    print(", ".join(told) or "nothing is stored")
+    return 0
+
+
+# Each writes the tables of a study, computing what is missing if it shall; what it tells is "" where there is nothing.
+
+
+def _benchmark(workshop: Workshop, compute: bool) -> str:
     cases = [load_case(name) for name in SCENES]
     found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if compute else None)) is not None]
-    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=compute)
-    confirmed = confirming(workshop, compute=compute)
     if found:
         _write_benchmarks(found)
         _write("compiling", compiling(workshop, ENGINES, compute=compute))
-    if matrix.cells:
-        _write_matrix(matrix)
-    conforming = [row for name in ENGINES if (row := _conformance(name, workshop, compute=compute)) is not None]
-    effects = finding.study(workshop, compute=compute)
-    _write("conformance", conforming)
-    _write("finding", effects)
-    _write("confirmation", confirmed)
-    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed, "conformance": conforming, "finding": effects}
-    _write("about", [each for study in CODE if (each := _made(study) if made[study] else about(study))])
-    benchmarks, cells = f"{len(found)} of {len(cases)} scenes of the benchmark", f"{len(matrix.cells)} cells of the hard scenes"
-    others = f"conformance of {len(conforming)} engines, {len(effects)} rows on the thesis' finding"
-    print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions, {others}")
-    return 0
+    return f"{len(found)} of {len(cases)} scenes of the benchmark" if found else ""
+
+
+def _hard_scenes(workshop: Workshop, compute: bool) -> str:
+    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=compute)
+    if not matrix.cells:
+        return ""
+    _write_matrix(matrix)
+    return f"{len(matrix.cells)} cells of the hard scenes"
+
+
+def _confirmation(workshop: Workshop, compute: bool) -> str:
+    return _write("confirmation", confirming(workshop, compute=compute), "confirming solutions")
+
+
+def _conforming(workshop: Workshop, compute: bool) -> str:
+    found = [row for name in ENGINES if (row := _conformance(name, workshop, compute=compute)) is not None]
+    return _write("conformance", found, "engines' conformance")
+
+
+def _finding(workshop: Workshop, compute: bool) -> str:
+    return _write("finding", finding.study(workshop, compute=compute), "rows on the thesis' finding")
+
+
+def _classes(workshop: Workshop, compute: bool) -> str:
+    scenes, reaches = classes.study(workshop, compute=compute)
+    _write("classes_scenes", scenes)
+    return _write("classes", reaches, f"cells of {len(scenes)} classes")
+
+
+_RECORDERS: Final = {
+    "benchmark": _benchmark,
+    "hard scenes": _hard_scenes,
+    "confirmation": _confirmation,
+    "conformance": _conforming,
+    "finding": _finding,
+    "classes": _classes,
+}
 
 
 def _conformance(name: str, workshop: Workshop, *, compute: bool) -> RecordedConformance | None:
@@ -89,9 +130,12 @@ def _write_matrix(matrix: Matrix) -> None:
     _write("hard_scenes_conditioning", [RecordedConditioning(name, matrix.converged.get(name), found) for name, found in known])
 
 
-def _write(name: str, rows: Sequence[Any]) -> None:
-    if rows:
-        write_atomically(FOLDER / f"{name}.csv", text_of(rows).encode())
+def _write(name: str, rows: Sequence[Any], of: str = "rows") -> str:
+    """Write a table, unless it would be empty; how many rows it has, in words."""
+    if not rows:
+        return ""
+    write_atomically(FOLDER / f"{name}.csv", text_of(rows).encode())
+    return f"{len(rows)} {of}"
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.Monkey
         assert (mine.point.method, mine.point.settings, mine.point.status) == (its.method, its.settings, its.status)
         assert (mine.point.measured is None) == (its.measured is None)
         if mine.point.measured and its.measured:
-            assert mine.point.measured.errors == pytest.approx(its.measured.errors, rel=1e-5)  # six digits
+            assert mine.point.measured.errors == pytest.approx(its.measured.errors, rel=5e-5)  # five digits
     assert table("scenes", Benchmark) == [dataclasses.replace(measured, points=())]
     assert table("cells", Judged) == list(found.cells.values())
     assert table("nothing", Judged) == []
@@ -125,5 +125,5 @@ def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> Non
     truth = solved(case, found.truth.engine, json.dumps(found.truth.settings))
     mine = solved(case, name, json.dumps(point.settings))
     difference = ((mine["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
-    # recorded with six digits; the rest is what another machine's rounding may do to adaptive steps
+    # recorded with five digits; the rest is what another machine's rounding may do to adaptive steps
     assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(point.error(), rel=1e-3)
