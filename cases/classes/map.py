@@ -8,16 +8,28 @@ from types import MappingProxyType
 from typing import Final
 
 from cases.classes.groups import Groups
-from cases.classes.measurement import LEVELS, Reach
+from cases.classes.measurement import FAILED, LEVELS, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach
 from cases.classes.study import Scene
+from cases.library.thesis import run_case
+from reference_model.mechanism import Mechanism
+from reference_model.scene_values import NAMED, values_of
 
 #: What times are compared by -> the field of `Reach` with the time.
 TIMES: Final[Mapping[str, str]] = MappingProxyType({"solving alone": "solve_seconds", "all that one waits for": "waited_seconds"})
 SOLVING, WAITING = TIMES
+#: What a method can come to, as `Reach.status` has it.
+STATUSES: Final = (REACHED, NOT_REACHED, TOO_SLOW, FAILED, REFUSED)
 #: What makes up one step between machines, in the logarithm or in the square root of a group: about a row or a column of the map.
 _STEPS: Final = {"speed": math.log(2.0), "tip": 0.7, "crank": math.log(1.5), "damping": 0.1, "joint": math.log(10.0)}
 #: A joint stiffness over EI/L^3 from which a joint is as good as rigid: at ten times the stiffest one of the map.
 _STIFF: Final = 1e4
+
+#: Quantities of a case file that the groups stand for.
+_GROUPED: Final = frozenset(
+    {"crank.torque", "crank.prescribed_speed", "base.damping", "follower.damping", "follower.material_damping", "slider.joint_stiffness"}
+)
+#: Part by which a ratio of lengths may differ from the map's and still be called the same.
+_SIMILAR: Final = 0.05
 
 
 @dataclass(frozen=True)
@@ -93,3 +105,19 @@ def _scaled(name: str, groups: Groups) -> float:
 def level_for(accuracy: float) -> float | None:
     """The loosest of `LEVELS` that is as tight as an accuracy; None where none is."""
     return max((level for level in LEVELS if level <= accuracy), default=None)
+
+
+def off_the_map(mechanism: Mechanism) -> list[str]:
+    """Sentences on what a machine has and no scene of the map: nothing is known of what that does to the methods."""
+    found = []
+    for section, values in values_of(mechanism).items():
+        for key, value in values.items():
+            name = f"{section}.{key}"
+            if name in NAMED and name not in _GROUPED and value != NAMED[name].default:
+                found.append(f"{name} is given, and no scene of the map has it")
+    if (mechanism.slider.is_linear, mechanism.slider.is_rigid) == (False, False):
+        found.append("the slider's joint is not one linear spring, as all soft joints of the map are")
+    reach, usual = (each.follower.length / each.pivot_distance for each in (mechanism, run_case(24).mechanism))
+    if abs(reach / usual - 1.0) > _SIMILAR:
+        found.append(f"follower.length over mechanism.pivot_distance is {reach:.3g}, on the map it is {usual:.3g}")
+    return found

@@ -45,6 +45,7 @@ class Cell:
         note: a remark: in the page shown by a click, in the CSV file in a column of its own.
         mark: "missed" a tolerance, "failed", "open" (no answer, for a reason), "good", "model" (a good answer of a model that is not).
         run: case that it opens on the first screen.
+        tint: CSS colour behind it.
     """
 
     value: Value
@@ -52,6 +53,7 @@ class Cell:
     note: str = ""
     mark: Mark = ""
     run: str = ""
+    tint: str = ""
 
 
 Row = Mapping[str, Cell]
