@@ -87,15 +87,12 @@ def cells(known: Map) -> Table:
     """Every method in every scene at every error, with the scene's groups."""
     groups = [Column(name, form="g") for name in vars(CENTRE)]
     seconds = [Column(time, unit="s", form=".3g") for time in TIMES.values()]
-    columns = ["scene", *groups, Column("difference", "sharp to", "1", ".1e"), "engine", Column("level", "error", "%", "g"), "status"]
-    table = Table("classes", [*columns, *seconds, Column("error", "delivered", "%", ".2g"), "remark"], in_page=False, scenes=_scenes(known))
+    columns: list[Column | str] = ["scene", *groups, Column("difference", "sharp to", "1", ".1e"), "engine"]
+    columns += [Column("level", "error", "%", "g"), "status", *seconds, Column("error", "delivered", "%", ".2g"), "remark"]
+    table = Table("classes", columns, in_page=False, scenes=counted(len(known.scenes), "scene"))
     for scene in known.scenes:
         shared: dict[str, Any] = {**vars(scene.groups), "difference": scene.difference}
         for level in LEVELS:
             for reach in known.at(scene, level):
                 table.add(reach, **shared)
     return table
-
-
-def _scenes(known: Map) -> str:
-    return counted(len(known.scenes), "scene")

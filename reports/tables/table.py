@@ -190,7 +190,7 @@ class Table:
         """How a column is set: "" numbers, "words" texts that stay on a line, "words prose" texts that need several."""
         if column.form:
             return ""
-        longest = max((len(column.text(row[column.key])) for row in self.rows), default=0)
+        longest = max((len(line) for row in self.rows for line in column.text(row[column.key]).splitlines()), default=0)
         return "words prose" if longest > LONGEST_LINE else "words"
 
     def page_text(self, row: Row, column: Column) -> str:
