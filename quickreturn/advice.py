@@ -1,15 +1,16 @@
 """Where a machine lies on the map of classes, and which method the map advises."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 from cases.case import Case
 from cases.classes.groups import MEANINGS, Groups, groups_of
-from cases.classes.map import TIMES, Map, distance, level_for, off_the_map
+from cases.classes.map import TIMES, Map, off_the_map
 from cases.classes.measurement import LEVELS, REFUSED, Reach
 from cases.errors import CaseError
 from cases.shown import Cell, Rows, Shown
+from engines.base import Refusal
+from engines.registry import engine
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, one_case
 
@@ -42,28 +43,19 @@ class Advice(Shown):
     use: Mapping[str, str]
     reaches: tuple[Reach, ...]
 
-    @property
-    def document(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
-
     def _parts(self) -> Iterator[Cell]:
         yield f"{self.case}: which method for an error of {100.0 * self.accuracy:g} %"
         yield Rows([(MEANINGS[name], f"{value:.3g}") for name, value in vars(self.groups).items()])
         sharp = "" if self.sharpness is None else f"; two formulations agree there to {self.sharpness:.1e}"
         yield f"nearest scene of the map: {self.scene} ({self.steps:.1f} steps away){sharp}"
         yield from (f"outside the map, so this is an extrapolation: {each}" for each in self.outside)
-        for by in TIMES:
-            if by in self.use:
-                yield f"{by}: {self.use[by]}"
-            else:
-                yield f"{by}: no method is known that gets to {100.0 * self.level:g} %"
+        yield from (f"fastest by {by}: {self.use.get(by, 'no method that is known to get there')}" for by in TIMES)
         rows = [(each.engine, _time(each.solve_seconds), _time(each.waited_seconds), _remark(each)) for each in self.reaches]
-        yield Rows(rows, ("engine", "solve", "wait", f"one turn of the crank to {100.0 * self.level:g} % there"))
+        yield Rows(rows, ("engine", "solve", "wait", f"a turn of the crank in that scene, to {100.0 * self.level:g} %"))
 
 
 def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
-    """Where a machine lies on the recorded map of classes, and which methods are fastest there.
+    """Where a machine lies on the recorded map of classes, and which methods are fastest there. Nothing is simulated.
 
     Args:
         case: a name, a path or a `Case`.
@@ -75,64 +67,48 @@ def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
     """
     from reports.long_studies import class_map
 
-    chosen, wanted = one_case(case), checked(accuracy) or LEVELS[0]
-    groups, known = groups_of(chosen.mechanism), class_map()
+    chosen, wanted, known = one_case(case), checked(accuracy) or LEVELS[0], class_map()
+    groups = groups_of(chosen.mechanism)
     if groups is None:
-        problem = "a follower that cannot bend or a crank that stands still has no place on the map of classes"
-        raise CaseError(chosen.name, "follower.bending_stiffness", None, problem, "a finite stiffness and a crank that turns")
+        problem = "a follower that cannot bend, or a crank that stands still, has no place on the map of classes"
+        raise CaseError(chosen.name, None, None, problem, "a finite follower.bending_stiffness and a crank that turns")
     if not known.scenes:
         raise CaseError(chosen.name, None, None, "the map of classes has not been recorded", "python -m reports.long_studies classes")
     return _advice(chosen, groups, wanted, known)
 
 
 def _advice(case: Case, groups: Groups, accuracy: float, known: Map) -> Advice:
-    level, scene = level_for(accuracy) or LEVELS[-1], known.nearest(groups)
-    refusals = {reach.engine: _refusal(case, reach.engine) for reach in known.at(scene, level)}
-    use = dict[str, str]()
-    for by in TIMES:
-        takers = [name for name, _ in known.place(scene, level, by).ranked if not refusals[name]]
-        use |= {by: takers[0]} if takers else {}
+    level = max((each for each in LEVELS if each <= accuracy), default=LEVELS[-1])
+    scene, steps = known.nearest(groups)
+    reaches = tuple(_held_against(case, reach) for reach in known.at(scene, level))
+    able = {reach.engine for reach in reaches if reach.status != REFUSED}
+    takers = {by: [name for name in known.ranked(scene, level, by) if name in able] for by in TIMES}
     outside = [
         f"{MEANINGS[name]} is {getattr(groups, name):.3g}, the map has {low:g} to {high:g}"
         for name, (low, high) in known.outside(groups).items()
     ]
     if accuracy < level:
-        outside.append(f"an error of {100.0 * accuracy:g} % is asked for, the map has {100.0 * level:g} %")
-    return Advice(
-        case=case.name,
-        groups=groups,
-        accuracy=accuracy,
-        level=level,
-        scene=scene.name,
-        steps=distance(scene.groups, groups),
-        sharpness=scene.difference,
-        outside=(*outside, *off_the_map(case.mechanism)),
-        use=use,
-        reaches=tuple(
-            Reach(reach.scene, reach.engine, level, REFUSED, remark=refusals[reach.engine]) if refusals[reach.engine] else reach
-            for reach in known.at(scene, level)
-        ),
-    )
+        outside.append(f"an error of {100.0 * accuracy:g} % is asked for, the tightest of the map is {100.0 * level:g} %")
+    outside += off_the_map(case.mechanism)
+    use = {by: names[0] for by, names in takers.items() if names}
+    return Advice(case.name, groups, accuracy, level, scene.name, steps, scene.difference, tuple(outside), use, reaches)
 
 
-def _refusal(case: Case, name: str) -> str:
-    """Why an engine refuses a machine, "" if it does not."""
-    from engines.base import Refusal
-    from engines.registry import engine
-
+def _held_against(case: Case, reach: Reach) -> Reach:
+    """What an engine reached in a scene of the map; `REFUSED` if it refuses this machine."""
     try:
-        engine(name).check(case.mechanism)
+        engine(reach.engine).check(case.mechanism)
     except Refusal as refusal:
-        return str(refusal)
-    return ""
+        return Reach(reach.scene, reach.engine, reach.level, REFUSED, remark=str(refusal))
+    return replace(reach, remark="") if reach.status == REFUSED else reach
 
 
 def _time(seconds: float | None) -> str:
-    return "-" if seconds is None else f"{1e3 * seconds:.2g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
+    return "-" if seconds is None else f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
 
 
 def _remark(reach: Reach) -> str:
-    """The status where the engine does not get there, and the reason."""
-    left = f"{100.0 * reach.error:.2g} % are left" if reach.error is not None and reach.solve_seconds is None else ""
-    told = [reach.status if reach.solve_seconds is None else "", left, reach.remark]
-    return "; ".join(filter(None, told))
+    """The status where the engine does not get there, what is left, and the reason."""
+    missed = reach.solve_seconds is None
+    left = f"{100.0 * reach.error:.2g} % are left" if missed and reach.error is not None else ""
+    return "; ".join(filter(None, (reach.status if missed else "", left, reach.remark)))

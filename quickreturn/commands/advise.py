@@ -19,6 +19,8 @@ def command(cases: Sequence[str], tag: str | None, accuracy: float | None, assig
     The map was recorded: one turn of the crank from the standard start, by every engine, in scenes that cover the dimensionless groups.
     Nothing is simulated. What lies outside the map is named. With several cases the JSON document is a list.
     """
+    from dataclasses import asdict
+
     from cases.classes.measurement import LEVELS
     from quickreturn.advice import advise
     from reports.output import print_json
@@ -29,7 +31,7 @@ def command(cases: Sequence[str], tag: str | None, accuracy: float | None, assig
     found = [advise(case, accuracy or LEVELS[0]) for case in loaded]
     options.tell_doubts(loaded)
     if as_json:
-        documents = [each.document for each in found]
+        documents = [asdict(each) for each in found]
         print_json(documents[0] if len(documents) == 1 else documents)
     else:
         click.echo("\n\n".join(map(str, found)))

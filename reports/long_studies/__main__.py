@@ -6,7 +6,7 @@ Names of studies, as in `CODE`, choose among them: `python -m reports.long_studi
 import dataclasses
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from cases import conformance
@@ -47,9 +47,6 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-# Each writes the tables of a study, computing what is missing if it shall; what it tells is "" where there is nothing.
-
-
 def _benchmark(workshop: Workshop, compute: bool) -> str:
     cases = [load_case(name) for name in SCENES]
     found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if compute else None)) is not None]
@@ -67,44 +64,34 @@ def _hard_scenes(workshop: Workshop, compute: bool) -> str:
     return f"{len(matrix.cells)} cells of the hard scenes"
 
 
-def _confirmation(workshop: Workshop, compute: bool) -> str:
-    return _write("confirmation", confirming(workshop, compute=compute), "confirming solutions")
-
-
-def _conforming(workshop: Workshop, compute: bool) -> str:
-    found = [row for name in ENGINES if (row := _conformance(name, workshop, compute=compute)) is not None]
-    return _write("conformance", found, "engines' conformance")
-
-
-def _finding(workshop: Workshop, compute: bool) -> str:
-    return _write("finding", finding.study(workshop, compute=compute), "rows on the thesis' finding")
-
-
 def _classes(workshop: Workshop, compute: bool) -> str:
     scenes, reaches = classes.study(workshop, compute=compute)
     _write("classes_scenes", scenes)
     return _write("classes", reaches, f"cells of {len(scenes)} classes")
 
 
-_RECORDERS: Final = {
+#: Study -> what writes its tables, computing what is missing if it shall; what it tells is "" where there is nothing.
+_RECORDERS: Final[Mapping[str, Callable[[Workshop, bool], str]]] = {
     "benchmark": _benchmark,
     "hard scenes": _hard_scenes,
-    "confirmation": _confirmation,
-    "conformance": _conforming,
-    "finding": _finding,
+    "confirmation": lambda workshop, compute: _write("confirmation", confirming(workshop, compute=compute), "confirming solutions"),
+    "conformance": lambda workshop, compute: _write("conformance", _conforming(workshop, compute=compute), "engines' conformance"),
+    "finding": lambda workshop, compute: _write("finding", finding.study(workshop, compute=compute), "rows on the thesis' finding"),
     "classes": _classes,
 }
 
 
-def _conformance(name: str, workshop: Workshop, *, compute: bool) -> RecordedConformance | None:
-    """The outcome for one engine, from the store where it is there; None: it is not, and must not be computed."""
-    job = conformance.job(name)
-    stored = workshop.stored(job)
-    if stored is None and compute:
-        stored = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
-    if stored is None or stored.value is None:
-        return None
-    return RecordedConformance.of(stored.value, engine(name).version())
+def _conforming(workshop: Workshop, *, compute: bool) -> list[RecordedConformance]:
+    """The outcomes of all engines, from the store where they are there, those that are missing computed if they shall."""
+    found = []
+    for name in ENGINES:
+        job = conformance.job(name)
+        outcome = workshop.stored(job)
+        if outcome is None and compute:
+            outcome = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
+        if outcome is not None and outcome.value is not None:
+            found.append(RecordedConformance.of(outcome.value, engine(name).version()))
+    return found
 
 
 def _made(study: str) -> About:

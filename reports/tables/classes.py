@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from cases.classes.grid import CENTRE, name_of
-from cases.classes.map import STATUSES, TIMES, Map, Place
+from cases.classes.map import STATUSES, TIMES, Map
 from cases.classes.measurement import LEVELS, REACHED, Reach
 from cases.classes.study import Scene
 from reports.looks import looks
@@ -39,21 +39,17 @@ def _machine(scene: Scene) -> str:
 
 
 def _cell(known: Map, scene: Scene, level: float, by: str) -> Cell:
-    place = known.place(scene, level, by)
-    if scene.failure and not known.at(scene, level):
-        return Cell("none", "no solution", scene.failure, "open")
-    lost = [_lost(reach) for reach in known.at(scene, level) if reach.engine not in dict(place.ranked)]
-    note = "; ".join([*(f"{name} {duration(seconds)}" for name, seconds in place.ranked), *lost])
-    if not place.ranked:
-        return Cell("none", "nobody", note, "open")
-    told = place.winner if math.isinf(place.factor) else f"{place.winner}\n{number(place.factor, '.2g')}× {place.ranked[1][0]}"
-    return Cell(place.winner, told, note, tint=_tint(place))
-
-
-def _tint(place: Place) -> str:
-    """The winner's colour, the stronger the farther the runner-up is behind."""
-    look, far = looks([place.winner])[place.winner], min(1.0, math.log10(place.factor))
-    return f"color-mix(in srgb, light-dark({look.light}, {look.dark}) {_PALE + (_FULL - _PALE) * far:.0f}%, transparent)"
+    """The winner and the runner-up; the remark has everybody. The winner's colour is the stronger the farther the runner-up is behind."""
+    reaches, ranked = known.at(scene, level), known.ranked(scene, level, by)
+    lost = [_lost(reach) for reach in reaches if reach.engine not in ranked]
+    note = "; ".join([*(f"{name} {duration(seconds)}" for name, seconds in ranked.items()), *lost]) or scene.failure
+    if not ranked:
+        return Cell("nobody" if reaches else "no solution", note=note, mark="open")
+    (winner, first), (other, second) = [*ranked.items(), ("", math.inf)][:2]
+    told, look = (f"{winner}\n{number(second / first, '.2g')}× {other}" if other else winner), looks([winner])[winner]
+    share = _PALE + (_FULL - _PALE) * min(1.0, math.log10(second / first))
+    tint = f"color-mix(in srgb, light-dark({look.light}, {look.dark}) {share:.0f}%, transparent)"
+    return Cell(winner, told, note, tint=tint)
 
 
 def _lost(reach: Reach) -> str:

@@ -1,5 +1,6 @@
 """Which method is the fastest in which class of machines."""
 
+import math
 from typing import Any
 
 from cases.classes.grid import ROWS, TURNS
@@ -38,6 +39,6 @@ def classes(content: Content) -> dict[str, Any] | None:
 
 def _contest(known: Map, level: float, by: str) -> dict[str, Any]:
     """Who wins how often, and how many times as long the runner-up takes where the most frequent winner is the first."""
-    wins = known.wins(level, by)
-    factors = [place.factor for place in known.places(level, by) if place.winner == next(iter(wins), None) and len(place.ranked) > 1]
-    return {"level": level, "by": by, "wins": wins, "factors": factors}
+    won = known.factors(level, by)
+    factors = [factor for factor in next(iter(won.values()), []) if factor < math.inf]
+    return {"level": level, "by": by, "wins": {name: len(found) for name, found in won.items()}, "factors": factors}
