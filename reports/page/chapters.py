@@ -42,8 +42,6 @@ def tables_in(values: Any) -> Iterator[Table]:
             yield from [value] if value.rows else []
         elif isinstance(value, (list, tuple)):
             yield from tables_in(value)
-        elif isinstance(value, Mapping):
-            yield from tables_in(value.values())
 
 
 #: Chapter, its name, and what makes its facts: None where a report has nothing for it.

@@ -31,7 +31,7 @@ def classes(content: Content) -> dict[str, Any] | None:
         "turns": TURNS,
         "rows": ROWS,
         "limit": LIMIT,
-        "maps": {f"{by}, to {percent(level, 'g')}": tables.class_map(known, level, by) for by in TIMES for level in LEVELS},
+        "maps": [(f"{by}, to {percent(level, 'g')}", tables.class_map(known, level, by)) for by in TIMES for level in LEVELS],
         "failing": tables.failing(known),
         "cells": tables.cells(known),
     }
