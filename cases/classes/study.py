@@ -40,7 +40,7 @@ def study(workshop: Workshop, *, compute: bool = True, among: Iterable[Groups] |
     """The scenes, and what each method reached on each of them.
 
     Args:
-        workshop: where; a method that was stopped or crashed is stored as such.
+        workshop: where.
         compute: False: what is not stored is left out.
         among: scenes; None: all of the map.
 
@@ -90,10 +90,11 @@ def _scene(groups: Groups, outcome: Outcome[Truth]) -> Scene:
 
 
 def _kept(workshop: Workshop, outcome: Outcome[list[Reach]]) -> Outcome[list[Reach]]:
-    """The outcome; of a method that was stopped or crashed one that says so, stored, so that it is not tried again."""
+    """The outcome; of a method without one that says so. One that was stopped is stored and not tried again, one that crashed is."""
     if outcome.completed:
         return outcome
     groups, name, _ = outcome.job.arguments
-    status = TOO_SLOW if outcome.failure.startswith(STOPPED) else FAILED
-    found = [Reach(name_of(groups), name, level, status, remark=outcome.explanation) for level in LEVELS]
-    return workshop.kept(Outcome(outcome.job, found))
+    slow = outcome.failure.startswith(STOPPED)
+    found = [Reach(name_of(groups), name, level, TOO_SLOW if slow else FAILED, remark=outcome.explanation) for level in LEVELS]
+    told = Outcome(outcome.job, found)
+    return workshop.kept(told) if slow else told

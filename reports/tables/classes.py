@@ -74,9 +74,9 @@ def failing(known: Map) -> Table:
 
 
 def _count(reaches: Sequence[Reach]) -> Cell:
-    """A number of scenes; its remark tells which, and the reason of the first."""
+    """A number of scenes; its remark tells which, and the first reason that there is."""
     reason = next((f": {each.remark}" for each in reaches if each.remark), "")
-    return Cell(len(reaches), note="; ".join(each.scene for each in reaches) + reason if reaches and reason else "")
+    return Cell(len(reaches), note="; ".join(each.scene for each in reaches) + reason)
 
 
 def cells(known: Map) -> Table:

@@ -9,8 +9,11 @@ from pathlib import Path
 import pytest
 
 from cases.benchmark import Benchmark
+from cases.benchmark.measurement import truth_of
 from cases.case_file import load_case
+from cases.classes.grid import CENTRE, case_of
 from cases.classes.map import Map
+from cases.classes.measurement import LEVELS, measured
 from cases.conformance import Check, Conformance, job
 from cases.jobs.job import Outcome
 from cases.jobs.store import Store
@@ -160,3 +163,13 @@ def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> Non
     difference = ((mine["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
     # recorded with five digits; the rest is what another machine's rounding may do to adaptive steps
     assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(point.error(), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["thesis"])
+def test_a_recorded_error_of_the_map_comes_out_again(name: str) -> None:
+    known = long_studies.class_map()
+    scene = next(scene for scene in known.scenes if scene.groups == CENTRE)
+    (recorded,) = (reach for reach in known.at(scene, LEVELS[0]) if reach.engine == name)
+    (again, _) = measured(CENTRE, name, truth_of(case_of(CENTRE)))
+    # five digits, and what another machine's rounding may do to adaptive steps
+    assert (again.status, again.error) == (recorded.status, pytest.approx(recorded.error, rel=1e-3))
