@@ -33,6 +33,8 @@ NOT_REACHED: Final = "not reached"
 TOO_SLOW: Final = "too slow"
 #: Remark where settings get to an error in time, and the engine that is asked for it does not know in time.
 SLOW_ANSWER: Final = "its estimate takes too long"
+#: Remark where the estimate is none of the distance from the scene's solution, as that of a model whose discretization is its own.
+OF_ITSELF: Final = "its estimate is of something else"
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,9 @@ def _reach(unknown: Reach, attempts: list[Attempt], points: list[Point], clock: 
 
 
 def _asked(reach: Reach, engine: AnyEngine, case: Case, true: Trajectory) -> Reach:
-    """The same with what comes of asking the engine for the level."""
+    """The same with what comes of asking the engine for the level, unless its estimate is of something else."""
+    if engine.estimates != "total":
+        return replace(reach, remark=OF_ITSELF)
     start, times = standard_start(case.mechanism), list[float]()
     while not times or (times[0] < BRIEF and len(times) < REPETITIONS):
         began, clock = time.perf_counter(), _Clock()
