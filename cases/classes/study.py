@@ -8,8 +8,8 @@ from cases.benchmark.measurement import CONFIRMING, TRUTH
 from cases.classes.grid import case_of, grid, name_of
 from cases.classes.groups import Groups
 from cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, Truth, measured, truth
+from cases.jobs.isolation import STOPPED
 from cases.jobs.job import Job, Outcome, default_limits
-from cases.jobs.processes import STOPPED
 from cases.jobs.workshop import Workshop
 from engines.registry import MAIN, RIVALS, engine
 

@@ -13,8 +13,8 @@ from cases.classes.groups import Groups
 from cases.classes.map import TIMES
 from cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach, measured
 from cases.classes.study import _job, _kept, study
+from cases.jobs.isolation import STOPPED
 from cases.jobs.job import Outcome
-from cases.jobs.processes import STOPPED
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from tests.cases.made_up_map import BY_SPEED, made_up_map
