@@ -110,7 +110,7 @@ def test_ten_thousand_points_that_cost_nothing(tmp_path: Path, monkeypatch: pyte
 
 @pytest.mark.verify
 def test_a_study_that_is_killed_goes_on_and_gives_the_same_file(tmp_path: Path) -> None:
-    """kill -9 in the middle costs the rows that were being computed."""
+    """A SIGKILL in the middle costs the rows that were being computed."""
     command = [str(PROGRAM), "sweep", "thesis-24", "--vary", "crank.prescribed_speed = 80 rpm .. 120 rpm : 9"]
     command += ["--vary", "tip.mass = 0 g .. 50 g : 6", "--no-claims", "--output"]
 
