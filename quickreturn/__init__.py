@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from engines.start import Start
     from engines.start_state import reconstruct
     from engines.trajectory import Trajectory
+    from quickreturn.advice import Advice, advise
     from quickreturn.catalogue import case, cases, engines
     from quickreturn.cross_validation import CrossValidation, report, run
     from quickreturn.difference import Differences, difference
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from quickreturn.table_comparison import TableComparison, compare
 
 __all__ = [
+    "Advice",
     "Case",
     "CaseError",
     "Comparison",
@@ -53,6 +55,7 @@ __all__ = [
     "Trajectory",
     "UnknownColumn",
     "UnknownEngine",
+    "advise",
     "case",
     "case_at",
     "cases",
@@ -84,6 +87,7 @@ _HOMES: Final = {
     "engines.start": ("Start",),
     "engines.start_state": ("reconstruct",),
     "engines.trajectory": ("Trajectory",),
+    "quickreturn.advice": ("Advice", "advise"),
     "quickreturn.catalogue": ("case", "cases", "engines"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
     "quickreturn.difference": ("Differences", "difference"),

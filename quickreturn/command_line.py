@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
 COMMANDS: Final = (
-    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "resonance", "compare", "report", "benchmark",
+    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "resonance", "compare", "report", "benchmark", "advise",
     "conform", "plot", "animate",
 )  # fmt: skip
 

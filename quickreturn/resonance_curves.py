@@ -138,14 +138,11 @@ class Resonance(Shown):
             import xarray as xr
         except ModuleNotFoundError as missing:
             raise ModuleNotFoundError("a netCDF file needs xarray: pip install 'quickreturn[notebook]'", name=missing.name) from None
-        frame = self.frame
-        orders = frame["peak_order"].fillna(0).to_numpy(dtype=np.int64)
-        columns = {str(name): frame[name].to_numpy() for name in frame.columns} | {"peak_order": orders}
-        texts = {name: values.astype(str) for name, values in columns.items() if values.dtype == object}
-        variables = {
-            name: ("point", values, {"units": unit} if (unit := self._unit(name)) else {}) for name, values in (columns | texts).items()
-        }
-        return bytes(xr.Dataset(variables, attrs={"case": self.curve.case}).to_netcdf(engine="h5netcdf"))
+        frame = self.frame.assign(peak_order=self.frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
+        dataset = xr.Dataset.from_dataframe(frame).assign_attrs(case=self.curve.case)
+        for name, variable in dataset.data_vars.items():
+            variable.attrs["units"] = self._unit(str(name))
+        return bytes(dataset.to_netcdf(engine="h5netcdf"))
 
     def _unit(self, name: str) -> str:
         name = name.removesuffix(ERROR)
