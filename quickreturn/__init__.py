@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from quickreturn.difference import Differences, difference
     from quickreturn.frequencies import modes
     from quickreturn.solution import Solution, UnknownColumn, simulate
+    from quickreturn.sweeping import case_at, measures, sweep
     from quickreturn.table_comparison import TableComparison, compare
 
 __all__ = [
@@ -51,18 +52,21 @@ __all__ = [
     "UnknownColumn",
     "UnknownEngine",
     "case",
+    "case_at",
     "cases",
     "compare",
     "conform",
     "difference",
     "engine",
     "engines",
+    "measures",
     "modes",
     "reconstruct",
     "report",
     "run",
     "setting",
     "simulate",
+    "sweep",
 ]
 
 #: Module -> the names that are taken from it.
@@ -82,6 +86,7 @@ _HOMES: Final = {
     "quickreturn.difference": ("Differences", "difference"),
     "quickreturn.frequencies": ("modes",),
     "quickreturn.solution": ("Solution", "UnknownColumn", "simulate"),
+    "quickreturn.sweeping": ("case_at", "measures", "sweep"),
     "quickreturn.table_comparison": ("TableComparison", "compare"),
 }
 _HOME_OF: Final = {name: home for home, names in _HOMES.items() for name in names}

@@ -22,8 +22,6 @@ Array = NDArray[np.float64]
 
 #: Modes whose memory of a disturbance outlasts a cycle; of the others at most a twentieth is left in the thesis' runs.
 SLOW_MODES: Final = 2
-#: Cycles marched first: they carry a start that is far from any steady state to where Newton's method converges.
-MARCHED: Final = 2
 #: Distance to which the model of the slow modes is solved, and tolerance of its integration: the model itself is off by as much.
 GUESS: Final = 1e-3
 GUESS_INTEGRATION: Final = 1e-5
@@ -71,7 +69,7 @@ class PeriodicOrbit:
     residual: float
 
 
-def periodic_orbit(model: BeamModel, guess: Array, tolerance: float = 1e-6, integration: float = 1e-9) -> PeriodicOrbit:
+def periodic_orbit(model: BeamModel, guess: Array, tolerance: float = 1e-6, integration: float = 1e-9, marched: int = 2) -> PeriodicOrbit:
     """The periodic steady state of a scene.
 
     Args:
@@ -80,19 +78,21 @@ def periodic_orbit(model: BeamModel, guess: Array, tolerance: float = 1e-6, inte
         tolerance: distance from the fixed point relative to the states' sizes along the cycle. Mild motions are small beside the
             fixed sizes that the integration's tolerance refers to: to reach 1e-6 in all, that must be 1e-9.
         integration: tolerance of the integration.
+        marched: cycles made first, of the slow modes alone: they carry a guess that is far from any steady state to where Newton's
+            method converges.
 
     Raises:
         NoPeriodicOrbit: not converged.
     """
     try:
-        return _search(SectionMap(model, integration), guess, tolerance)
+        return _search(SectionMap(model, integration), guess, tolerance, marched)
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
 
 
-def _search(whole: SectionMap, guess: Array, tolerance: float) -> PeriodicOrbit:
+def _search(whole: SectionMap, guess: Array, tolerance: float, marched: int) -> PeriodicOrbit:
     slow = SectionMap(whole.model.with_fewer_shapes(min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
-    coarse = _newton(_marched(slow, _with_modes(guess, slow.parameters.n)), None, GUESS)
+    coarse = _newton(_marched(slow, _with_modes(guess, slow.parameters.n), marched), None, GUESS)
     jacobian = coarse.jacobian
     if coarse.carried > CARRIED:
         jacobian = _jacobian(_Cycle.of(slow, coarse.state, coarse.period))
@@ -178,14 +178,14 @@ class _FixedPoint:
     steps: int
 
 
-def _marched(slow: SectionMap, guess: Array) -> _Cycle:
+def _marched(slow: SectionMap, guess: Array, cycles: int) -> _Cycle:
     """A cycle that is not far from the steady state."""
     speed = guess[slow.parameters.n + 2]
     if speed == 0.0:
         raise CycleBroken("the crank stands still in the given state")
     duration = slow.time_to_go(guess)
     state = guess
-    for _ in range(MARCHED):
+    for _ in range(cycles):
         passage = slow.passage(state, duration)
         state, duration = passage.state, 2.0 * math.pi / abs(float(passage.state[slow.parameters.n + 2]))
     return _Cycle.of(slow, state, duration)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_model.compilation import compiled
-from reference_model.integrate import REACHED_END
+from reference_model.integrate import LEFT_FOLLOWER, REACHED_END
 from reference_model.model import BeamModel
 from reference_model.motion.address import call_equations
 from reference_model.motion.layout import FOOT_1, FOOT_2
@@ -117,7 +117,8 @@ class SectionMap:
             result = self.model.integrate(states[-1][-1], duration / ROWS, ROWS, self.tolerance, step)
             calls, step = calls + result.calls, result.next_step
             if result.status != REACHED_END or result.states[-1, n + 2] * start[n + 2] <= 0.0:
-                raise CycleBroken("the integration ended within the cycle")
+                left = result.status == LEFT_FOLLOWER
+                raise CycleBroken("the slider left the follower's end" if left else "the integration ended within the cycle")
             states.append(result.states[1:])
             elapsed += duration
             duration = (end - result.states[-1, 0]) / result.states[-1, n + 2]

@@ -66,11 +66,11 @@ def loads_of(scene: Scene, columns: Mapping[str, Array], claim: Claim) -> Loads:
 
 def loads_of_run(mechanism: Mechanism, run: Run) -> Loads | None:
     """What the parts bear in the cycle of a run; None where it has none that can be used."""
-    return loads_of(mechanism, run.cycle, _Claimed(run)) if run.usable else None
+    return loads_of(mechanism, run.cycle, Claimed(run)) if run.usable else None
 
 
 @dataclass(frozen=True)
-class _Claimed:
+class Claimed:
     """What a run says of a column in the half cycle of a crank angle: its estimate, and how far its cycle may be from steady."""
 
     run: Run

@@ -1,7 +1,7 @@
 """The time scale that the mechanism itself dictates: how its natural frequencies and modes change with the crank angle."""
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from cases.measures.moving_mode import moving_mode
 from cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from reference_model.natural_modes import FrozenModes, frozen_crank_modes
 
 Array = NDArray[np.float64]
@@ -55,7 +55,6 @@ class TimeScale:
         return found
 
 
-@functools.lru_cache(maxsize=4)  # several recorded tables are measured in one scene, and so are their engines
 def time_scale(mechanism: Mechanism) -> TimeScale | None:
     """Tabulate the scale of a scene, with its own joint stiffness (rigid unless the scene says otherwise).
 
@@ -67,6 +66,14 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
     """
     if mechanism.follower.is_rigid:
         return None
+    crank = mechanism.crank
+    drive = replace(crank.drive, torque=1.0, initial_speed=1.0) if isinstance(crank.drive, TorqueDrive) else PrescribedSpeed(speed=1.0)
+    return _tabulated(replace(mechanism, crank=replace(crank, drive=drive)))
+
+
+@functools.lru_cache(maxsize=4)  # several recorded tables are measured in one scene, and so are their engines
+def _tabulated(mechanism: Mechanism) -> TimeScale:
+    """Of a scene whose speed does not matter."""
     angles = np.linspace(0.0, np.pi, ANGLES)
     modes = [frozen_crank_modes(mechanism, angle, COUPLED) for angle in angles]
     signs = _continuous_signs(modes, mechanism)

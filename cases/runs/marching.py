@@ -3,6 +3,8 @@
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -14,7 +16,7 @@ from engines import progress
 from engines.accurate import check_trajectory
 from engines.base import EngineFailure, Simulation
 from engines.trajectory import Trajectory, join
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, PrescribedSpeed
 from reference_model.natural_modes import frozen_crank_modes
 from reference_model.rigid import crank_pace
 
@@ -44,10 +46,16 @@ def output_step(mechanism: Mechanism) -> float:
     turn = 2.0 * math.pi / pace if pace > 0.0 else math.inf
     third = 0.0
     if not mechanism.follower.is_rigid and mechanism.slider.joint_stiffness > 0.0:
-        third = max(frozen_crank_modes(mechanism, angle, 3).frequencies[2] for angle in np.linspace(0.0, math.pi, 5))
+        third = _third_frequency(replace(mechanism, crank=replace(mechanism.crank, drive=PrescribedSpeed(speed=1.0))))
     step = min(max(1.0 / (SAMPLES * third) if third > 0.0 else ANY_STEP, turn / ROWS[1] if pace > 0.0 else 0.0), turn / ROWS[0])
     power = 10.0 ** math.floor(math.log10(step))
     return max(round(digit * power, 12) for digit in (1, 2, 5) if digit * power <= step * (1.0 + 1e-9))
+
+
+@lru_cache(maxsize=4)
+def _third_frequency(mechanism: Mechanism) -> float:
+    """The highest of the third mode's over the turn, Hz, with the crank held: its drive does not matter."""
+    return float(max(frozen_crank_modes(mechanism, angle, 3).frequencies[2] for angle in np.linspace(0.0, math.pi, 5)))
 
 
 def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[tuple[Columns, ...], Settling]:

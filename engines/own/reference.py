@@ -25,6 +25,7 @@ from reference_model.natural_modes import frozen_crank_modes
 from reference_model.treatment import CLOSED, MULTIPLIER, Treatment
 
 if TYPE_CHECKING:
+    from engines.own.simulation import OwnSimulation
     from reference_model.model import BeamModel
 
 #: Tolerance for an accuracy where so few modes do.
@@ -47,6 +48,8 @@ SLOWEST: Final = 0.5
 #: Distance at which the search for a steady state makes its last step, which leaves a tenth of it or less: what counts as settled when
 #: marching.
 ORBIT_TOLERANCE: Final = 1e-3
+#: Turns that the search makes first: they carry a start far from any steady state to where Newton's method converges.
+MARCHED: Final = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,8 +154,18 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """The next rung of the ladder."""
         return LADDER.finer(settings, excess)
 
-    def steady_state(self, mechanism: Mechanism, start: Start, settings: ReferenceSettings) -> SteadyState | None:
-        """See `Engine.steady_state`; a rigid follower, or a slider joint that gives way or rubs, is marched."""
+    def steady_state(
+        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "OwnSimulation | None" = None, marched: int = MARCHED
+    ) -> SteadyState | None:
+        """See `Engine.steady_state`; a rigid follower, or a slider joint that gives way or rubs, is marched.
+
+        Args:
+            mechanism: the scene.
+            start: where the search begins.
+            settings: of it.
+            near: in the periodic state of a neighbouring scene, or with other settings, where the search begins instead.
+            marched: turns made before Newton's method.
+        """
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
         from engines.own.simulation import OwnSimulation
@@ -165,8 +178,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         assert isinstance(model, BeamModel)
         turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that no time counts its compiling
         began = time.perf_counter()
+        guess = begin.state if near is None else _guess(near, begin.state[model.parameters.speeds + 1], mechanism)
         try:
-            orbit = periodic_orbit(model, begin.state, ORBIT_TOLERANCE, settings.tolerance)
+            orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance, marched)
         except NoPeriodicOrbit as reason:
             raise NoSteadyState(str(reason)) from reason
         return SteadyState(
@@ -202,6 +216,14 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     def follower_alone(self) -> OwnAlone:
         """Modes of the beam clamped at its base in place of those that follow the slider: five leave 6e-5 in the library's spin-up."""
         return OwnAlone(self, self.model, "clamped modes")
+
+
+def _guess(near: "OwnSimulation", crank_speed: float, mechanism: Mechanism) -> NDArray[np.float64]:
+    """The state of a neighbour's orbit, with the crank speed (rad/s) that is prescribed."""
+    state = near.state.copy()
+    if not mechanism.crank_is_free:
+        state[(len(state) - 5) // 2 + 2] = crank_speed
+    return state
 
 
 def joint_inertia(mechanism: Mechanism, modes: int) -> float:

@@ -1,0 +1,270 @@
+"""A row of a study: neighbouring scenes, one after the other, each begun in the motion that the one before it settled on.
+
+`reference` finds each periodic state from its neighbour's, so that a row follows one branch of motions where there are several, and what it
+finds depends on the way: hence a row is computed as a whole, and is stored under one key. The other engines, and scenes whose periodic
+state is not found directly, take the road of `run` from the periodic state that `reference` found.
+"""
+
+import contextlib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.measures import CHANNELS, measure_cycle, time_scale
+from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
+from cases.runs.marching import Columns, output_step
+from cases.runs.orbit import Orbit, PeriodicStart
+from cases.runs.request import FAILED, NOT_SETTLED, SETTLED, PeriodicOrbit, Run, RunRequest
+from cases.runs.request import INACCURATE as MISSED
+from cases.runs.request import REFUSED as ENGINE_REFUSED
+from cases.runs.steady_state import steady_state
+from cases.sweep.measures import Motion, measure
+from engines import progress
+from engines.accurate import Compared
+from engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
+from engines.own.reference import MARCHED, ReferenceEngine, ReferenceSettings
+from engines.own.simulation import OwnSimulation
+from engines.registry import engine as engine_of_name
+from engines.start import standard_start
+from reference_model.mechanism import Mechanism
+from reference_model.periodic import instability
+
+Array = NDArray[np.float64]
+
+#: How a point ends.
+UNSTABLE: Final = "unstable, {}"  # fold, period doubling or torus
+LEFT: Final = "slider left"
+OPEN: Final = "loop cannot close"
+REFUSED: Final = "refused"
+NOT_CONVERGED: Final = "not converged"
+#: Turns after which a search that failed is made once more.
+PATIENT: Final = 50
+#: Endings of a run -> of a point.
+_ENDINGS: Final = {SETTLED: SETTLED, MISSED: NOT_CONVERGED, NOT_SETTLED: NOT_CONVERGED, FAILED: FAILED, ENGINE_REFUSED: REFUSED}
+
+
+@dataclass(frozen=True)
+class Impossible:
+    """A scene that cannot be: how its point ends, and the sentence that says why."""
+
+    status: str
+    sentence: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What is to be measured of each scene.
+
+    Attributes:
+        measures: names.
+        engine: name.
+        claims: whether each number gets its error estimate, which takes a finer run.
+        accuracy: error of the tip deflection; None: the engine's default.
+        settings: of the engine, as texts.
+        duration: s, on which engines that march from the standard start estimate their error.
+    """
+
+    measures: tuple[str, ...]
+    engine: str = "reference"
+    claims: bool = True
+    accuracy: float | None = None
+    settings: Mapping[str, str] = field(default_factory=dict)
+    duration: float = 2.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a row came to.
+
+    Attributes:
+        values: of each measure, nan where it is not to be had, shape (points, measures).
+        errors: how far off each may be by the engine's own estimate, likewise.
+        statuses: how each point ended.
+        sentences: why, "" where it settled.
+    """
+
+    values: Array
+    errors: Array
+    statuses: tuple[str, ...]
+    sentences: tuple[str, ...]
+
+
+def row(scenes: Sequence[Mechanism | Impossible], asked: Asked) -> Row:
+    """Measure neighbouring scenes. What an engine does wrong becomes the status of a point; nothing is raised for it.
+
+    Args:
+        scenes: in the order in which one continues the other.
+        asked: what to measure.
+    """
+    measures = [measure(name) for name in asked.measures]
+    near: OwnSimulation | None = None
+    numbers = np.full((len(scenes), len(measures), 2), math.nan)
+    endings = []
+    for place, scene in enumerate(scenes):
+        progress.tell(engine=asked.engine, phase=f"point {place + 1} of {len(scenes)}")
+        if isinstance(scene, Impossible):
+            endings.append((scene.status, scene.sentence))
+            continue
+        point = _Point(scene, asked)
+        near = point.settle(near)
+        if point.motion is not None:
+            numbers[place] = [each.of(point.motion) for each in measures]
+        endings.append((point.status, point.sentence))
+    return Row(numbers[:, :, 0], numbers[:, :, 1], tuple(status for status, _ in endings), tuple(sentence for _, sentence in endings))
+
+
+class _Point:
+    """One scene of a row.
+
+    Attributes:
+        motion: what is measured; None where there is nothing.
+        status: how it ended.
+        sentence: why.
+    """
+
+    def __init__(self, scene: Mechanism, asked: Asked) -> None:
+        self._scene, self._asked = scene, asked
+        self._engine = engine_of_name(asked.engine)
+        self.motion: Motion | None = None
+        self.status, self.sentence = FAILED, ""
+
+    def settle(self, near: OwnSimulation | None) -> OwnSimulation | None:
+        """Find the settled motion, from a neighbour's or anew; the periodic state that the next point may begin in."""
+        try:
+            settings = self._settings()
+            found = periodic_state(self._scene, settings, near)
+            if found is not None and isinstance(self._engine, ReferenceEngine):
+                self._measure(found, settings)
+            else:
+                self._run(found)
+        except NoSteadyState as reason:
+            self.status, self.sentence = _ending(str(reason), NOT_CONVERGED), f"no periodic state was found: {reason}"
+        except Refusal as refusal:
+            self.status, self.sentence = REFUSED, str(refusal)
+        except EngineFailure as failure:
+            self.status, self.sentence = _ending(str(failure), FAILED), str(failure)
+        else:
+            return near if found is None else _simulation(found)
+        return near
+
+    def _settings(self) -> ReferenceSettings:
+        """Of `reference`, whose periodic state every engine's run begins in. Raises Refusal."""
+        reference = ReferenceEngine()
+        self._engine.check(self._scene)
+        if not isinstance(self._engine, ReferenceEngine):
+            return reference.settings_for(reference.default_accuracy, self._scene)
+        return reference.settings_for(self._asked.accuracy or reference.default_accuracy, self._scene).with_texts(
+            dict(self._asked.settings)
+        )
+
+    def _measure(self, found: SteadyState, settings: ReferenceSettings) -> None:
+        """One turn of the periodic state, and what a finer one makes of it."""
+        if kind := instability(np.array(found.multipliers)):
+            self.status = UNSTABLE.format(kind)
+            self.sentence = f"a disturbance grows {abs(found.multipliers[0]):.4g}-fold in a turn ({kind})"
+        else:
+            self.status = SETTLED
+        step = output_step(self._scene)
+        cycle, beside, finer = _turn(found, step), [], None
+        if self._asked.claims:
+            pair = ReferenceEngine().comparisons(settings, self._scene, step)[0]
+            try:
+                assert isinstance(pair.other, ReferenceSettings)
+                other = periodic_state(self._scene, pair.other, _simulation(found))
+                assert other is not None
+                beside, finer = [Compared(cycle, _turn(other, step), pair.factor)], (_orbit(other), pair.factor)
+            except NoSteadyState as reason:
+                self.sentence = f"no error estimate: with finer settings no periodic state was found: {reason}"
+        self.motion = Motion(self._scene, self._measured(found, cycle, beside), finer)
+
+    def _measured(self, found: SteadyState, cycle: Columns, beside: Sequence[Compared[Columns]]) -> Run:
+        """The turn as the run that `run` would make of it, with what the measures need alone."""
+        measures = [measure(name) for name in self._asked.measures]
+        columns = dict.fromkeys(name for each in measures for name in each.columns if name in cycle)
+        scale = time_scale(self._scene) if any(each.vibration for each in measures) else None
+
+        def measured(turn: Columns) -> MeasuredCycle:
+            needed = {name: turn[name] for name in ("time", "crank_angle", *columns)}
+            channels = {name: turn[name] for name in CHANNELS if scale is not None}
+            return MeasuredCycle.of([needed], measure_cycle(scale, turn["time"], turn["crank_angle"], channels))
+
+        compared = [pair.made_of(measured) for pair in beside]
+        run = Run(
+            engine=self._engine.name,
+            estimate_of="total",
+            status=SETTLED,
+            settled=True,
+            settling_error=found.residual,
+            periodic_orbit=_orbit(found),
+            solve_seconds=found.solve_seconds,
+            cycle=cycle,
+        )
+        if scale is None and not compared:
+            return run
+        found_measures, consensus = with_estimates((compared[0].run if compared else measured(cycle)).measures, compared)
+        return replace(run, measures=found_measures, consensus=consensus, extreme_estimates=extreme_estimates(compared))
+
+    def _run(self, found: SteadyState | None) -> None:
+        """The road of `run`, from the periodic state of `reference` where there is one."""
+        orbit, asked = None, self._asked
+        if found is not None:
+            begin = PeriodicStart.of(_simulation(found).present_start()) if found.stable else None
+            orbit = Orbit(begin, abs(found.multipliers[0]), "" if found.stable else "the periodic state is not stable", found.period)
+        run = steady_state(
+            RunRequest(
+                mechanism=self._scene,
+                duration=asked.duration,
+                engine=asked.engine,
+                accuracy=asked.accuracy,
+                settings=dict(asked.settings),
+                estimated=asked.claims,
+                orbit=orbit,
+            )
+        )
+        self.status, self.sentence = _ending(run.remark, _ENDINGS.get(run.status, FAILED)), run.remark
+        if found is not None and not found.stable and run.status == NOT_SETTLED:
+            self.status = UNSTABLE.format(instability(np.array(found.multipliers)))
+        if run.usable:
+            self.motion = Motion(self._scene, run)
+
+
+def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimulation | None) -> SteadyState | None:
+    """The periodic state that `reference` finds from a neighbour's, else from the standard start; None where it searches none.
+
+    Raises:
+        NoSteadyState: it found none.
+    """
+    reference, start = ReferenceEngine(), standard_start(scene)
+    for begun, turns in ((near, MARCHED), (None, MARCHED)) if near is not None else ((None, MARCHED),):
+        with contextlib.suppress(NoSteadyState):
+            return reference.steady_state(scene, start, settings, begun, turns)
+    return reference.steady_state(scene, start, settings, near, PATIENT)
+
+
+def _turn(found: SteadyState, step: float) -> Columns:
+    """A turn of a periodic state, recorded at about this step (s): from the slider's farthest place to just there."""
+    rows = math.ceil(found.period / step)
+    return dict(_simulation(found).advance(found.period, found.period / rows).columns)
+
+
+def _simulation(found: SteadyState) -> OwnSimulation:
+    """Another simulation in the periodic state, so that none goes away from it."""
+    simulation = found.simulation
+    assert isinstance(simulation, OwnSimulation)
+    return OwnSimulation(simulation.model, simulation.state, simulation.tolerance, simulation.setup_seconds)
+
+
+def _orbit(found: SteadyState) -> PeriodicOrbit:
+    multipliers = tuple((each.real, each.imag) for each in found.multipliers)
+    return PeriodicOrbit(found.period, multipliers, found.stable, found.iterations)
+
+
+def _ending(cause: str, otherwise: str) -> str:
+    """How a run that broke down ended, by the words of its cause."""
+    if "left the follower" in cause:
+        return LEFT
+    return OPEN if "loop cannot" in cause else otherwise

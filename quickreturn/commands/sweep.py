@@ -1,0 +1,96 @@
+"""`quickreturn sweep`: the settled motion of every machine of a grid."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import click
+
+from quickreturn.commands import options
+
+ENDINGS: Final = (".nc", ".csv", ".parquet")
+
+
+class _WithMeasures(click.Command):
+    """Lists the measures behind its help."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The measures; those of each column of a trajectory in four lines."""
+        from cases.sweep.measures import MEASURES
+        from reference_model.columns import COLUMNS
+
+        of_columns = {f"{kind}.{name}" for kind in ("peak", "min", "max", "rms") for name in COLUMNS}
+        rows = [
+            (f"{kind}.COLUMN", f"{meaning} of a column of the trajectory in a turn")
+            for kind, meaning in (("peak", "largest magnitude"), ("min", "least value"), ("max", "greatest value"), ("rms", "RMS"))
+        ]
+        rows += [(each.name, f"{each.meaning} [{each.unit}]") for each in MEASURES.values() if each.name not in of_columns]
+        with formatter.section("Measures"):
+            formatter.write_dl(rows)
+
+
+@click.command(name="sweep", cls=_WithMeasures)
+@options.case
+@click.option(
+    "--vary", "axes", metavar="AXIS", multiple=True, required=True, help="KEY = a .. b : n, log a .. b : n, or a; b; c; again for more."
+)
+@click.option(
+    "--measure", "measures", metavar="NAME", multiple=True, help="What to measure; default: peak.tip_acceleration and multiplier."
+)
+@options.engines
+@options.accuracy
+@options.assignments
+@options.single("--path", metavar="WAY", default="up", help="Way through each row: up (default), down or both.")
+@click.option("--claims/--no-claims", default=True, help="Estimate the error of every number (default), or save half of the time.")
+@options.output(".nc, .csv or .parquet: what came of every point.")
+@options.of_workshop
+@options.json
+def command(
+    case: str,
+    axes: Sequence[str],
+    measures: Sequence[str],
+    engines: Sequence[str],
+    accuracy: float | None,
+    assignments: Sequence[str],
+    path: str,
+    claims: bool,
+    output: str,
+    as_json: bool,
+) -> int:
+    """Measure the settled motion of every machine of a grid.
+
+    Any key of a case file varies, with values and units as there, and so do engines ("engine = reference; mujoco"). Each row of the grid is
+    computed as a whole, from one point to the next, and stored: an interrupted study goes on with the same command.
+
+    Points that are unstable, that cannot be, or that fail are results and have a status; exit code 3 where no point has a number.
+    """
+    import numpy as np
+
+    from cases.sweep.grid import ENGINE, Axis, axis
+    from engines.settings import SettingError
+    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
+    from quickreturn.sweeping import USUAL, computed, dataset_of, summary, written
+    from reports.output import check_writable, print_json, write_file
+
+    overrides, settings = options.read_assignments(assignments)
+    loaded = options.load(case, overrides)
+    options.refuse_missing(engines)
+    check_writable(Path(output), "" if loaded.source == "library" else case, *ENDINGS)
+    varied: list[Axis] = [axis(text) for text in axes]
+    if len(engines) > 1:
+        varied.append(Axis(ENGINE, tuple(engines), tuple(engines), ""))
+    texts = {name: value for given in settings.values() for name, value in given.items()}
+    if texts and any(each.key == ENGINE for each in varied):
+        raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
+    workshop = options.opened_workshop([loaded], engines)
+    found = computed(loaded, varied, measures or USUAL, engines[0], accuracy, texts, claims, path, workshop)
+    dataset = dataset_of(found)
+    write_file(Path(output), written(dataset, Path(output).suffix.lower()))
+    if as_json:
+        print_json({"case": loaded.name, "points": found.statuses.size, "statuses": found.counts, "output": output})
+    else:
+        click.echo("\n".join(summary(dataset)))
+    if np.isfinite(found.values).any():
+        return GOOD
+    options.tell(f"{loaded.name}: no point has a number: {found.sentences.flat[0]}")
+    return ENGINE_TROUBLE

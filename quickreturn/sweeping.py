@@ -1,0 +1,224 @@
+"""Studies over grids of machines, as datasets whose variables say what they are and how far off they may be."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, Final, cast, get_args
+
+import numpy as np
+
+from cases.case import Case
+from cases.errors import CaseError, as_written
+from cases.jobs.workshop import Workshop
+from cases.reading import parse_case
+from cases.sweep.grid import ENGINE, Axis, Grid, axis, si_text
+from cases.sweep.measures import MEASURES, Measure, measure
+from cases.sweep.rows import Asked
+from cases.sweep.study import Path, Study, study
+from engines.registry import usable_engine
+from quickreturn.accuracy import checked
+from quickreturn.catalogue import AnyCase, Listing, one_case
+from quickreturn.cross_validation import given_settings, opened
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Measures unless others are asked for.
+USUAL: Final = ("peak.tip_acceleration", "multiplier")
+#: Behind a measure's name: how far off it may be.
+ERROR: Final = ".error"
+#: Attribute that holds the file of the case of a study.
+FILE: Final = "case_file"
+
+
+def measures() -> "Listing[Measure]":
+    """What a study may measure: name, unit, meaning."""
+    return Listing.of(MEASURES.values(), name=lambda each: each.name, unit=lambda each: each.unit, meaning=lambda each: each.meaning)
+
+
+def sweep(
+    case: AnyCase,
+    vary: Mapping[str, str | Sequence[Any]],
+    measures: Sequence[str] = USUAL,
+    engine: str = "reference",
+    *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Any] | None = None,
+    claims: bool = True,
+    path: Path = "up",
+    jobs: int | None = None,
+    workshop: Workshop | None = None,
+    quiet: bool = False,
+) -> "xr.Dataset":
+    """Measure the settled motion of every machine of a grid.
+
+    Args:
+        case: a name, a path or a `Case`: all values that do not vary.
+        vary: dotted key of a case file, or "engine" -> values: "60 rpm .. 300 rpm : 241", "log 1 N/m .. 1e6 N/m : 7", "0 g; 25 g; 50 g",
+            a list of such texts, or numbers in SI.
+        measures: names, see `measures`.
+        engine: name, unless engines vary.
+        accuracy: error of the tip deflection that is asked for; None: the engine's default.
+        settings: of the engine, by name.
+        claims: whether every number gets its error estimate, which takes about twice as long.
+        path: which way each row of points is gone through, "up", "down" or "both": near a fold the motion depends on it.
+        jobs: processes at a time; None: one per core.
+        workshop: where to compute and to store; None: here.
+        quiet: whether nothing is told on standard error.
+
+    Returns:
+        A dataset with a dimension for each key, and "path" if both ways were gone. Variables: the measures, each with its error (the
+        simulation's own, by the engine's estimate) under the name with ".error"; "status" and "sentence" of each point; "two_motions".
+
+    Raises:
+        CaseError, UnknownEngine, Refusal, SettingError: something cannot be; the sentence says what is accepted.
+        ModuleNotFoundError: xarray is not installed.
+    """
+    chosen = one_case(case)
+    axes = tuple(_axis(key, values) for key, values in vary.items())
+    return dataset_of(computed(chosen, axes, measures, engine, accuracy, settings, claims, path, workshop or opened(jobs, quiet)))
+
+
+def computed(
+    case: Case,
+    axes: Sequence[Axis],
+    names: Sequence[str],
+    engine: str,
+    accuracy: float | None,
+    settings: Mapping[str, Any] | None,
+    claims: bool,
+    path: str,
+    workshop: Workshop,
+) -> Study:
+    """The study of a grid; arguments and errors as of `sweep`."""
+    if not axes:
+        raise CaseError(case.name, None, None, "nothing varies", 'give a key and values, such as "tip.mass = 0 g; 25 g"')
+    if path not in get_args(Path):
+        raise CaseError("path", None, as_written(path), "is unknown", f"accepted are {', '.join(get_args(Path))}")
+    for name in {engine, *(name for each in axes if each.key == ENGINE for name in each.texts)}:
+        usable_engine(name)
+    texts = given_settings({engine: settings or {}})[engine]
+    asked = Asked(
+        measures=tuple(dict.fromkeys(measure(name).name for name in names)),
+        engine=engine,
+        claims=claims,
+        accuracy=checked(accuracy),
+        settings=texts,
+        duration=case.duration,
+    )
+    return study(Grid(case, tuple(axes)), asked, workshop, cast(Path, path))
+
+
+def _axis(key: str, values: str | Sequence[Any]) -> Axis:
+    if isinstance(values, str):
+        return axis(f"{key} = {values}")
+    return axis(f"{key} = {'; '.join(each if isinstance(each, str) else si_text(key, float(each)) for each in values)}")
+
+
+def dataset_of(found: Study) -> "xr.Dataset":
+    """A study as a dataset, whose attributes are texts and numbers alone, so that netCDF keeps them."""
+    xr = _xarray()
+    axes, both = found.grid.axes, len(found.ways) > 1
+    dimensions = (*(["path"] if both else []), *(each.key for each in axes))
+
+    def shaped(values: Any) -> Any:
+        return values if both else values[0]
+
+    variables: dict[str, tuple[Any, ...]] = {}
+    for place, name in enumerate(found.asked.measures):
+        about = MEASURES[name]
+        variables[name] = (dimensions, shaped(found.values[..., place]), {"units": about.unit, "long_name": about.meaning})
+        said = {"units": about.unit, "long_name": f"how far off {name} may be by the engine's own estimate"}
+        if found.asked.claims:
+            variables[f"{name}{ERROR}"] = (dimensions, shaped(found.errors[..., place]), said)
+    variables["status"] = (dimensions, shaped(found.statuses).astype(str), {"long_name": "how the point ended"})
+    variables["sentence"] = (dimensions, shaped(found.sentences).astype(str), {"long_name": "why"})
+    if both:
+        about_two = {"long_name": "whether the ways settle on two stable motions"}
+        variables["two_motions"] = (dimensions[1:], found.two_motions, about_two)
+    coordinates: dict[str, tuple[Any, ...]] = {
+        each.key: (each.key, np.array(each.values), {"units": each.unit} if each.unit else {}) for each in axes
+    }
+    if both:
+        coordinates["path"] = ("path", list(found.ways))
+    case = found.grid.case
+    attributes = {
+        "case": case.name,
+        "title": case.title,
+        FILE: case.to_toml(),
+        "engine": found.asked.engine,
+        "source": f"quickreturn {version('quickreturn')}",
+    }
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
+    """The case of the point of a study that is nearest to a place.
+
+    Args:
+        dataset: of `sweep`, or read from its netCDF file.
+        place: a value of each key that varies: numbers in SI, or texts where the dataset has texts.
+
+    Raises:
+        CaseError: a key is missing, or does not vary in this study.
+    """
+    keys = [str(key) for key in dataset.dims if key not in (ENGINE, "path")]
+    if set(place) != set(keys):
+        given = ", ".join(place) or "no key"
+        raise CaseError("place", None, None, f"{given} is given", f"give a value of {', '.join(keys)}")
+    case, overrides = parse_case(dataset.attrs[FILE], "the study's case"), dict[str, str]()
+    for key in keys:
+        values = dataset[key]
+        if values.dtype.kind == "f":
+            nearest = float(values.sel({key: float(place[key])}, method="nearest"))
+            overrides[key] = si_text(key, nearest)
+        else:
+            overrides[key] = str(values.sel({key: place[key]}).item())
+    return case.with_(overrides)
+
+
+def written(dataset: "xr.Dataset", ending: str) -> bytes:
+    """A dataset as the content of a file: .nc (netCDF 4), .csv or .parquet; tables have a row for each point, and units in headings."""
+    if ending == ".nc":
+        return bytes(dataset.to_netcdf(engine="h5netcdf"))
+    frame = dataset.to_dataframe().reset_index()
+    units = {name: dataset[name].attrs.get("units", "") for name in map(str, frame.columns)}
+    frame.columns = [f"{name} [{unit}]" if unit else name for name, unit in units.items()]
+    if ending == ".parquet":
+        return frame.to_parquet(index=False)
+    return str(frame.to_csv(index=False, lineterminator="\n")).encode()
+
+
+def summary(dataset: "xr.Dataset") -> list[str]:
+    """Lines for a person: how many points ended how, and the range of every measure with where its ends lie."""
+    counts = Counter(map(str, dataset["status"].values.flat)).most_common()
+    points = ", ".join(f"{count} {status}" for status, count in counts)
+    lines = [f"{dataset['status'].size} points: {points}"]
+    if "two_motions" in dataset and (two := int(dataset["two_motions"].sum())):
+        lines.append(f"two stable motions at {two} of {dataset['two_motions'].size} points")
+    for name in (str(each) for each in dataset.data_vars if str(each) in MEASURES):
+        values = dataset[name]
+        if not values.notnull().any():
+            lines.append(f"{name}: not to be had")
+            continue
+        ends = (("least", values.argmin(...)), ("greatest", values.argmax(...)))
+        told = [f"{which} {float(values[at]):.6g} at {_place(values[at], values)}" for which, at in ends]
+        lines.append(f"{name} [{values.attrs['units']}]: {', '.join(told)}")
+    return lines
+
+
+def _place(end: "xr.DataArray", values: "xr.DataArray") -> str:
+    def told(key: str) -> str:
+        value, unit = end[key].item(), values[key].attrs.get("units", "")
+        return f"{key} = {value:.6g} {unit}".rstrip() if isinstance(value, float) else f"{key} = {value}"
+
+    return ", ".join(told(str(key)) for key in values.dims)
+
+
+def _xarray() -> Any:
+    try:
+        import xarray as xr
+    except ModuleNotFoundError as missing:
+        sentence = f"sweep needs the package {missing.name}: pip install 'quickreturn[notebook]'"
+        raise ModuleNotFoundError(sentence, name=missing.name) from None
+    return xr
