@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from engines.start import Start
     from engines.start_state import reconstruct
     from engines.trajectory import Trajectory
+    from quickreturn.calibration import calibrate, uncertainty
     from quickreturn.catalogue import case, cases, engines
     from quickreturn.cross_validation import CrossValidation, report, run
     from quickreturn.difference import Differences, difference
@@ -51,6 +52,7 @@ __all__ = [
     "Trajectory",
     "UnknownColumn",
     "UnknownEngine",
+    "calibrate",
     "case",
     "case_at",
     "cases",
@@ -67,6 +69,7 @@ __all__ = [
     "setting",
     "simulate",
     "sweep",
+    "uncertainty",
 ]
 
 #: Module -> the names that are taken from it.
@@ -81,6 +84,7 @@ _HOMES: Final = {
     "engines.start": ("Start",),
     "engines.start_state": ("reconstruct",),
     "engines.trajectory": ("Trajectory",),
+    "quickreturn.calibration": ("calibrate", "uncertainty"),
     "quickreturn.catalogue": ("case", "cases", "engines"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
     "quickreturn.difference": ("Differences", "difference"),

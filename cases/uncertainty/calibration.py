@@ -8,9 +8,9 @@ settings and told apart.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,12 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from cases.case import Case
+from cases.copies import LONGEST_NAME
 from cases.copies import as_written as as_document
 from cases.errors import CaseError, as_written
 from cases.reading import case_of
 from cases.recorded import RecordedTable
+from cases.shown import Cell, Rows, Shown
 from cases.uncertainty.parameters import Parameter, interval, overrides
 from cases.uncertainty.table_model import TableModel
 from engines.base import EngineFailure, NoSteadyState, Refusal
@@ -33,7 +35,7 @@ Array = NDArray[np.float64]
 
 #: Accuracy of the simulations that the result rests on. The way there, and the derivatives, take the engine's default.
 ACCURACY: Final = 1e-4
-#: Step of the differences, in a parameter's logarithm or in parts of its range: a hundred times what leaves the integration's noise in view.
+#: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of what it shows.
 DIFFERENCE: Final = 1e-3
 #: How strongly a parameter is held where a fit begins, relative to one that changes the table by all of its size: what a stretch of the
 #: table does not tell shall not run away. Each fit begins where the last one ended, so nothing of it is left in the end.
@@ -51,6 +53,8 @@ MOST_EVALUATIONS: Final = 30
 FITS: Final = 2  # of the whole table: weighted by the columns' sizes, then by what was left of each
 CORRECTIONS: Final = 2  # Gauss-Newton steps with the finer simulation and the derivatives of the usual one
 ENOUGH: Final = 1e-4  # relative change of the squares at which a fit ends; the corrections do the rest
+#: A smooth part of the squares left that is worth a word.
+SMOOTH: Final = 0.3
 FAILED: Final = 1e3  # residual in place of a simulation that broke down, relative to the table's size
 
 
@@ -130,14 +134,21 @@ class Found:
     determined: bool
     at_end: bool
 
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """A row for people."""
+        interval_ = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
+        end = " (at an end of its range)" if self.at_end else ""
+        return self.key, f"{self.value:.6g}{end}", self.unit, interval_, f"{self.simulation_error:.1e}", f"{self.start:.6g}"
 
-@dataclass(frozen=True, kw_only=True)
-class Fit:
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Fit(Shown):
     """What a table says of some parameters.
 
     Attributes:
-        case: name.
-        table: its name.
+        case: where the search began.
+        table: name.
         begins: whether the simulation began in the standard start with the table; else the steady state was fitted.
         rows: of the table.
         found: the parameters.
@@ -150,7 +161,7 @@ class Fit:
         simulations: how many were made.
     """
 
-    case: str
+    case: Case
     table: str
     begins: bool
     rows: int
@@ -170,6 +181,32 @@ class Fit:
         scaled = np.array(self.covariance) / np.outer(sizes, sizes)
         return bool((away / sizes) @ np.linalg.solve(scaled, away / sizes) <= stats.chi2(len(away)).ppf(PROBABILITY))
 
+    @property
+    def fitted(self) -> Case:
+        """The case with the values that were found."""
+        values = {Parameter.of_key(each.key, self.case.name): each.value for each in self.found}
+        return self.case.with_(overrides(self.case.mechanism, values), name=f"{self.case.name}-fitted"[-LONGEST_NAME:])
+
+    def as_document(self) -> dict[str, Any]:
+        """All of it as JSON has it."""
+        return {**{each.name: getattr(self, each.name) for each in fields(self)}, "case": self.case.name, "found": [*map(vars, self.found)]}
+
+    def _parts(self) -> Iterator[Cell]:
+        of = "from the standard start" if self.begins else "of the steady state"
+        yield f"{self.case.name} fitted to {self.table}: {self.rows} rows {of}, {self.simulations} simulations"
+        yield Rows([each.shown for each in self.found], ("parameter", "value", "unit", "95 % interval", "simulation's error", "begun from"))
+        if len(self.found) > 1:
+            named = zip(self.found, self.correlation, strict=True)
+            rows = [(each.key, *(f"{value:+.2f}" for value in line)) for each, line in named]
+            yield Rows(rows, ("correlation", *(each.key for each in self.found)))
+        yield from (f"this table cannot tell: {direction}" for direction in self.cannot_tell)
+        yield f"left, RMS over the column's: {', '.join(f'{name} {100.0 * share:.2g} %' for name, share in self.left.items())}"
+        if self.smooth > SMOOTH:
+            yield (
+                f"note: {100.0 * self.smooth:.0f} % of the squares left go on smoothly from row to row: the model lacks something,"
+                " or the noise is coloured; the intervals allow for it only as far as no parameter makes up for it"
+            )
+
 
 def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str = "free") -> Fit:
     """Find the parameters with which `reference` comes closest to a table.
@@ -181,7 +218,8 @@ def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str
         source: named in what is wrong with `free`.
 
     Raises:
-        CaseError: keys or table that cannot be; a case that cannot be simulated where the search begins.
+        CaseError: keys or table that cannot be.
+        EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
     frees = [Free.of_text(text, case, source) for text in free]
     keys = [each.parameter.key for each in frees]
@@ -203,8 +241,8 @@ class _Search:
         model, at = self.model, np.array([each.first for each in self.frees])
         try:
             self._simulated(at, self.usual, model.rows)
-        except (EngineFailure, Refusal, NoSteadyState, CaseError) as reason:
-            raise CaseError(self.case.name, None, None, f"cannot be simulated as the table is: {reason}", "begin from other values") from reason
+        except NoSteadyState as reason:
+            raise EngineFailure(0.0, f"no steady state was found where the search begins: {reason}", "begin from other values") from reason
         weights = 1.0 / model.sizes
         for rows in model.stretches(self.case.mechanism)[:-1]:
             at = self._fitted(at, self.usual, rows, weights)
@@ -264,7 +302,9 @@ class _Search:
         directions = _directions(sensitivities, spread)
         loose = {number for direction in directions for number in np.flatnonzero(np.abs(direction) > UNTOLD * np.max(np.abs(direction)))}
         finer = model.engine.comparisons(self.fine, self.case.mechanism, 0.0)[0]
-        apart = (self._simulated(at, finer.other, rows) - self._simulated(at, self.fine, rows)) / abs(1.0 - finer.factor)
+        finer_settings = finer.other
+        assert isinstance(finer_settings, ReferenceSettings)
+        apart = (self._simulated(at, finer_settings, rows) - self._simulated(at, self.fine, rows)) / abs(1.0 - finer.factor)
         moved = np.abs(_best_step(slopes, apart, weights))
         sizes = np.sqrt(np.diag(spread))
         per = np.array([each.slope(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)])
@@ -285,7 +325,7 @@ class _Search:
         ]
         in_si = spread * np.outer(per, per)
         return Fit(
-            case=self.case.name,
+            case=self.case,
             table=table,
             begins=model.begins,
             rows=rows,
@@ -369,6 +409,4 @@ def _directions(sensitivities: Array, spread: Array) -> list[Array]:
     matrix = sensitivities.reshape(-1, len(spread))
     _, values, vectors = np.linalg.svd(matrix / math.sqrt(len(matrix)), full_matrices=False)
     errors = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", vectors, spread, vectors), 0.0))
-    return [
-        vector for vector, value, error in zip(vectors, values, errors, strict=True) if UNTOLD * value < UNSEEN or error > UNTOLD
-    ]
+    return [vector for vector, value, error in zip(vectors, values, errors, strict=True) if UNTOLD * value < UNSEEN or error > UNTOLD]

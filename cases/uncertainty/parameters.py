@@ -21,7 +21,9 @@ from reference_model.scene_values import values_of
 Array = NDArray[np.float64]
 
 _KEY: Final = re.compile(r"([a-z_.]+)(?:\[([1-9])\])?")
-_EXAMPLES: Final = '"uniform 0 kg .. 0.3 kg", "log-uniform 1 kg .. 4 kg", "normal 2128 lbf*in^2 +- 4 %" and "normal 2 in +- 0.1 in" are accepted'
+_EXAMPLES: Final = (
+    '"uniform 0 kg .. 0.3 kg", "log-uniform 1 kg .. 4 kg", "normal 2128 lbf*in^2 +- 4 %" and "normal 2 in +- 0.1 in" are accepted'
+)
 
 
 @dataclass(frozen=True)
