@@ -2,13 +2,13 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from cases.errors import CaseError, as_written, nearest_or_all
 from cases.jobs.job import Job
 from cases.text_file import read_text
 from cases.uncertainty import calibration
-from cases.uncertainty.calibration import Fit, Free
+from cases.uncertainty.calibration import Fit, frees_of
 from cases.uncertainty.table_model import TableModel
 from quickreturn import questions
 from quickreturn.accuracy import checked
@@ -20,8 +20,12 @@ if TYPE_CHECKING:
     from cases.jobs.job import Limits
     from cases.uncertainty.propagation import Scatter
 
-#: Keys of a study file.
-KEYS = ("case", "measures", "uncertain")
+#: Keys of a study file: kind and example.
+KEYS: Final[Mapping[str, tuple[type, str]]] = {
+    "case": (str, '"thesis-24"'),
+    "measures": (list, '["post.frequency"]'),
+    "uncertain": (dict, "a table [uncertain]"),
+}
 
 
 def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limits: "Limits | None" = None, quiet: bool = False) -> Fit:
@@ -40,8 +44,7 @@ def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limi
         EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
     chosen, recorded, keys = one_case(case), as_table(table), [free] if isinstance(free, str) else [*free]
-    for key in keys:
-        Free.of_text(key, chosen, "free")
+    frees_of(keys, chosen, "--free")
     TableModel(chosen, recorded)
     job = Job("calibration", calibration.calibrate, (chosen, recorded, keys))
     return questions.value_of(questions.asked([job], "calibration", limits, quiet)[0])
@@ -62,8 +65,8 @@ def uncertainty(
 
     Args:
         case: a name, a path or a `Case`; None: that of the study file.
-        uncertain: key of a case file -> distribution: "uniform 0 kg .. 0.3 kg", "log-uniform 1 N/m .. 1e3 N/m", "normal 2128 lbf*in^2 +- 4 %";
-            or the path of a study file with `case`, `measures` and `[uncertain]`.
+        uncertain: key of a case file -> distribution: "uniform 0 kg .. 0.3 kg", "log-uniform 1 N/m .. 1e3 N/m" or
+            "normal 2128 lbf*in^2 +- 4 %"; or the path of a study file with `case`, `measures` and `[uncertain]`.
         measures: names, see `qr.measures`.
         samples: number of points, a power of two.
         claims: whether every number gets the simulation's error estimate, which takes about twice as long.
@@ -80,15 +83,16 @@ def uncertainty(
     from cases.sweep.rows import Asked
     from cases.uncertainty.propagation import scatter
 
-    source = "uncertain"
-    if not isinstance(uncertain, Mapping):
+    if isinstance(uncertain, Mapping):
+        source, distributions = "uncertain", dict(uncertain)
+    else:
         source = os.fspath(uncertain)
         study = _study_file(source)
-        case, measures, uncertain = case or study["case"], measures or study["measures"], study["uncertain"]
+        case, measures, distributions = case or study["case"], measures or study["measures"], study["uncertain"]
     if case is None or not measures:
         raise CaseError(source, "measures" if case else "case", None, "is missing", 'give one, such as "post.frequency" or "thesis-24"')
     asked = Asked(measures=tuple(measures), claims=claims, accuracy=checked(accuracy))
-    return scatter(one_case(case), uncertain, asked, samples, opened(jobs, quiet), source)
+    return scatter(one_case(case), distributions, asked, samples, opened(jobs, quiet), source)
 
 
 def _study_file(path: str) -> dict[str, Any]:
@@ -102,17 +106,12 @@ def _study_file(path: str) -> dict[str, Any]:
         content = tomllib.loads(text)
     except ValueError as broken:
         raise broken_toml(path, text, str(broken)) from None
-    for key, kind, example in (
-        ("case", str, '"thesis-24"'),
-        ("measures", list, '["post.frequency"]'),
-        ("uncertain", dict, "a table [uncertain]"),
-    ):
+    for key, (kind, example) in KEYS.items():
         if not isinstance(content.get(key), kind):
-            raise CaseError(
-                path, key, as_written(content.get(key)) if key in content else None, "is missing or not of its kind", f"give {example}"
-            )
+            given = as_written(content[key]) if key in content else None
+            raise CaseError(path, key, given, "is missing or not of its kind", f"give {example}")
     if unknown := [key for key in content if key not in KEYS]:
-        raise CaseError(path, unknown[0], None, "is an unknown key", nearest_or_all(unknown[0], KEYS))
+        raise CaseError(path, unknown[0], None, "is an unknown key", nearest_or_all(unknown[0], tuple(KEYS)))
     flat: dict[str, Any] = {}
     for section, value in content["uncertain"].items():
         flat |= {f"{section}.{key}": text for key, text in value.items()} if isinstance(value, dict) else {section: value}

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
 COMMANDS: Final = (
-    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "compare", "calibrate", "report", "benchmark", "conform", "plot",
-    "animate",
+    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "compare", "calibrate", "report", "benchmark", "conform",
+    "plot", "animate",
 )  # fmt: skip
 
 GOOD: Final = 0

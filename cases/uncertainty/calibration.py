@@ -208,7 +208,7 @@ class Fit(Shown):
             )
 
 
-def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str = "free") -> Fit:
+def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str = "--free") -> Fit:
     """Find the parameters with which `reference` comes closest to a table.
 
     Args:
@@ -221,11 +221,16 @@ def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str
         CaseError: keys or table that cannot be.
         EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
-    frees = [Free.of_text(text, case, source) for text in free]
-    keys = [each.parameter.key for each in frees]
-    if not frees or len({*keys}) < len(keys):
+    return _Search(case, TableModel(case, table), frees_of(free, case, source)).fit(table.name)
+
+
+def frees_of(texts: Sequence[str], case: Case, source: str) -> list[Free]:
+    """The parameters of some texts. CaseError: as of `Free.of_text`, or one is given twice, or none is."""
+    found = [Free.of_text(text, case, source) for text in texts]
+    keys = [each.parameter.key for each in found]
+    if not found or len({*keys}) < len(keys):
         raise CaseError(source, None, None, f"{as_written(keys)} are no different parameters", "give each key once")
-    return _Search(case, TableModel(case, table), frees).fit(table.name)
+    return found
 
 
 class _Search:
@@ -299,7 +304,7 @@ class _Search:
         spread, alone = covariance(left * weights[:, None], slopes * weights[:, None, None])
         sensitivities = slopes / model.sizes[:, None, None]
         parts = np.sqrt(np.mean(sensitivities**2, axis=(0, 1)))  # relative change of the table by each coordinate
-        directions = _directions(sensitivities, spread)
+        directions = untold(sensitivities, spread)
         loose = {number for direction in directions for number in np.flatnonzero(np.abs(direction) > UNTOLD * np.max(np.abs(direction)))}
         finer = model.engine.comparisons(self.fine, self.case.mechanism, 0.0)[0]
         finer_settings = finer.other
@@ -404,8 +409,13 @@ def smooth_part(residuals: Array) -> float:
     return max(0.0, 1.0 - noise / float(np.mean(residuals**2)))
 
 
-def _directions(sensitivities: Array, spread: Array) -> list[Array]:
-    """Unit vectors of coordinates that a table does not determine, shape (p,) each."""
+def untold(sensitivities: Array, spread: Array) -> list[Array]:
+    """Unit vectors of coordinates that a table does not determine, shape (p,) each.
+
+    Args:
+        sensitivities: relative change of each column by each coordinate, shape (C, N, p).
+        spread: covariance of the coordinates, shape (p, p).
+    """
     matrix = sensitivities.reshape(-1, len(spread))
     _, values, vectors = np.linalg.svd(matrix / math.sqrt(len(matrix)), full_matrices=False)
     errors = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", vectors, spread, vectors), 0.0))

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 _KEY: Final = re.compile(r"([a-z_.]+)(?:\[([1-9])\])?")
 _EXAMPLES: Final = (
-    '"uniform 0 kg .. 0.3 kg", "log-uniform 1 kg .. 4 kg", "normal 2128 lbf*in^2 +- 4 %" and "normal 2 in +- 0.1 in" are accepted'
+    'write such as "uniform 0 kg .. 1 kg", "log-uniform 1 kg .. 4 kg", "normal 2128 lbf*in^2 +- 4 %" or "normal 2 in +- 1 in"'
 )
 
 
@@ -84,7 +84,7 @@ def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, 
     """Values (SI) as what `Document.overridden_by` takes: texts by dotted key; of a list the other places keep what the scene has."""
     found: dict[str, Any] = {}
     for parameter, value in values.items():
-        text = f"{float(value)!r} {parameter.quantity.unit}".removesuffix(" 1")
+        text = f"{float(value):.12g} {parameter.quantity.unit}".removesuffix(" 1")
         if parameter.place is None:
             found[parameter.path] = text
         else:

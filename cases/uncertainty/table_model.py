@@ -25,9 +25,9 @@ from reference_model.rigid import crank_pace
 
 Array = NDArray[np.float64]
 
-#: Columns that are compared, where a table has them: those that every engine delivers, but for time and crank angle, which say where a row is.
+#: Columns that are compared, where a table has them: those that every engine delivers. Time and crank angle say where a row is.
 COMPARED: Final = tuple(name for name, column in COLUMNS.items() if column.required and name not in ("time", "crank_angle"))
-#: Periods of the first mode in the shortest stretch that is fitted: a stiffness that is a third off keeps its phase within half a turn there.
+#: Periods of the first mode in the shortest stretch that is fitted: the phase is within half a turn there if the stiffness is a third off.
 FIRST_STRETCH: Final = 3.0
 FEWEST_ROWS: Final = 20
 

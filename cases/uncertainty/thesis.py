@@ -12,7 +12,7 @@ from cases.library.thesis import RUNS, run_name
 from cases.measures import CHANNELS
 from cases.runs.request import SETTLED
 from cases.sweep.rows import Asked
-from cases.uncertainty.propagation import PROBABILITIES, Scatter, quantiles, scatter
+from cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, quantiles, scatter
 
 #: Points of each run: the outer quantiles of a frequency are then known to some 1 %, those of a resonant strain to some 12 %.
 SAMPLES: Final = 32
@@ -35,7 +35,7 @@ class Unprinted:
 #: The range of each is assumed; what follows holds for these ranges.
 UNPRINTED: Final = (
     Unprinted(
-        "slider.mass", "uniform 0 kg .. 0.3 kg", "the coupler with its rollers, of which no mass is given; 0.3 kg is a steel block of 34 mm"
+        "slider.mass", "uniform 0 kg .. 0.3 kg", "the coupler with its rollers, without a mass in print; 0.3 kg is a steel block of 34 mm"
     ),
     Unprinted(
         "tip.center_of_mass",
@@ -49,9 +49,7 @@ UNPRINTED: Final = (
         "normal 2128.22 lbf*in^2 +- 4 %",
         "printed, but it goes with the cube of the strip's thickness, of which 1.3 % is a mill's tolerance",
     ),
-    Unprinted(
-        "follower.damping", "log-uniform 1e-5 lbf*s/in^2 .. 4e-5 lbf*s/in^2", "printed with an illegible unit: half to twice the value"
-    ),
+    Unprinted("follower.damping", "log-uniform 1e-5 lbf*s/in^2 .. 4e-5 lbf*s/in^2", "its unit is illegible: half to twice the value"),
 )
 
 
@@ -126,8 +124,11 @@ def band(run: int, found: Scatter, claims: tuple[float, ...] = ()) -> Band:
         post=tuple(each.value for each in found_quantiles[1]),
         ratio=(float(ratios.min()), float(np.median(ratios)), float(ratios.max())) if len(ratios) else (),
         strain=tuple(each.value for each in found_quantiles[2]),
-        sampled=tuple(
-            max((each.error / each.value for each in kind if each.probability != PROBABILITIES[1]), default=0.0) for kind in found_quantiles
-        ),
+        sampled=tuple(_sampled(kind) for kind in found_quantiles),
         claims=claims,
     )
+
+
+def _sampled(found: list[Quantile]) -> float:
+    """The larger relative standard error of the outer quantiles; 0 without any."""
+    return max((each.error / each.value for each in found if each.probability != PROBABILITIES[1]), default=0.0)
