@@ -81,7 +81,7 @@ def uncertainty(
         CaseError: something cannot be; the sentence says what is accepted.
     """
     from cases.sweep.rows import Asked
-    from cases.uncertainty.propagation import scatter
+    from cases.uncertainty.propagation import planned
 
     if isinstance(uncertain, Mapping):
         source, distributions = "uncertain", dict(uncertain)
@@ -92,7 +92,7 @@ def uncertainty(
     if case is None or not measures:
         raise CaseError(source, "measures" if case else "case", None, "is missing", 'give one, such as "post.frequency" or "thesis-24"')
     asked = Asked(measures=tuple(measures), claims=claims, accuracy=checked(accuracy))
-    return scatter(one_case(case), distributions, asked, samples, opened(jobs, quiet), source)
+    return planned(one_case(case), distributions, asked, samples, source).scatter(opened(jobs, quiet))
 
 
 def _study_file(path: str) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import Any, Final
 
@@ -18,10 +19,12 @@ from scipy import stats
 
 from cases.case import Case
 from cases.errors import CaseError
+from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
-from cases.runs.request import SETTLED
+from cases.runs.request import FAILED, SETTLED
 from cases.sweep.grid import job
-from cases.sweep.rows import Asked
+from cases.sweep.measures import measure
+from cases.sweep.rows import Asked, Row
 from cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
 
 Array = NDArray[np.float64]
@@ -121,41 +124,63 @@ class Scatter:
         return sorted((Share(key, *found) for key, found in zip(keys, surrogate.shares(), strict=True)), key=lambda each: -each.total)
 
 
-def scatter(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int, workshop: Workshop, source: str) -> Scatter:
-    """Compute quasi-random points.
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Quasi-random points that are to be computed."""
+
+    case: Case
+    distributions: Mapping[Parameter, Distribution]
+    asked: Asked
+    inputs: Array
+
+    @cached_property
+    def jobs(self) -> list[Job[Row]]:
+        """A job for each `ROW` points."""
+        scene = self.case.mechanism
+        changes = [overrides(scene, dict(zip(self.distributions, point, strict=True))) for point in self.inputs]
+        return [job(self.case, changes[first : first + ROW], self.asked) for first in range(0, len(changes), ROW)]
+
+    def are_stored(self, workshop: Workshop) -> bool:
+        """Whether all of them are."""
+        return all(workshop.stored(each) is not None for each in self.jobs)
+
+    def scatter(self, workshop: Workshop) -> Scatter:
+        """Compute what is not stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
+        names = self.asked.measures
+        values, errors = (np.full((len(self.inputs), len(names)), math.nan) for _ in range(2))
+        statuses = np.full(len(self.inputs), FAILED, dtype=object)
+        for number, outcome in enumerate(workshop.outcomes(self.jobs, "points")):
+            if (row := outcome.value) is not None:
+                here = slice(number * ROW, (number + 1) * ROW)
+                values[here], errors[here], statuses[here] = row.values, row.errors, row.statuses
+        units = tuple(measure(name).unit for name in names)
+        return Scatter(self.case, self.distributions, names, units, self.inputs, values, errors, tuple(statuses))
+
+
+def planned(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int, source: str) -> Points:
+    """Quasi-random points.
 
     Args:
         case: in which all other values are.
         uncertain: key -> distribution as text.
         asked: what is measured, and how.
         samples: number of points, a power of two.
-        workshop: where.
         source: named in what is wrong with `uncertain`.
 
     Raises:
-        CaseError: a key, a distribution or a number of points that cannot be.
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+        CaseError: a key, a distribution, a measure or a number of points that cannot be.
     """
-    from cases.sweep.measures import measure
-
     if not uncertain:
         raise CaseError(source, "uncertain", None, "names no parameter", 'write KEY = "uniform A .. B"')
     if samples & (samples - 1) or not FEWEST <= samples <= MOST:
         raise CaseError(source, "samples", str(samples), "is no power of two", f"from {FEWEST} to {MOST} are accepted, such as 256")
-    units = tuple(measure(name).unit for name in asked.measures)
+    for name in asked.measures:
+        measure(name)
     given = {Parameter.of_key(key, source): text for key, text in uncertain.items()}
     known = {parameter: distribution(text, parameter, source) for parameter, text in given.items()}
     cube = stats.qmc.Sobol(len(known), rng=np.random.default_rng(SEED)).random(samples)
     inputs = np.column_stack([each.quantile(cube[:, place]) for place, each in enumerate(known.values())])
-    changes = [overrides(case.mechanism, dict(zip(known, point, strict=True))) for point in inputs]
-    jobs = [job(case, changes[first : first + ROW], asked) for first in range(0, samples, ROW)]
-    values, errors, statuses = [], [], list[str]()
-    for number, outcome in enumerate(workshop.outcomes(jobs, "points")):
-        lost = np.full((len(changes[number * ROW : (number + 1) * ROW]), len(units)), math.nan)
-        values.append(outcome.value.values if outcome.value else lost)
-        errors.append(outcome.value.errors if outcome.value else lost)
-        statuses += outcome.value.statuses if outcome.value else ["failed"] * len(lost)
-    return Scatter(case, known, asked.measures, units, inputs, np.vstack(values), np.vstack(errors), tuple(statuses))
+    return Points(case, known, asked, inputs)
 
 
 def quantiles(values: Array, probabilities: Sequence[float] = PROBABILITIES) -> list[Quantile]:

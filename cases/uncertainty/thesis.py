@@ -1,18 +1,19 @@
 """What the thesis does not print, as distributions, and what its scatter does to the 24 runs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from cases.case_file import load_case
+from cases.experiment import statements
 from cases.jobs.workshop import Workshop
 from cases.library.thesis import RUNS, run_name
 from cases.measures import CHANNELS
 from cases.runs.request import SETTLED
 from cases.sweep.rows import Asked
-from cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, quantiles, scatter
+from cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
 
 #: Points of each run: the outer quantiles of a frequency are then known to some 1 %, those of a resonant strain to some 12 %.
 SAMPLES: Final = 32
@@ -21,6 +22,10 @@ CLAIMED_RUNS: Final = (4, 10, 16, 24)
 CLAIMED_SAMPLES: Final = 8
 #: The measures of a point.
 MEASURES: Final = ("pre.frequency", "post.frequency", *(f"peak.{name}" for name in CHANNELS[1:]))
+
+
+#: Frequency of simulation over machine after the return, over that before it, from which on the words count as true.
+EXCESS: Final = next(each.low for each in statements() if each.id == "post-excess")
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,7 @@ class Band:
         pre: first-mode frequency before the return, Hz; empty where no point resolves it.
         post: likewise after it.
         ratio: frequency after the return over that before it: least, median and greatest of all points.
+        apart: points at which the halves differ as the words ask: the frequency after the return at most `1 / EXCESS` of that before.
         strain: largest of the three gauges' peak strains.
         sampled: standard errors of the outer quantiles from the number of points, relative, the larger of both: of `pre`, `post`, `strain`.
         claims: how far off the simulation's numbers may be by its own estimate and their measurement, relative, medians over
@@ -78,24 +84,27 @@ class Band:
     pre: tuple[float, ...]
     post: tuple[float, ...]
     ratio: tuple[float, ...]
+    apart: int
     strain: tuple[float, ...]
     sampled: tuple[float, ...]
     claims: tuple[float, ...]
 
 
-def bands(workshop: Workshop, runs: tuple[int, ...] = tuple(RUNS)) -> list[Band]:
-    """All bands.
+def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS), *, compute: bool = True) -> list[Band]:
+    """All bands; without `compute` those of which every point is stored.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     uncertain: Mapping[str, str] = {each.key: each.distribution for each in UNPRINTED}
 
-    def scattered(run: int, samples: int, *, claims: bool) -> Scatter:
-        return scatter(load_case(run_name(run)), uncertain, Asked(measures=MEASURES, claims=claims), samples, workshop, "thesis")
+    def scattered(run: int, samples: int, *, claims: bool) -> Scatter | None:
+        points = planned(load_case(run_name(run)), uncertain, Asked(measures=MEASURES, claims=claims), samples, "thesis")
+        return points.scatter(workshop) if compute or points.are_stored(workshop) else None
 
-    claims = {run: claimed(scattered(run, CLAIMED_SAMPLES, claims=True)) for run in runs if run in CLAIMED_RUNS}
-    return [band(run, scattered(run, SAMPLES, claims=False), claims.get(run, ())) for run in runs]
+    with_claims = {run: scattered(run, CLAIMED_SAMPLES, claims=True) for run in runs if run in CLAIMED_RUNS}
+    claims = {run: claimed(found) for run, found in with_claims.items() if found}
+    return [band(run, found, claims.get(run, ())) for run in runs if (found := scattered(run, SAMPLES, claims=False))]
 
 
 def claimed(found: Scatter) -> tuple[float, ...]:
@@ -123,6 +132,7 @@ def band(run: int, found: Scatter, claims: tuple[float, ...] = ()) -> Band:
         pre=tuple(each.value for each in found_quantiles[0]),
         post=tuple(each.value for each in found_quantiles[1]),
         ratio=(float(ratios.min()), float(np.median(ratios)), float(ratios.max())) if len(ratios) else (),
+        apart=int(np.sum(ratios <= 1.0 / EXCESS)),
         strain=tuple(each.value for each in found_quantiles[2]),
         sampled=tuple(_sampled(kind) for kind in found_quantiles),
         claims=claims,

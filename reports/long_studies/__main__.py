@@ -19,6 +19,7 @@ from cases.judging.matrix import Matrix, judge_scenes
 from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.studies import confirming
+from cases.uncertainty.thesis import bands
 from engines.registry import MAIN, engine
 from reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedConformance, RecordedPoint, about, text_of
 from reports.machine import version
@@ -44,13 +45,16 @@ def main(arguments: Sequence[str]) -> int:
         _write_matrix(matrix)
     conforming = [row for name in ENGINES if (row := _conformance(name, workshop, compute=compute)) is not None]
     effects = finding.study(workshop, compute=compute)
+    scattered = bands(workshop, compute=compute)
     _write("conformance", conforming)
     _write("finding", effects)
+    _write("unprinted", scattered)
     _write("confirmation", confirmed)
     made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed, "conformance": conforming, "finding": effects}
+    made["unprinted"] = scattered
     _write("about", [each for study in CODE if (each := _made(study) if made[study] else about(study))])
     benchmarks, cells = f"{len(found)} of {len(cases)} scenes of the benchmark", f"{len(matrix.cells)} cells of the hard scenes"
-    others = f"conformance of {len(conforming)} engines, {len(effects)} rows on the thesis' finding"
+    others = f"conformance of {len(conforming)} engines, {len(effects)} rows on the thesis' finding, bands of {len(scattered)} runs"
     print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions, {others}")
     return 0
 
