@@ -175,11 +175,12 @@ class Fit(Shown):
     simulations: int
 
     def holds(self, values: Sequence[float]) -> bool:
-        """Whether values (SI, in the order of `found`) lie in the 95 % region of all parameters together."""
-        away = np.array(values) - [each.value for each in self.found]
-        sizes = np.sqrt(np.diag(self.covariance))
-        scaled = np.array(self.covariance) / np.outer(sizes, sizes)
-        return bool((away / sizes) @ np.linalg.solve(scaled, away / sizes) <= stats.chi2(len(away)).ppf(PROBABILITY))
+        """Whether values (SI, in the order of `found`) lie in the 95 % region of all parameters that are determined, together."""
+        told = [place for place, each in enumerate(self.found) if each.determined]
+        spread = np.array(self.covariance)[np.ix_(told, told)]
+        sizes = np.sqrt(np.diag(spread))
+        away = np.array([values[place] - self.found[place].value for place in told]) / sizes
+        return bool(away @ np.linalg.solve(spread / np.outer(sizes, sizes), away) <= stats.chi2(len(told)).ppf(PROBABILITY))
 
     @property
     def fitted(self) -> Case:
@@ -312,6 +313,7 @@ class _Search:
         apart = (self._simulated(at, finer_settings, rows) - self._simulated(at, self.fine, rows)) / abs(1.0 - finer.factor)
         moved = np.abs(_best_step(slopes, apart, weights))
         sizes = np.sqrt(np.diag(spread))
+        known = np.where(sizes > 0.0, sizes, 1.0)  # of a parameter without any effect all is zero
         per = np.array([each.slope(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)])
         reach = stats.norm.ppf(0.5 + 0.5 * PROBABILITY) * sizes
         found = [
@@ -336,11 +338,11 @@ class _Search:
             rows=rows,
             found=tuple(found),
             covariance=tuple(map(tuple, in_si.tolist())),
-            correlation=tuple(map(tuple, (spread / np.outer(sizes, sizes)).tolist())),
+            correlation=tuple(map(tuple, (spread / np.outer(known, known)).tolist())),
             cannot_tell=tuple(self._words(direction, at, sensitivities) for direction in directions),
             left={name: rms(column) / float(size) for name, column, size in zip(model.names, left, model.sizes, strict=True)},
             smooth=smooth_part(left * weights[:, None]),
-            widened=float(np.exp(np.mean(np.log(sizes / np.sqrt(np.diag(alone)))))),
+            widened=float(np.exp(np.mean(np.log(known / np.sqrt(np.where(sizes > 0.0, np.diag(alone), 1.0)))))),
             simulations=self.simulations,
         )
 
@@ -396,7 +398,8 @@ def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
     scale = np.outer(sizes, sizes)
     independent = bread * float(np.mean(residuals**2)) * freedom / scale
     found = bread @ np.real(filling + filling.conj().T) @ bread * 0.5 * freedom / scale
-    wider = np.sqrt(np.maximum(1.0, np.diag(independent) / np.diag(found)))  # a spectrum's scatter shall not make an interval narrower
+    own = np.diag(found)  # which the scatter of the spectra shall not make narrower than for independent residuals
+    wider = np.sqrt(np.maximum(1.0, np.diag(independent) / np.where(own > 0.0, own, math.inf)))
     return found * np.outer(wider, wider), independent
 
 
