@@ -8,7 +8,8 @@ from cases.errors import CaseError, as_written, nearest_or_all
 from cases.jobs.job import Job
 from cases.text_file import read_text
 from cases.uncertainty import calibration
-from cases.uncertainty.calibration import Fit, frees_of
+from cases.uncertainty.calibration import frees_of
+from cases.uncertainty.fit import Fit
 from cases.uncertainty.table_model import TableModel
 from quickreturn import questions
 from quickreturn.accuracy import checked
@@ -75,7 +76,7 @@ def uncertainty(
         quiet: whether nothing is told on standard error.
 
     Returns:
-        Points with `quantiles(measure)`, `shares(measure)` (Sobol' indices), `surrogate(measure)` and `frame`.
+        Points, which print as a summary, with `quantiles(measure)`, `shares(measure)` (Sobol' indices) and `surrogate(measure)`.
 
     Raises:
         CaseError: something cannot be; the sentence says what is accepted.

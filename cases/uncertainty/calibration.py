@@ -1,16 +1,13 @@
 """Finds parameters of a scene from a recorded table by least squares, and says how well the table determines them.
 
-The residuals of a real table are no independent numbers: noise is coloured, and what the model lacks is smooth. So the covariance of the
-estimate comes from the residuals' own spectra (the sandwich estimate with a smoothed spectrum: W. K. Newey, K. D. West, Econometrica
-55, 1987, 703; here in the frequency domain and for all columns together). It is of what the residuals show. A mistake of the model that
-another value of a parameter makes up for shows in no residual; the part of it that is the simulation's own error is estimated by finer
-settings and told apart.
+What the residuals show is in the covariance. A mistake of the model that another value of a parameter makes up for shows in no residual.
+The part of it that is the simulation's own error is estimated by finer settings and told apart.
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
-from typing import Any, Final
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +15,12 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from cases.case import Case
-from cases.copies import LONGEST_NAME
 from cases.copies import as_written as as_document
 from cases.errors import CaseError, as_written
 from cases.reading import case_of
 from cases.recorded import RecordedTable
-from cases.shown import Cell, Rows, Shown
+from cases.uncertainty.covariance import UNTOLD, best_step, covariance, smooth_part, untold
+from cases.uncertainty.fit import PROBABILITY, Fit, Found
 from cases.uncertainty.parameters import Parameter, interval, overrides
 from cases.uncertainty.table_model import TableModel
 from engines.base import EngineFailure, NoSteadyState, Refusal
@@ -44,17 +41,10 @@ HOLD: Final = 1e-2
 FARTHEST: Final = 3.0
 #: A column is not weighted as if it were better known than this part of its size.
 BEST_KNOWN: Final = 1e-4
-#: A direction counts as not determined if its standard error reaches this part of the parameters or of their ranges ...
-UNTOLD: Final = 0.1
-#: ... or if such a change moves the table by less than this part, which is about the simulation's accuracy.
-UNSEEN: Final = 2e-4
-PROBABILITY: Final = 0.95
 MOST_EVALUATIONS: Final = 30
 FITS: Final = 2  # of the whole table: weighted by the columns' sizes, then by what was left of each
 CORRECTIONS: Final = 2  # Gauss-Newton steps with the finer simulation and the derivatives of the usual one
 ENOUGH: Final = 1e-4  # relative change of the squares at which a fit ends; the corrections do the rest
-#: A smooth part of the squares left that is worth a word.
-SMOOTH: Final = 0.3
 FAILED: Final = 1e3  # residual in place of a simulation that broke down, relative to the table's size
 
 
@@ -80,7 +70,7 @@ class Free:
             low, high = interval(range_, parameter, source)
             return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high))
         if not math.isfinite(start) or start == 0.0:
-            accepted = f'give a range, such as "{key} = {parameter_example(parameter)}"'
+            accepted = f'give a range, such as "{key} = 0 {parameter.quantity.unit} .. 1 {parameter.quantity.unit}"'
             raise CaseError(source, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
         return cls(parameter, start, None)
 
@@ -101,112 +91,6 @@ class Free:
     def slope(self, coordinate: float) -> float:
         """Change of the value by the coordinate."""
         return self.value(coordinate) if self.ends is None else self.ends[1] - self.ends[0]
-
-
-def parameter_example(parameter: Parameter) -> str:
-    """A range of a parameter as it is written."""
-    return f"0 {parameter.quantity.unit} .. 1 {parameter.quantity.unit}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Found:
-    """A parameter that was found, SI.
-
-    Attributes:
-        key: of the parameter.
-        unit: SI.
-        start: where the search began.
-        value: the best one.
-        low: lower end of the 95 % interval, by what the residuals show.
-        high: upper end.
-        simulation_error: by how much the simulation's own error may move the value; not part of the interval.
-        determined: whether the table tells it at all.
-        at_end: whether it lies at the end of its range.
-    """
-
-    key: str
-    unit: str
-    start: float
-    value: float
-    low: float
-    high: float
-    simulation_error: float
-    determined: bool
-    at_end: bool
-
-    @property
-    def shown(self) -> tuple[str, ...]:
-        """A row for people."""
-        interval_ = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
-        end = " (at an end of its range)" if self.at_end else ""
-        return self.key, f"{self.value:.6g}{end}", self.unit, interval_, f"{self.simulation_error:.1e}", f"{self.start:.6g}"
-
-
-@dataclass(frozen=True, kw_only=True, repr=False)
-class Fit(Shown):
-    """What a table says of some parameters.
-
-    Attributes:
-        case: where the search began.
-        table: name.
-        begins: whether the simulation began in the standard start with the table; else the steady state was fitted.
-        rows: of the table.
-        found: the parameters.
-        covariance: of the estimate, SI, as nested lists, (p, p).
-        correlation: likewise.
-        cannot_tell: directions that the table does not determine, as clauses.
-        left: column -> RMS of what is left over RMS of the column.
-        smooth: part of the squares left that is smooth from row to row: no measuring noise, but what the model or the sensors do.
-        widened: how many times wider the intervals are than for independent residuals, geometric mean.
-        simulations: how many were made.
-    """
-
-    case: Case
-    table: str
-    begins: bool
-    rows: int
-    found: tuple[Found, ...]
-    covariance: tuple[tuple[float, ...], ...]
-    correlation: tuple[tuple[float, ...], ...]
-    cannot_tell: tuple[str, ...]
-    left: dict[str, float]
-    smooth: float
-    widened: float
-    simulations: int
-
-    def holds(self, values: Sequence[float]) -> bool:
-        """Whether values (SI, in the order of `found`) lie in the 95 % region of all parameters that are determined, together."""
-        told = [place for place, each in enumerate(self.found) if each.determined]
-        spread = np.array(self.covariance)[np.ix_(told, told)]
-        sizes = np.sqrt(np.diag(spread))
-        away = np.array([values[place] - self.found[place].value for place in told]) / sizes
-        return bool(away @ np.linalg.solve(spread / np.outer(sizes, sizes), away) <= stats.chi2(len(told)).ppf(PROBABILITY))
-
-    @property
-    def fitted(self) -> Case:
-        """The case with the values that were found."""
-        values = {Parameter.of_key(each.key, self.case.name): each.value for each in self.found}
-        return self.case.with_(overrides(self.case.mechanism, values), name=f"{self.case.name}-fitted"[-LONGEST_NAME:])
-
-    def as_document(self) -> dict[str, Any]:
-        """All of it as JSON has it."""
-        return {**{each.name: getattr(self, each.name) for each in fields(self)}, "case": self.case.name, "found": [*map(vars, self.found)]}
-
-    def _parts(self) -> Iterator[Cell]:
-        of = "from the standard start" if self.begins else "of the steady state"
-        yield f"{self.case.name} fitted to {self.table}: {self.rows} rows {of}, {self.simulations} simulations"
-        yield Rows([each.shown for each in self.found], ("parameter", "value", "unit", "95 % interval", "simulation's error", "begun from"))
-        if len(self.found) > 1:
-            named = zip(self.found, self.correlation, strict=True)
-            rows = [(each.key, *(f"{value:+.2f}" for value in line)) for each, line in named]
-            yield Rows(rows, ("correlation", *(each.key for each in self.found)))
-        yield from (f"this table cannot tell: {direction}" for direction in self.cannot_tell)
-        yield f"left, RMS over the column's: {', '.join(f'{name} {100.0 * share:.2g} %' for name, share in self.left.items())}"
-        if self.smooth > SMOOTH:
-            yield (
-                f"note: {100.0 * self.smooth:.0f} % of the squares left go on smoothly from row to row: the model lacks something,"
-                " or the noise is coloured; the intervals allow for it only as far as no parameter makes up for it"
-            )
 
 
 def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str = "--free") -> Fit:
@@ -259,7 +143,7 @@ class _Search:
         slopes = self._slopes(at, self.usual, model.rows)
         for _ in range(CORRECTIONS):
             left = model.values - self._simulated(at, self.fine, model.rows)
-            at = np.clip(at + _best_step(slopes, left, weights), *np.transpose([each.bounds for each in self.frees]))
+            at = np.clip(at + best_step(slopes, left, weights), *np.transpose([each.bounds for each in self.frees]))
         left = model.values - self._simulated(at, self.fine, model.rows)
         return self._told(table, at, left, slopes, weights)
 
@@ -311,7 +195,7 @@ class _Search:
         finer_settings = finer.other
         assert isinstance(finer_settings, ReferenceSettings)
         apart = (self._simulated(at, finer_settings, rows) - self._simulated(at, self.fine, rows)) / abs(1.0 - finer.factor)
-        moved = np.abs(_best_step(slopes, apart, weights))
+        moved = np.abs(best_step(slopes, apart, weights))
         sizes = np.sqrt(np.diag(spread))
         known = np.where(sizes > 0.0, sizes, 1.0)  # of a parameter without any effect all is zero
         per = np.array([each.slope(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)])
@@ -359,67 +243,3 @@ class _Search:
                 parts.append(f"{each.parameter.key} {part * each.slope(float(coordinate)):+.3g} {each.parameter.quantity.unit}")
         shown = float(np.sqrt(np.mean((sensitivities @ step) ** 2)))
         return f"{' with '.join(parts)} (changes the columns by {100.0 * shown:.2g} % of their RMS)"
-
-
-def _best_step(slopes: Array, left: Array, weights: Array) -> Array:
-    """The change of the coordinates, shape (p,), that takes most of what is left, shape (C, N), with a change's effect (C, N, p)."""
-    matrix = (slopes * weights[:, None, None]).reshape(-1, slopes.shape[2])
-    return np.asarray(np.linalg.lstsq(matrix, (left * weights[:, None]).ravel(), rcond=UNSEEN)[0])
-
-
-def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
-    """Covariance of a least-squares estimate with residuals that depend on each other, and what independent ones would give.
-
-    The residuals' spectra and cross-spectra are means over the square root of the number of frequencies, so that a correlation over up
-    to so many rows counts.
-
-    Args:
-        residuals: weighted, shape (C, N).
-        slopes: their derivatives by the parameters, shape (C, N, p).
-
-    Returns:
-        Both of shape (p, p).
-    """
-    channels, rows, count = slopes.shape
-    matrix = slopes.reshape(-1, count)
-    sizes = np.linalg.norm(matrix, axis=0)
-    sizes[sizes == 0.0] = 1.0
-    bread = np.linalg.pinv((matrix / sizes).T @ (matrix / sizes), rcond=1e-14, hermitian=True)
-    spectra = np.fft.fft(residuals, 2 * rows, axis=1)
-    of_slopes = np.fft.fft(slopes / sizes, 2 * rows, axis=1)
-    width = 2 * math.isqrt(rows) + 1
-    window = np.fft.fft(np.roll(np.pad(np.full(width, 1.0 / width), (0, 2 * rows - width)), -(width // 2)))
-    filling = np.zeros((count, count), dtype=complex)
-    for one in range(channels):
-        for other in range(channels):
-            smoothed = np.fft.ifft(np.fft.fft(spectra[one] * np.conj(spectra[other])) * window) / rows
-            filling += np.einsum("fi,f,fj->ij", np.conj(of_slopes[one]), smoothed, of_slopes[other]) / (2 * rows)
-    freedom = channels * rows / (channels * rows - count)
-    scale = np.outer(sizes, sizes)
-    independent = bread * float(np.mean(residuals**2)) * freedom / scale
-    found = bread @ np.real(filling + filling.conj().T) @ bread * 0.5 * freedom / scale
-    own = np.diag(found)  # which the scatter of the spectra shall not make narrower than for independent residuals
-    wider = np.sqrt(np.maximum(1.0, np.diag(independent) / np.where(own > 0.0, own, math.inf)))
-    return found * np.outer(wider, wider), independent
-
-
-def smooth_part(residuals: Array) -> float:
-    """Part of the squares of residuals, shape (C, N), that goes on smoothly from row to row: 0 of independent noise.
-
-    Third differences of independent numbers of variance v have the variance 20 v; those of a smooth course are small.
-    """
-    noise = float(np.mean(np.diff(residuals, 3, axis=1) ** 2)) / 20.0
-    return max(0.0, 1.0 - noise / float(np.mean(residuals**2)))
-
-
-def untold(sensitivities: Array, spread: Array) -> list[Array]:
-    """Unit vectors of coordinates that a table does not determine, shape (p,) each.
-
-    Args:
-        sensitivities: relative change of each column by each coordinate, shape (C, N, p).
-        spread: covariance of the coordinates, shape (p, p).
-    """
-    matrix = sensitivities.reshape(-1, len(spread))
-    _, values, vectors = np.linalg.svd(matrix / math.sqrt(len(matrix)), full_matrices=False)
-    errors = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", vectors, spread, vectors), 0.0))
-    return [vector for vector, value, error in zip(vectors, values, errors, strict=True) if UNTOLD * value < UNSEEN or error > UNTOLD]

@@ -7,7 +7,7 @@ is another matter, and is told apart.
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -22,6 +22,7 @@ from cases.errors import CaseError
 from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.runs.request import FAILED, SETTLED
+from cases.shown import Cell, Rows, Shown
 from cases.sweep.grid import job
 from cases.sweep.measures import measure
 from cases.sweep.rows import Asked, Row
@@ -64,8 +65,8 @@ class Share:
     total_error: float
 
 
-@dataclass(frozen=True, eq=False)
-class Scatter:
+@dataclass(frozen=True, eq=False, repr=False)
+class Scatter(Shown):
     """What came of the points.
 
     Attributes:
@@ -122,6 +123,22 @@ class Scatter:
             return []
         keys = [parameter.key for parameter in self.distributions]
         return sorted((Share(key, *found) for key, found in zip(keys, surrogate.shares(), strict=True)), key=lambda each: -each.total)
+
+    def _parts(self) -> Iterator[Cell]:
+        """Counts; quantiles with what the number of points leaves open of them, and the simulation's own error; shares of the variance."""
+        counts = ", ".join(f"{count} {status}" for status, count in self.counts.items())
+        yield f"{self.case.name}: {len(self.statuses)} points in {len(self.distributions)} parameters: {counts}"
+        rows = []
+        for name, unit in zip(self.measures, self.units, strict=True):
+            found = [f"{each.value:.5g} ± {each.error:.1g}" for each in self.quantiles(name)]
+            rows.append((name, unit, *(found or ["-"] * len(PROBABILITIES)), f"{self.simulation_error(name):.1g}"))
+        heads = [f"{100.0 * each:g} %" for each in PROBABILITIES]
+        yield Rows(rows, ("measure", "unit", *heads, "simulation's error"))
+        for name in self.measures:
+            shares = [f"{each.key} {each.first:.2f} ± {each.first_error:.2f} (in all {each.total:.2f})" for each in self.shares(name)]
+            q2 = self.surrogate(name).q2
+            told = ", ".join(shares) or "no surrogate is good enough, or there are too few points"
+            yield f"variance of {name}: {told}; Q2 {q2:.3f}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,10 +15,10 @@ from cases.runs.request import SETTLED
 from cases.sweep.rows import Asked
 from cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
 
-#: Points of each run: the outer quantiles of a frequency are then known to some 1 %, those of a resonant strain to some 12 %.
-SAMPLES: Final = 32
+#: Points of each run. In run 24 its outer quantiles of the frequency are those of 512 points to 0.7 %, of the peak strain to 8 %.
+SAMPLES: Final = 16
 #: Runs and points of which the simulation's own error is estimated, which takes twice the time.
-CLAIMED_RUNS: Final = (4, 10, 16, 24)
+CLAIMED_RUNS: Final = (10, 24)
 CLAIMED_SAMPLES: Final = 8
 #: The measures of a point.
 MEASURES: Final = ("pre.frequency", "post.frequency", *(f"peak.{name}" for name in CHANNELS[1:]))

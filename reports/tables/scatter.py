@@ -31,7 +31,7 @@ def bands(found: Sequence[Band]) -> Table:
     columns += [Column(f"claim_{kind}", unit="%", in_page=False) for kind in KINDS]
     columns += [Column("compared", "resolved", form="d", group="points"), Column("settled", form="d", group="points")]
     columns.append(Column("points", form="d", in_page=False))
-    table = Table("scatter", columns)
+    table = Table("scatter", columns, points=max((band.points for band in found), default=0))
     for band in found:
         cells: dict[str, float] = {}
         for name, *_ in groups:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from cases.case_file import load_case
 from cases.errors import CaseError
 from cases.recorded import RecordedTable, table_of
-from cases.uncertainty.calibration import calibrate, covariance, smooth_part, untold
+from cases.uncertainty.calibration import calibrate
+from cases.uncertainty.covariance import covariance, smooth_part, untold
 from engines.accurate import run_once
 from engines.registry import engine
 from engines.start import standard_start

@@ -18,7 +18,7 @@ def points(samples: int = 64) -> Points:
     return planned(load_case("thesis-24"), UNCERTAIN, ASKED, samples, "study")
 
 
-def scattered(found: Points, values: np.ndarray) -> Scatter:  # type: ignore[type-arg]
+def scattered(found: Points, values: np.ndarray) -> Scatter:
     errors = np.full((len(values), 1), 0.01)
     return Scatter(
         found.case, found.distributions, ASKED.measures, ("1",), found.inputs, values[:, None], errors, ("settled",) * len(values)
