@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from engines.start import Start
     from engines.start_state import reconstruct
     from engines.trajectory import Trajectory
+    from quickreturn.advice import Advice, advise
     from quickreturn.calibration import calibrate, uncertainty
     from quickreturn.catalogue import case, cases, engines
     from quickreturn.cross_validation import CrossValidation, report, run
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from quickreturn.table_comparison import TableComparison, compare
 
 __all__ = [
+    "Advice",
     "Case",
     "CaseError",
     "Comparison",
@@ -52,6 +54,7 @@ __all__ = [
     "Trajectory",
     "UnknownColumn",
     "UnknownEngine",
+    "advise",
     "calibrate",
     "case",
     "case_at",
@@ -85,6 +88,7 @@ _HOMES: Final = {
     "engines.start_state": ("reconstruct",),
     "engines.trajectory": ("Trajectory",),
     "quickreturn.calibration": ("calibrate", "uncertainty"),
+    "quickreturn.advice": ("Advice", "advise"),
     "quickreturn.catalogue": ("case", "cases", "engines"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
     "quickreturn.difference": ("Differences", "difference"),

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
 COMMANDS: Final = (
-    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "compare", "calibrate", "report", "benchmark", "conform",
-    "plot", "animate",
+    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "compare", "calibrate", "report", "benchmark", "advise",
+    "conform", "plot", "animate",
 )  # fmt: skip
 
 GOOD: Final = 0
@@ -207,6 +207,7 @@ def _with_help(error: click.ClickException) -> str:
 def _told_of(error: Exception) -> int:
     """Print what is wrong and choose the exit code. The classes are imported here, for importing them takes a moment."""
     from cases.errors import CaseError
+    from cases.jobs.job import ExecutorError
     from cases.jobs.store import StoreError
     from engines.base import EngineFailure, Refusal
     from engines.registry import UnknownEngine
@@ -219,7 +220,7 @@ def _told_of(error: Exception) -> int:
     for kind, option in ((UnknownEngine, "--engine"), (SettingError, "--set"), (OutputError, "--output")):
         if isinstance(error, kind):
             return _told(f"{option} {error}", BAD_INPUT)
-    if isinstance(error, (CaseError, Refusal, StoreError, ImpossibleMechanism, UnknownColumn)):
+    if isinstance(error, (CaseError, Refusal, StoreError, ExecutorError, ImpossibleMechanism, UnknownColumn)):
         return _told(str(error), BAD_INPUT)
     if isinstance(error, (EngineFailure, EngineDied)):
         return _told(str(error), ENGINE_TROUBLE)

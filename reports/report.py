@@ -164,6 +164,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
         "confirmation": not studies.confirming,
         "benchmark": any(own[name] is None and name in known for name in SCENES),
         "hard scenes": not matrix.cells,
+        "classes": True,
         "finding": True,
         "unprinted": True,
     }
@@ -172,6 +173,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
         "benchmarks": [table for name in SCENES if (table := own[name] or known.get(name))],
         "compiling": compiling(workshop, ENGINES, compute=False) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
+        "classes": long_studies.class_map(),
         "finding": long_studies.finding(),
         "bands": long_studies.bands(),
         "of_record": {study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},

@@ -10,7 +10,7 @@ import math
 import os
 import platform
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -88,9 +88,9 @@ def benchmark(
         EngineFailure: the solution to measure against cannot be computed.
         Refusal: likewise.
     """
-    points = [_Attempt(method, settings) for method in methods(names, case) for settings in method.ladder]
-    truth = _run(engine(TRUTH[0]), case, _settings(TRUTH, case)).trajectory
-    confirmation = _confirmation(case, truth)
+    points = [Attempt(method, settings) for method in methods(names, case) for settings in method.ladder]
+    truth = truth_of(case)
+    confirmation = confirmation_of(case, truth)
     for method in {point.method.name: point for point in points}.values():
         announce(method.method.engine.name)
         method.warm_up(case)
@@ -117,7 +117,7 @@ def benchmark(
 
 
 def _with_estimates(
-    case: Case, attempts: Sequence["_Attempt"], points: Sequence[Point], announce: Callable[[str], None]
+    case: Case, attempts: Sequence["Attempt"], points: Sequence[Point], announce: Callable[[str], None]
 ) -> tuple[Point, ...]:
     """The points; those that are a method's fastest to an error at which methods are compared with the time that their estimate takes."""
     chosen = {id(point) for level in LEVELS for point, _ in fastest_at(points, level).values()}
@@ -167,7 +167,13 @@ def _run(chosen: AnyEngine, case: Case, settings: Settings) -> Made:
     return run_once(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, settings)
 
 
-def _confirmation(case: Case, truth: Trajectory) -> Confirmation:
+def truth_of(case: Case) -> Trajectory:
+    """The solution that errors are measured against. Raises EngineFailure or Refusal where it cannot be computed."""
+    return _run(engine(TRUTH[0]), case, _settings(TRUTH, case)).trajectory
+
+
+def confirmation_of(case: Case, truth: Trajectory) -> Confirmation:
+    """How far another solution of the same scene is from `truth`, or why there is none."""
     name, choices = CONFIRMING
     found = Confirmation(name, {}, failure="no settings")
     for texts in choices:
@@ -187,8 +193,18 @@ def _errors(trajectory: Trajectory, truth: Trajectory) -> dict[str, float | None
     return {column: error if math.isfinite(error) else None for column, error in errors.items()}
 
 
-class _Attempt:
-    """One method with one set of settings."""
+def seconds_of(runs: Iterable[Made]) -> float:
+    """What setting up and solving some runs takes, s; parts that were kept from an earlier run count as often as they are used."""
+    return sum(made.simulation.setup_seconds + made.trajectory.solve_seconds for made in runs)
+
+
+class Attempt:
+    """A method with one set of settings: its repeated runs of a case, and what was measured of them.
+
+    Attributes:
+        status: "" before the first run, `COMPLETED`, or why there is no result.
+        times: solve times of its runs, s.
+    """
 
     def __init__(self, method: Method, settings: Settings) -> None:
         self.method, self.settings, self.status = method, settings, ""
@@ -228,10 +244,10 @@ class _Attempt:
             return None
         if found.error_estimate is None:
             return None
-        others = [made for settings, made in found.runs.items() if settings != found.settings]
-        return sum(made.simulation.setup_seconds + made.trajectory.solve_seconds for made in others)
+        return seconds_of(made for settings, made in found.runs.items() if settings != found.settings)
 
     def told(self, case: Case, truth: Trajectory) -> Point:
+        """What was measured, with the errors against `truth`."""
         return Point(
             method=self.method.name,
             engine=self.method.engine.name,

@@ -19,8 +19,8 @@ from cases.conformance.repetition import NOT_TRIED, Elsewhere, elsewhere, repeti
 from cases.conformance.resolution import resolution
 from cases.jobs.display import watched
 from cases.jobs.here import ThisProcess
+from cases.jobs.isolation import STOPPED
 from cases.jobs.job import Executor, Job, Limits, Outcome
-from cases.jobs.processes import STOPPED
 from engines.base import AnyEngine, EngineFailure, Refusal
 from engines.registry import UnknownEngine
 

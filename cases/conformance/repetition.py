@@ -15,8 +15,9 @@ from cases.conformance.bench import TELLING, Bench, Motion, columns_of, found_en
 from cases.conformance.checks import LEFT_OUT, Array, Check, Fault, Unjudged, looked_at
 from cases.explanation import Hypothesis, explain
 from cases.jobs.display import answers
+from cases.jobs.isolation import STOPPED
 from cases.jobs.job import Job, Limits, default_limits
-from cases.jobs.processes import STOPPED, LocalProcesses
+from cases.jobs.processes import LocalProcesses
 from engines.base import AnyEngine, EngineFailure
 from engines.relative import rms
 from reference_model.mechanism import Mechanism, changed

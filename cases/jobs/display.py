@@ -36,7 +36,7 @@ def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator
         yield from executor.run(jobs)
         return
     _say_what_is_forgotten()
-    tally = Tally(len(jobs), executor.at_once)
+    tally = Tally(sum(job.points for job in jobs), executor.at_once)
     shown = _in_place if sys.stderr.isatty() else _in_lines
     with shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
         for outcome in running:
@@ -56,11 +56,12 @@ class Tally:
     """How many of the jobs are done, what is at work, and how long the rest will take."""
 
     def __init__(self, total: int, at_once: int) -> None:
-        """`total`: number of jobs; `at_once`: how many are computed at a time."""
+        """`total`: points of all jobs; `at_once`: how many jobs are computed at a time."""
         self.total, self.done, self._at_once = total, 0, at_once
         self._began = time.monotonic()
         self._at_work: dict[int, tuple[Job[Any], Progress | None, float]] = {}
-        self._seconds: list[float] = []
+        self._seconds = 0.0  # that the ended jobs took
+        self._rows = False  # whether a job has several points
         self._lock = threading.Lock()
 
     def watch(self, job: Job[Any], progress: "Progress | None") -> None:
@@ -73,8 +74,9 @@ class Tally:
         """A job has ended, well or not."""
         with self._lock:
             self._at_work.pop(id(outcome.job), None)
-            self.done += 1
-            self._seconds.append(outcome.seconds)
+            self.done += outcome.job.points
+            self._seconds += outcome.seconds
+            self._rows |= outcome.job.points > 1
 
     @property
     def elapsed(self) -> str:
@@ -85,11 +87,12 @@ class Tally:
     def left(self) -> float | None:
         """How long the rest will take, s, if it takes on average what took so far; None before there is a result."""
         with self._lock:
-            if not self._seconds:
+            if not self.done:
                 return None
-            mean, now = sum(self._seconds) / len(self._seconds), time.monotonic()
-            begun = sum(max(0.0, mean - (now - began)) for _, _, began in self._at_work.values())
-            return (begun + mean * (self.total - self.done - len(self._at_work))) / self._at_once
+            mean, now = self._seconds / self.done, time.monotonic()
+            begun = sum(max(0.0, mean * job.points - (now - began)) for job, _, began in self._at_work.values())
+            ahead = self.total - self.done - sum(job.points for job, _, _ in self._at_work.values())
+            return (begun + mean * ahead) / self._at_once
 
     def at_work(self) -> list[str]:
         """A line for each job that is being computed."""
@@ -99,7 +102,8 @@ class Tally:
     def __str__(self) -> str:
         left = self.left
         ahead = f", about {span(left)} left" if left and left >= 0.5 else ""
-        return f"{self.done} of {self.total} done{ahead}"
+        rate = f", {self.done / (time.monotonic() - self._began):.3g} a second" if self._rows else ""
+        return f"{self.done} of {self.total} done{rate}{ahead}"
 
 
 def _line(job: Job[Any], progress: "Progress | None") -> str:

@@ -40,6 +40,9 @@ class Job(Generic[T]):
         code: packages and modules that it depends on besides those of a simulation (`cases.jobs.key.SIMULATION`).
         inputs: what determines the result besides engines and code; None: the arguments.
         limits: None: those of the executor.
+        brief: whether it is one of many short ones, whose processes would take longer to get ready than they compute. A process may do
+            several of them one after the other. What crashes or hangs there costs its own job and the process.
+        points: how much of the whole it is, for the person who waits.
     """
 
     name: str
@@ -50,6 +53,8 @@ class Job(Generic[T]):
     code: tuple[str, ...] = ()
     inputs: Any = None
     limits: Limits | None = None
+    brief: bool = False
+    points: int = 1
 
 
 @dataclass(frozen=True)
@@ -94,6 +99,10 @@ class Outcome(Generic[T]):
 Watch = Callable[[Job[Any], "Progress | None"], None]
 
 
+class ExecutorError(Exception):
+    """Jobs cannot be computed where they were sent; the text is one sentence."""
+
+
 class Executor(Protocol):
     """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other.
 
@@ -103,9 +112,14 @@ class Executor(Protocol):
         limits: of a job that has none of its own.
     """
 
-    quiet: bool
-    at_once: int
-    limits: Limits
+    @property
+    def quiet(self) -> bool: ...  # noqa: D102
+
+    @property
+    def at_once(self) -> int: ...  # noqa: D102
+
+    @property
+    def limits(self) -> Limits: ...  # noqa: D102
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """Outcomes as jobs end, in whatever order that is; closing the generator ends those that are at work.
@@ -116,4 +130,5 @@ class Executor(Protocol):
 
         Raises:
             KeyboardInterrupt: Ctrl-C; nothing is left running.
+            ExecutorError: the machines that compute them are lost, or would compute something else than this one.
         """

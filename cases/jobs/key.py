@@ -39,7 +39,7 @@ def key_of(job: Job[Any]) -> str:
             "kind": job.kind,
             "function": f"{job.function.__module__}.{job.function.__qualname__}",
             "inputs": job.arguments if job.inputs is None else job.inputs,
-            "engines": [_version_of(name) for name in job.engines],
+            "engines": [version_of(name) for name in job.engines],
             "code": code_fingerprint((*SIMULATION, _RECORDS, *job.code)),
         }
     )
@@ -56,7 +56,7 @@ def hash_of(content: Any) -> str:
     return hashlib.sha256(text.encode("ascii")).hexdigest()
 
 
-def _version_of(name: str) -> list[str]:
+def version_of(name: str) -> list[str]:
     """Of an engine: name, library, and the code where that is from elsewhere."""
     chosen = engine(name)
     if chosen.unavailable():
@@ -77,8 +77,14 @@ def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | No
     if engine is not None:
         digest.update(_file_hash(inspect.getsourcefile(type(engine)) or "").encode())
     for library in LIBRARIES:
-        digest.update(f"{library} {metadata.version(library)}\n".encode())
+        digest.update(f"{library} {library_version(library)}\n".encode())
     return digest.hexdigest()
+
+
+@cache
+def library_version(library: str) -> str:
+    """Of a library that is installed."""
+    return metadata.version(library)
 
 
 @cache

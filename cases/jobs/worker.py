@@ -1,4 +1,4 @@
-"""The child's side of a job: everything that happens in the worker process. See `cases.jobs.processes` for the runner's side."""
+"""The child's side of jobs: everything that happens in the worker process. See `cases.jobs.isolation` for the runner's side."""
 
 import contextlib
 import fcntl
@@ -18,36 +18,38 @@ from engines.progress import listen
 ORPHANED: Final = 70
 
 
-def serve(work: bytes, memory: int | None, watched: bool, lifeline: Connection, output: Connection, answer: Connection) -> None:
-    """Do one job and leave; never returns.
+def serve(lifeline: Connection, orders: Connection, output: Connection, answer: Connection) -> None:
+    """Do one job after the other, and leave when no more can come; never returns.
 
     Args:
-        work: pickled (function, arguments). It is opened here and not before, so that an import that fails is a failure of the job.
-        memory: bytes of address space that the job may take on top of what the process has now, or None.
-        watched: whether somebody wants to know how far it is.
         lifeline: nothing is ever sent; its other end closes when the runner ends, in whatever way.
-        output: takes standard output and standard error, of Python and of C libraries.
-        answer: gets pickled ("progress", how far it is), if watched, and last ("value", value) or ("error", exception or None, one-line
-            description).
+        orders: delivers pickled (work, memory, watched): the pickled (function, arguments), which are opened as a part of the job, so that
+            an import that fails is a failure of the job; how many bytes of address space the job may take on top of what the process has
+            when it begins, or None; and whether somebody wants to know how far it is.
+        output: takes standard output and standard error, of Python and of C libraries; all of a job's is there before its answer is.
+        answer: gets for each job pickled ("progress", how far it is), if watched, and last ("value", value) or ("error", exception or
+            None, one-line description).
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the runner's; it ends its workers
     _die_with_the_runner(lifeline.fileno())
     _be_first_to_go()
     os.dup2(output.fileno(), 1)
     os.dup2(output.fileno(), 2)
-    if memory is not None:
-        _limit_memory(memory)
 
     def send(message: bytes) -> None:
         with contextlib.suppress(OSError):  # the runner is gone: nobody to tell
             answer.send_bytes(message)
 
-    if watched:
-        listen(lambda progress: send(pickle.dumps(("progress", progress))))
-    send(_done(work))
-    for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(Exception):
-            stream.flush()
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            work, memory, watched = pickle.loads(orders.recv_bytes())
+            listen((lambda progress: send(pickle.dumps(("progress", progress)))) if watched else None)
+            _limit_memory(memory)
+            done = _done(work)
+            for stream in (sys.stdout, sys.stderr):
+                with contextlib.suppress(Exception):
+                    stream.flush()
+            send(done)
     os._exit(0)  # no exit handlers: a library that crashes or hangs on its way out must not spoil a finished result
 
 
@@ -56,7 +58,7 @@ def _done(work: bytes) -> bytes:
         function, arguments = pickle.loads(work)
         return pickle.dumps(("value", function(*arguments)))
     except BaseException as error:
-        _lift_memory_limit()  # telling of it takes memory, too
+        _limit_memory(None)  # telling of it takes memory, too
         traceback.print_exc()
         lines = str(error).splitlines()
         description = f"{type(error).__name__}: {lines[0]}" if lines else type(error).__name__
@@ -87,15 +89,13 @@ def _be_first_to_go() -> None:
         file.write("500")
 
 
-def _limit_memory(memory: int) -> None:
-    present = 0  # where the system has no such file the limit counts what the process has already
-    with contextlib.suppress(OSError), open("/proc/self/statm", encoding="ascii") as file:
-        present = int(file.read().split()[0]) * resource.getpagesize()
+def _limit_memory(memory: int | None) -> None:
+    """Limit the address space to what the process has now and `memory` (bytes) on top; None: to what the system allows."""
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    limit = present + memory
-    resource.setrlimit(resource.RLIMIT_AS, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard))
-
-
-def _lift_memory_limit() -> None:
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+    limit = hard
+    if memory is not None:
+        present = 0  # where the system has no such file the limit counts what the process has already
+        with contextlib.suppress(OSError), open("/proc/self/statm", encoding="ascii") as file:
+            present = int(file.read().split()[0]) * resource.getpagesize()
+        limit = present + memory if hard == resource.RLIM_INFINITY else min(present + memory, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))

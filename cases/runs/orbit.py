@@ -5,6 +5,7 @@ where the standard start needs 20 to 29. It also says beforehand whether marchin
 after a cycle is the largest Floquet multiplier.
 """
 
+import contextlib
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -18,16 +19,27 @@ from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
 from engines import progress
-from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
-from engines.own.reference import ReferenceEngine
+from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.own.simulation import OwnSimulation
 from engines.start import Start, standard_start
-from reference_model.mechanism import Mechanism
+from reference_model.mechanism import Mechanism, TorqueDrive, changed
 
 Array = NDArray[np.float64]
 
 #: What an engine errs by in a few cycles where it has no estimate.
 UNKNOWN_ERROR: Final = 1e-2
+
+
+#: Turns after which a search that failed is made once more.
+PATIENT: Final = 50
+#: Part of the speed by which the ways to another motion begin off the machine's own, and their steps: the folds of run 24's machine are
+#: 1 to 3 % wide.
+NEAR: Final = 0.05
+STEPS: Final = 5
+#: Part by which the largest tip accelerations of two motions differ; one motion is found again to 1e-3. Rows from which they are taken.
+APART: Final = 0.02
+ROWS: Final = 1000
 
 
 @dataclass(frozen=True)
@@ -131,6 +143,60 @@ def find_orbit(mechanism: Mechanism) -> Orbit:
         return Orbit(None, multiplier, "the periodic state is not stable")
     assert isinstance(found.simulation, OwnSimulation)
     return Orbit(PeriodicStart.of(found.simulation.present_start()), multiplier, period=found.period)
+
+
+def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimulation | None) -> SteadyState | None:
+    """The periodic state that `reference` finds from a neighbour's, else from the standard start; None where it searches none.
+
+    Raises:
+        NoSteadyState: it found none.
+    """
+    reference, start = ReferenceEngine(), standard_start(scene)
+    for begun in dict.fromkeys((near, None)):
+        with contextlib.suppress(NoSteadyState):
+            return reference.steady_state(scene, start, settings, begun)
+    return reference.steady_state(scene, start, settings, near, PATIENT)
+
+
+def simulation_in(found: SteadyState) -> OwnSimulation:
+    """A simulation of `reference` in a periodic state, beside the one that has it, so that none goes away from it."""
+    simulation = found.simulation
+    assert isinstance(simulation, OwnSimulation)
+    return OwnSimulation(simulation.model, simulation.state, simulation.tolerance, simulation.setup_seconds)
+
+
+def other_motion(scene: Mechanism, found: SteadyState, settings: ReferenceSettings) -> str:
+    """Whether the machine has another stable motion (a sentence), coming from slower or from faster ones; "" if none was found.
+
+    A motion that is reached on both ways, and from the standard start, may still have another one far away.
+    """
+    for way, whence in (("slower", 1.0 - NEAR), ("faster", 1.0 + NEAR)):
+        other: SteadyState | None = None
+        with contextlib.suppress(NoSteadyState, EngineFailure):
+            for speed in np.linspace(whence, 1.0, STEPS + 1):
+                other = periodic_state(_at_speed(scene, float(speed)), settings, None if other is None else simulation_in(other))
+            assert other is not None
+            peak, own_one = (_peak(each) for each in (other, found))
+            if other.stable and abs(peak - own_one) > APART * max(peak, own_one):
+                return (
+                    f"not the only stable motion: coming from {way} turning the machine settles on one whose tip acceleration peaks at"
+                    f" {peak:.4g} m/s^2 instead of {own_one:.4g}"
+                )
+    return ""
+
+
+def _at_speed(scene: Mechanism, part: float) -> Mechanism:
+    """The scene with a part of its speed, or of the torque and the speed at the start."""
+    drive = scene.crank.drive
+    if isinstance(drive, TorqueDrive):
+        values = {"crank.drive.torque": part * drive.torque, "crank.drive.initial_speed": part * drive.initial_speed}
+        return changed(scene, values)
+    return changed(scene, {"crank.drive.speed": part * drive.speed})
+
+
+def _peak(found: SteadyState) -> float:
+    """Largest tip acceleration in a turn, m/s^2."""
+    return float(np.abs(simulation_in(found).advance(found.period, found.period / ROWS)["tip_acceleration"]).max())
 
 
 def orbits(mechanisms: Iterable[Mechanism], workshop: Workshop) -> list[Orbit]:

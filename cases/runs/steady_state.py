@@ -27,7 +27,7 @@ import numpy as np
 from cases.measures import CHANNELS, Cycle, mean_measures, measure_cycle, time_scale
 from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from cases.runs.marching import Columns, March, columns_of, output_step, settle, whole_cycles
-from cases.runs.orbit import UNKNOWN_ERROR, Orbit
+from cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion
 from cases.runs.request import (
     DIRECT,
     ESTIMATED_CYCLES,
@@ -45,6 +45,7 @@ from cases.runs.request import (
 from engines import progress
 from engines.accurate import Compared, Made, check_trajectory, compared, same_motion, simulate
 from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
+from engines.own.reference import ReferenceSettings
 from engines.registry import engine as engine_of_name
 from engines.settings import SettingError, Settings, as_texts
 from engines.trajectory import Trajectory
@@ -307,6 +308,8 @@ class _Way:
         self.know(periodic_orbit=orbit)
         if not found.stable:
             raise Hopeless(Orbit(None, abs(found.multipliers[0])).hopeless(0.0))
+        if isinstance(self._settings, ReferenceSettings) and (other := other_motion(self._mechanism, found, self._settings)):
+            self.say(other)
         cycle, piece = self._one_cycle(found)
         self.know(
             start=DIRECT,

@@ -18,7 +18,7 @@ from cases.reading import case_of
 from cases.runs.request import CODE as CODE_OF_RUNS
 from cases.sweep.rows import OPEN, REFUSED, Asked, Impossible, Row, row
 from cases.units import QuantityError, parse_quantity
-from engines.registry import engine_names
+from engines.registry import engine, engine_names
 from reference_model.mechanism import ImpossibleMechanism, Mechanism
 
 #: The axis of engines.
@@ -209,4 +209,6 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[R
     first = ", ".join(f"{key} = {text}" for key, text in changed[0].items())
     inputs = (case.scene, [list(each.items()) for each in changed], asked)
     arguments = (case, changed, asked)
-    return Job(f"{asked.engine}, {len(changed)} points from {first}", measured_row, arguments, "row of a study", engines, CODE, inputs)
+    name = f"{asked.engine}, {len(changed)} points from {first}"
+    own = type(engine(asked.engine)).__module__.startswith("engines.own.")  # a library that is foreign gets a process of its own
+    return Job(name, measured_row, arguments, "row of a study", engines, CODE, inputs, points=len(changed), brief=own)

@@ -182,7 +182,9 @@ def _of_column(name: str, unit: str) -> Iterator[Measure]:
 
 
 def _of_half(half: str) -> Iterator[Measure]:
-    yield Measure(f"{half}.frequency", "Hz", f"of the first mode, {half}-return, over all channels", _consensus(half), CHANNELS, True)
+    yield Measure(
+        f"{half}.frequency", "Hz", f"frequency of the first mode, {half}-return, over all channels", _consensus(half), CHANNELS, True
+    )
     for channel in CHANNELS:
         where = f"of the first mode, {half}-return, in {channel}"
         frequency, amplitude = (_vibration(half, channel, f"first_mode_{quantity}") for quantity in ("frequency", "amplitude"))
@@ -205,7 +207,9 @@ def _declared() -> Iterator[Measure]:
     for name, where in (("pivot_force", "P"), ("crank_force", "O")):
         yield Measure(f"peak.{name}", "N", f"largest force of the bearing {where}", _peak(name), (f"{name}_x", f"{name}_y"))
     yield Measure("peak.stress", "Pa", "largest bending stress along the arm", _of_stress("largest"), tuple(COLUMNS))
-    yield Measure("amplitude.stress", "Pa", "half the range of that, where it is largest", _of_stress("amplitude"), tuple(COLUMNS))
+    yield Measure(
+        "amplitude.stress", "Pa", "half the range of the stress in a turn, where that is largest", _of_stress("amplitude"), tuple(COLUMNS)
+    )
     for half in HALVES:
         yield from _of_half(half)
     yield Measure(

@@ -5,7 +5,6 @@ finds depends on the way: hence a row is computed as a whole, and is stored unde
 state is not found directly, take the road of `run` from the periodic state that `reference` found.
 """
 
-import contextlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from cases.measures import CHANNELS, measure_cycle, time_scale
 from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from cases.runs.marching import Columns, output_step
-from cases.runs.orbit import Orbit, PeriodicStart
+from cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in
 from cases.runs.request import FAILED, NOT_SETTLED, SETTLED, PeriodicOrbit, Run, RunRequest
 from cases.runs.request import INACCURATE as MISSED
 from cases.runs.request import REFUSED as ENGINE_REFUSED
@@ -26,10 +25,9 @@ from cases.sweep.measures import Motion, measure
 from engines import progress
 from engines.accurate import Compared
 from engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
-from engines.own.reference import MARCHED, ReferenceEngine, ReferenceSettings
+from engines.own.reference import ReferenceEngine, ReferenceSettings
 from engines.own.simulation import OwnSimulation
 from engines.registry import engine as engine_of_name
-from engines.start import standard_start
 from reference_model.mechanism import Mechanism
 from reference_model.periodic import instability
 
@@ -41,8 +39,6 @@ LEFT: Final = "slider left"
 OPEN: Final = "loop cannot close"
 REFUSED: Final = "refused"
 NOT_CONVERGED: Final = "not converged"
-#: Turns after which a search that failed is made once more.
-PATIENT: Final = 50
 #: Endings of a run -> of a point.
 _ENDINGS: Final = {SETTLED: SETTLED, MISSED: NOT_CONVERGED, NOT_SETTLED: NOT_CONVERGED, FAILED: FAILED, ENGINE_REFUSED: REFUSED}
 
@@ -148,7 +144,7 @@ class _Point:
         except EngineFailure as failure:
             self.status, self.sentence = _ending(str(failure), FAILED), str(failure)
         else:
-            return near if found is None else _simulation(found)
+            return near if found is None else simulation_in(found)
         return near
 
     def _settings(self) -> ReferenceSettings:
@@ -174,7 +170,7 @@ class _Point:
             pair = ReferenceEngine().comparisons(settings, self._scene, step)[0]
             try:
                 assert isinstance(pair.other, ReferenceSettings)
-                other = periodic_state(self._scene, pair.other, _simulation(found))
+                other = periodic_state(self._scene, pair.other, simulation_in(found))
                 assert other is not None
                 beside, finer = [Compared(cycle, _turn(other, step), pair.factor)], (_orbit(other), pair.factor)
             except NoSteadyState as reason:
@@ -212,7 +208,7 @@ class _Point:
         """The road of `run`, from the periodic state of `reference` where there is one."""
         orbit, asked = None, self._asked
         if found is not None:
-            begin = PeriodicStart.of(_simulation(found).present_start()) if found.stable else None
+            begin = PeriodicStart.of(simulation_in(found).present_start()) if found.stable else None
             orbit = Orbit(begin, abs(found.multipliers[0]), "" if found.stable else "the periodic state is not stable", found.period)
         run = steady_state(
             RunRequest(
@@ -232,30 +228,10 @@ class _Point:
             self.motion = Motion(self._scene, run)
 
 
-def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimulation | None) -> SteadyState | None:
-    """The periodic state that `reference` finds from a neighbour's, else from the standard start; None where it searches none.
-
-    Raises:
-        NoSteadyState: it found none.
-    """
-    reference, start = ReferenceEngine(), standard_start(scene)
-    for begun, turns in ((near, MARCHED), (None, MARCHED)) if near is not None else ((None, MARCHED),):
-        with contextlib.suppress(NoSteadyState):
-            return reference.steady_state(scene, start, settings, begun, turns)
-    return reference.steady_state(scene, start, settings, near, PATIENT)
-
-
 def _turn(found: SteadyState, step: float) -> Columns:
     """A turn of a periodic state, recorded at about this step (s): from the slider's farthest place to just there."""
     rows = math.ceil(found.period / step)
-    return dict(_simulation(found).advance(found.period, found.period / rows).columns)
-
-
-def _simulation(found: SteadyState) -> OwnSimulation:
-    """Another simulation in the periodic state, so that none goes away from it."""
-    simulation = found.simulation
-    assert isinstance(simulation, OwnSimulation)
-    return OwnSimulation(simulation.model, simulation.state, simulation.tolerance, simulation.setup_seconds)
+    return dict(simulation_in(found).advance(found.period, found.period / rows).columns)
 
 
 def _orbit(found: SteadyState) -> PeriodicOrbit:

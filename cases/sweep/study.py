@@ -72,7 +72,7 @@ def study(grid: Grid, asked: Asked, workshop: Workshop, path: Path = "up") -> St
     begun = [(way, place) for way in ways for place in grid.rows()]
     asked_of = [replace(asked, engine=grid.engine_at(place, asked.engine)) for _, place in begun]
     rows = [_Row(grid, way, place, one) for (way, place), one in zip(begun, asked_of, strict=True)]
-    outcomes = workshop.outcomes([each.job for each in rows], "rows")
+    outcomes = workshop.outcomes([each.job for each in rows], "points")
     found = [each.result(outcome, workshop) for each, outcome in zip(rows, outcomes, strict=True)]
     return _together(grid, asked, ways, begun, found)
 

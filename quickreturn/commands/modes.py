@@ -50,8 +50,8 @@ def command(
     With several engines, cases or angles the JSON document is a list. Exit code 3: an engine failed, or what it returned are no natural
     frequencies; nothing is printed then.
     """
+    from cases.jobs.fork_server import get_ready
     from cases.jobs.job import Job
-    from cases.jobs.processes import get_ready
     from engines.base import EngineFailure
     from quickreturn import questions
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD

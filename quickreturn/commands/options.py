@@ -253,8 +253,14 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
     from cases.jobs.store import Store
     from cases.jobs.workshop import Workshop
 
-    meta = click.get_current_context().meta
-    workshop = Workshop(Store(tell=tell), LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
+    context = click.get_current_context()
+    meta, store = context.meta, Store(tell=tell)
+    if address := meta.get("--cluster"):
+        from cases.jobs.cluster import cluster
+
+        workshop = Workshop(store, context.with_resource(cluster(address, limits(), quiet())))
+    else:
+        workshop = Workshop(store, LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
     meta[WORKSHOP] = workshop
     tell_doubts(cases)
     if cases:
@@ -302,6 +308,8 @@ def limited(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
-    """These, and how many processes there may be at a time."""
-    told = "Processes at a time; default: one per core."
-    return single("--jobs", metavar="N", read=number(1, 1000, 2, whole=True), expose_value=False, help=told)(limited(command))
+    """These, and where it is computed, and in how many processes at a time."""
+    told = "Compute on a cluster of Dask, whose scheduler has this address, e.g. tcp://host:8786."
+    command = single("--cluster", metavar="ADDRESS", expose_value=False, help=told)(limited(command))
+    told = "Processes at a time on this machine; default: one per core."
+    return single("--jobs", metavar="N", read=number(1, 1000, 2, whole=True), expose_value=False, help=told)(command)

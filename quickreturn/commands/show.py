@@ -26,7 +26,7 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
 
     With several cases the JSON document is a list.
     """
-    from cases.jobs.processes import get_ready
+    from cases.jobs.fork_server import get_ready
     from quickreturn.questions import TELLING
     from reports.output import print_json
 

@@ -80,7 +80,7 @@ def command(
     none. The accuracy of `thesis` is that of the integration of its own equations. With several engines or cases the JSON document is a
     list.
     """
-    from cases.jobs.processes import get_ready
+    from cases.jobs.fork_server import get_ready
     from quickreturn import questions
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from reports.output import check_writable, print_json

@@ -21,10 +21,14 @@ class _WithMeasures(click.Command):
 
         of_columns = {f"{kind}.{name}" for kind in ("peak", "min", "max", "rms") for name in COLUMNS}
         rows = [
-            (f"{kind}.COLUMN", f"{meaning} of a column of the trajectory in a turn")
-            for kind, meaning in (("peak", "largest magnitude"), ("min", "least value"), ("max", "greatest value"), ("rms", "RMS"))
+            (f"{kind}.COLUMN", f"{meaning} of a column of the trajectory in a turn.")
+            for kind, meaning in (("peak", "Largest magnitude"), ("min", "Least value"), ("max", "Greatest value"), ("rms", "RMS"))
         ]
-        rows += [(each.name, f"{each.meaning} [{each.unit}]") for each in MEASURES.values() if each.name not in of_columns]
+        rows += [
+            (each.name, f"{each.meaning[0].upper()}{each.meaning[1:]} [{each.unit}].")
+            for each in MEASURES.values()
+            if each.name not in of_columns
+        ]
         with formatter.section("Measures"):
             formatter.write_dl(rows)
 
@@ -32,7 +36,12 @@ class _WithMeasures(click.Command):
 @click.command(name="sweep", cls=_WithMeasures)
 @options.case
 @click.option(
-    "--vary", "axes", metavar="AXIS", multiple=True, required=True, help="KEY = a .. b : n, log a .. b : n, or a; b; c; again for more."
+    "--vary",
+    "axes",
+    metavar="AXIS",
+    multiple=True,
+    required=True,
+    help="What varies: KEY = a .. b : n, log a .. b : n, or a; b; c. May be given again.",
 )
 @click.option(
     "--measure", "measures", metavar="NAME", multiple=True, help="What to measure; default: peak.tip_acceleration and multiplier."
@@ -42,7 +51,7 @@ class _WithMeasures(click.Command):
 @options.assignments
 @options.single("--path", metavar="WAY", default="up", help="Way through each row: up (default), down or both.")
 @click.option("--claims/--no-claims", default=True, help="Estimate the error of every number (default), or save half of the time.")
-@options.output(".nc, .csv or .parquet: what came of every point.")
+@options.output("What came of every point: a .nc, .csv or .parquet file.")
 @options.of_workshop
 @options.json
 def command(

@@ -1,7 +1,7 @@
 """Results of the long studies as small tables beside this file, which the page shows where the user's own are missing.
 
-A row is a dataclass: fields of fields have names with a dot, mappings are JSON, numbers have six digits. `python -m reports.long_studies`
-writes them; `about.csv` says of each study when, with which versions and with which code it was made.
+A row is a dataclass: fields of fields and numbers of mappings have names with a dot, other mappings are JSON, numbers have five digits.
+`python -m reports.long_studies` writes them; `about.csv` says of each study when, with which versions and with which code it was made.
 """
 
 import csv
@@ -20,6 +20,9 @@ import pandas as pd
 from cases.benchmark import Benchmark, Compiling
 from cases.benchmark.findings import Point
 from cases.case import Case
+from cases.classes import study as classes
+from cases.classes.map import Map
+from cases.classes.measurement import Reach
 from cases.conformance import Conformance
 from cases.finding import study as finding_study
 from cases.jobs.key import SIMULATION, code_fingerprint
@@ -42,9 +45,12 @@ CODE: Final[Mapping[str, tuple[str, ...]]] = {
     "conformance": (*SIMULATION, "cases.conformance"),
     "finding": (*SIMULATION, "cases.finding", "cases.measures", "cases.runs"),
     "unprinted": (*SIMULATION, "cases.uncertainty", "cases.sweep", "cases.measures", "cases.runs"),
+    "classes": (*SIMULATION, *classes.CODE),
 }
 #: Significant digits of recorded numbers.
-DIGITS: Final = 6
+DIGITS: Final = 5
+#: Mappings that have a column for each key; a number that is not there is left out of the first, and None in the second.
+_NUMBERS: Final = (dict[str, float], dict[str, float | None])
 
 
 @dataclass(frozen=True)
@@ -149,6 +155,11 @@ def bands() -> list[Band]:
     return table("unprinted", Band)
 
 
+def class_map() -> Map:
+    """What each method takes in each class; empty if it was not recorded."""
+    return Map(tuple(table("classes_scenes", classes.Scene)), tuple(table("classes", Reach)))
+
+
 def matrix(cases: Iterable[Case]) -> Matrix | None:
     """The hard scenes; None if they were not recorded."""
     cells = {(cell.scene, cell.engine): cell for cell in table("hard_scenes", Judged)}
@@ -176,11 +187,13 @@ def text_of(rows: Iterable[Any]) -> str:
 
 
 def _flat(item: Any, prefix: str = "") -> dict[str, str]:
-    row: dict[str, str] = {}
+    hints, row = get_type_hints(type(item)), dict[str, str]()
     for field in dataclasses.fields(item):
         value, name = getattr(item, field.name), prefix + field.name
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             row |= _flat(value, f"{name}.")
+        elif hints[field.name] in _NUMBERS:
+            row |= {f"{name}.{key}": json.dumps(_short(number)) for key, number in value.items() if number is not None}
         elif value is not None:
             row[name] = value if isinstance(value, str) else json.dumps(_short(encoded(value).document), separators=(",", ":"))
     return row
@@ -203,6 +216,10 @@ def _whole(kind: Any, row: Mapping[str, str], prefix: str = "") -> Any:
         if dataclasses.is_dataclass(inner):
             there = any(text and head.startswith(f"{name}.") for head, text in row.items())
             values[field.name] = _whole(inner, row, f"{name}.") if there else None
+        elif hint in _NUMBERS:
+            cells = {key.removeprefix(f"{name}."): text for key, text in row.items() if key.startswith(f"{name}.")}
+            found = {key: float(text) if text else None for key, text in cells.items()}
+            values[field.name] = {key: number for key, number in found.items() if number is not None or hint is _NUMBERS[1]}
         elif row.get(name):
             values[field.name] = row[name] if inner is str else decoded(hint, Record(json.loads(row[name])))
         elif name in row or (field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING):

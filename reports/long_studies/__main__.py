@@ -1,15 +1,19 @@
-"""Write the tables: `python -m reports.long_studies`; what is not stored is computed, which takes hours; `--stored` takes what is."""
+"""Write the tables: `python -m reports.long_studies`; what is not stored is computed, which takes hours; `--stored` takes what is.
+
+Names of studies, as in `CODE`, choose among them: `python -m reports.long_studies classes`.
+"""
 
 import dataclasses
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from cases import conformance
 from cases.benchmark import SCENES, Benchmark, compiling, measure, stored
 from cases.benchmark.scenes import ENGINES
 from cases.case_file import load_case
+from cases.classes import study as classes
 from cases.finding import study as finding
 from cases.jobs.job import Outcome
 from cases.jobs.key import LIBRARIES, code_fingerprint
@@ -29,45 +33,67 @@ STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_ga
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write all tables; exit code 2 for an option that is none."""
-    if set(arguments) - {"--stored"}:
-        print(f"python -m reports.long_studies: {' '.join(arguments)}: accepted: --stored", file=sys.stderr)
+    """Write the tables of all studies, or of those that are named; exit code 2 for an argument that is none."""
+    names = [each for each in arguments if each != "--stored"]
+    if unknown := sorted(set(names) - set(CODE)):
+        print(f"python -m reports.long_studies: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
         return 2
-    workshop, compute = Workshop(Store()), not arguments
-    cases = [load_case(name) for name in SCENES]
-    found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if compute else None)) is not None]
-    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=compute)
-    confirmed = confirming(workshop, compute=compute)
-    if found:
-        _write_benchmarks(found)
-        _write("compiling", compiling(workshop, ENGINES, compute=compute))
-    if matrix.cells:
-        _write_matrix(matrix)
-    conforming = [row for name in ENGINES if (row := _conformance(name, workshop, compute=compute)) is not None]
-    effects = finding.study(workshop, compute=compute)
-    scattered = bands(workshop, compute=compute)
-    _write("conformance", conforming)
-    _write("finding", effects)
-    _write("unprinted", scattered)
-    _write("confirmation", confirmed)
-    made = {"benchmark": found, "hard scenes": matrix.cells, "confirmation": confirmed, "conformance": conforming, "finding": effects}
-    made["unprinted"] = scattered
-    _write("about", [each for study in CODE if (each := _made(study) if made[study] else about(study))])
-    benchmarks, cells = f"{len(found)} of {len(cases)} scenes of the benchmark", f"{len(matrix.cells)} cells of the hard scenes"
-    others = f"conformance of {len(conforming)} engines, {len(effects)} rows on the thesis' finding, bands of {len(scattered)} runs"
-    print(f"{benchmarks}, {cells}, {len(confirmed)} confirming solutions, {others}")
+    workshop, told = Workshop(Store()), list[str]()
+    for study in names or CODE:
+        if found := _RECORDERS[study](workshop, "--stored" not in arguments):
+            told.append(found)
+            _write("about", [_made(each) if each == study else made for each in CODE if (made := about(each)) or each == study])
+            about.cache_clear()
+    print(", ".join(told) or "nothing is stored")
     return 0
 
 
-def _conformance(name: str, workshop: Workshop, *, compute: bool) -> RecordedConformance | None:
-    """The outcome for one engine, from the store where it is there; None: it is not, and must not be computed."""
-    job = conformance.job(name)
-    stored = workshop.stored(job)
-    if stored is None and compute:
-        stored = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
-    if stored is None or stored.value is None:
-        return None
-    return RecordedConformance.of(stored.value, engine(name).version())
+def _benchmark(workshop: Workshop, compute: bool) -> str:
+    cases = [load_case(name) for name in SCENES]
+    found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if compute else None)) is not None]
+    if found:
+        _write_benchmarks(found)
+        _write("compiling", compiling(workshop, ENGINES, compute=compute))
+    return f"{len(found)} of {len(cases)} scenes of the benchmark" if found else ""
+
+
+def _hard_scenes(workshop: Workshop, compute: bool) -> str:
+    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=compute)
+    if not matrix.cells:
+        return ""
+    _write_matrix(matrix)
+    return f"{len(matrix.cells)} cells of the hard scenes"
+
+
+def _classes(workshop: Workshop, compute: bool) -> str:
+    scenes, reaches = classes.study(workshop, compute=compute)
+    _write("classes_scenes", scenes)
+    return _write("classes", reaches, f"cells of {len(scenes)} classes")
+
+
+#: Study -> what writes its tables, computing what is missing if it shall; what it tells is "" where there is nothing.
+_RECORDERS: Final[Mapping[str, Callable[[Workshop, bool], str]]] = {
+    "benchmark": _benchmark,
+    "hard scenes": _hard_scenes,
+    "confirmation": lambda workshop, compute: _write("confirmation", confirming(workshop, compute=compute), "confirming solutions"),
+    "conformance": lambda workshop, compute: _write("conformance", _conforming(workshop, compute=compute), "engines' conformance"),
+    "finding": lambda workshop, compute: _write("finding", finding.study(workshop, compute=compute), "rows on the thesis' finding"),
+    "unprinted": lambda workshop, compute: _write("unprinted", bands(workshop, compute=compute), "bands of runs"),
+    "classes": _classes,
+}
+
+
+def _conforming(workshop: Workshop, *, compute: bool) -> list[RecordedConformance]:
+    """The outcomes of all engines, from the store where they are there, those that are missing computed if they shall."""
+    found = []
+    for name in ENGINES:
+        job = conformance.job(name)
+        outcome = workshop.stored(job)
+        if outcome is None and compute:
+            outcome = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
+        if outcome is not None and outcome.value is not None:
+            found.append(RecordedConformance.of(outcome.value, engine(name).version()))
+    return found
 
 
 def _made(study: str) -> About:
@@ -93,9 +119,12 @@ def _write_matrix(matrix: Matrix) -> None:
     _write("hard_scenes_conditioning", [RecordedConditioning(name, matrix.converged.get(name), found) for name, found in known])
 
 
-def _write(name: str, rows: Sequence[Any]) -> None:
-    if rows:
-        write_atomically(FOLDER / f"{name}.csv", text_of(rows).encode())
+def _write(name: str, rows: Sequence[Any], of: str = "rows") -> str:
+    """Write a table, unless it would be empty; how many rows it has, in words."""
+    if not rows:
+        return ""
+    write_atomically(FOLDER / f"{name}.csv", text_of(rows).encode())
+    return f"{len(rows)} {of}"
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from reports.page.content import Content
-from reports.page.facts import agreement, methods, own, runs, strength, studies, thesis
+from reports.page.facts import agreement, classes, methods, own, runs, strength, studies, thesis
 from reports.page.plot import Plot, plots_in
 from reports.tables.table import Table
 
@@ -51,6 +51,7 @@ _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
     ("runs", "Every run on every engine", runs.runs),
     ("recorded", "Recorded tables", runs.recorded),
     ("methods", "Which method excels", methods.methods),
+    ("classes", "Which method, where", classes.classes),
     ("thesis", "What the thesis saw", thesis.thesis),
     ("accuracy", "Accuracy and cost", studies.accuracy),
     ("hard", "Hard scenes", methods.hard_scenes),

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from cases.benchmark import Benchmark, Compiling
+from cases.classes.map import Map
 from cases.finding.study import Row
 from cases.frozen_crank import FrozenCrank
 from cases.judging.matrix import Matrix
@@ -32,6 +33,7 @@ class Content:
         compiling: what it takes to compile engines, where that was measured.
         frozen_crank: on the thesis' example run; None where that is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
+        classes: the recorded map of classes.
         finding: the recorded study of what the thesis' finding comes from.
         bands: recorded: what the scatter of quantities that the thesis does not print does to its runs.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
@@ -48,6 +50,7 @@ class Content:
     compiling: Sequence[Compiling] = ()
     frozen_crank: FrozenCrank | None = None
     hard_scenes: Matrix | None = None
+    classes: Map = field(default_factory=Map)
     finding: Sequence[Row] = ()
     bands: Sequence[Band] = ()
     of_record: Mapping[str, About] = field(default_factory=dict)

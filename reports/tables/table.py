@@ -45,6 +45,7 @@ class Cell:
         note: a remark: in the page shown by a click, in the CSV file in a column of its own.
         mark: "missed" a tolerance, "failed", "open" (no answer, for a reason), "good", "model" (a good answer of a model that is not).
         run: case that it opens on the first screen.
+        tint: CSS colour behind it.
     """
 
     value: Value
@@ -52,6 +53,7 @@ class Cell:
     note: str = ""
     mark: Mark = ""
     run: str = ""
+    tint: str = ""
 
 
 Row = Mapping[str, Cell]
@@ -188,7 +190,7 @@ class Table:
         """How a column is set: "" numbers, "words" texts that stay on a line, "words prose" texts that need several."""
         if column.form:
             return ""
-        longest = max((len(column.text(row[column.key])) for row in self.rows), default=0)
+        longest = max((len(line) for row in self.rows for line in column.text(row[column.key]).splitlines()), default=0)
         return "words prose" if longest > LONGEST_LINE else "words"
 
     def page_text(self, row: Row, column: Column) -> str:

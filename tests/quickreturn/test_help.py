@@ -34,7 +34,7 @@ def test_every_help_text_consists_of_whole_sentences(call: Call, monkeypatch: py
     assert len(paragraphs) >= 2
     for paragraph in paragraphs:
         head, *lines = paragraph.splitlines()
-        texts = entries(lines) if head in ("Options:", "Commands:") else [" ".join(paragraph.split())]
+        texts = entries(lines) if head in ("Options:", "Commands:", "Measures:") else [" ".join(paragraph.split())]
         for text in texts:
             assert re.fullmatch(rf"[A-Z].*[^.]\.({DEFAULT})?", text), text
             assert "..." not in text, text

@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from reports.machine import machine_facts
 from reports.page.content import Content
 from reports.report import write
+from tests.cases.made_up_map import made_up_map
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.made_up_finding import made_up_finding
 from tests.reports.reported_results import reported_result
@@ -44,7 +45,17 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A report on three made-up runs, in one of which an engine failed."""
     folder = tmp_path_factory.mktemp("page")
     benchmarks = [made_up_benchmark(timed=True), made_up_benchmark("thesis-17")]
-    write(Content(results=RESULTS, studies=studies(), benchmarks=benchmarks, finding=made_up_finding(), facts=machine_facts()), folder)
+    write(
+        Content(
+            results=RESULTS,
+            studies=studies(),
+            benchmarks=benchmarks,
+            finding=made_up_finding(),
+            classes=made_up_map(),
+            facts=machine_facts(),
+        ),
+        folder,
+    )
     return (folder / "index.html").as_uri()
 
 

@@ -15,6 +15,7 @@ from reports.machine import machine_facts
 from reports.page.chapters import chapters_of
 from reports.page.content import Content
 from reports.report import PAGE, write, write_report
+from tests.cases.made_up_map import made_up_map
 from tests.reports.headings import EXPECTED, headings, mistakes, numbers_in, tables_in
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.made_up_finding import made_up_finding
@@ -38,6 +39,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         benchmarks=[made_up_benchmark(timed=good), made_up_benchmark("thesis-17", timed=good)],
         compiling=[Compiling("reference", 40.0, 0.5)] if good else [],
         hard_scenes=matrix(wrong=not good),
+        classes=made_up_map(),
         finding=made_up_finding() if good else (),
         facts=machine_facts(),
     )

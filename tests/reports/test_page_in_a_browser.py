@@ -337,3 +337,20 @@ def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
     assert picture.startswith("<svg xmlns=")
     assert "solve time [s]" in picture
     assert "var(" not in picture  # another program reads it
+
+
+def test_the_map_of_classes_is_read_by_keyboard_on_a_telephone(opened: Open) -> None:
+    page = opened("#chapter=classes", width=390, height=844)
+    chapter = page.locator("#classes")
+    chapter.locator("input[type=radio]").nth(0).focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")  # all that one waits for, to 1 %
+    cell = chapter.locator(".choices table:visible button.remark").first
+    assert cell.inner_text() == "fixed-shapes\n4× reference"
+    cell.focus()
+    page.keyboard.press("Enter")
+    told = page.locator("#remark").inner_text().replace("\N{NO-BREAK SPACE}", " ")
+    assert "fixed-shapes 100 ms; reference 400 ms; thesis not reached (60 % left); multiplier refused" in told
+    page.keyboard.press("Escape")
+    assert not page.locator("#remark").is_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390

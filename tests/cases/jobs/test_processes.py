@@ -16,13 +16,15 @@ import textwrap
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from cases.jobs.isolation import end_waiting, isolated
 from cases.jobs.job import Job, Limits, Outcome
-from cases.jobs.processes import LocalProcesses
+from cases.jobs.processes import LocalProcesses, Pool
 from engines.base import EngineFailure
 
 PRELOAD = ("cases.jobs.worker",)  # these jobs need nothing slow
@@ -31,8 +33,7 @@ RAISE = codecs.strict_errors  # raises whatever exception it is given
 
 
 def done(function: Callable[..., Any], *arguments: Any, limits: Limits | None = None) -> Outcome[Any]:
-    (outcome,) = LocalProcesses(1, limits, PRELOAD).run([Job("job", function, arguments)])
-    return outcome
+    return isolated(Job("job", function, arguments), limits, preload=PRELOAD)
 
 
 def test_a_time_limit_of_years_is_one() -> None:
@@ -121,6 +122,84 @@ def test_one_failing_job_takes_no_other_with_it() -> None:
     outcomes = {outcome.job.name: outcome for outcome in LocalProcesses(3, Limits(seconds=3.0), PRELOAD).run(jobs)}
     assert [outcomes[f"good {number}"].value for number in range(6)] == [-number for number in range(6)]
     assert {name for name, outcome in outcomes.items() if outcome.failure} == {"dies", "raises", "hangs"}
+
+
+def brief(name: str, code: str, **changes: Any) -> Job[Any]:
+    return Job(name, eval, (code,), brief=True, **changes)
+
+
+PID = "__import__('os').getpid()"
+
+
+def test_brief_jobs_share_a_process_until_one_breaks_it() -> None:
+    jobs = [brief("first", PID), brief("second", PID), brief("dies", "__import__('os').abort()"), brief("third", PID)]
+    jobs += [brief("hangs", "__import__('time').sleep(3600)", limits=Limits(seconds=0.3)), brief("fourth", PID), Job("apart", os.getpid)]
+    outcomes = {outcome.job.name: outcome for outcome in LocalProcesses(1, preload=PRELOAD).run(jobs)}
+    assert {name: outcome.failure for name, outcome in outcomes.items() if outcome.failure} == {
+        "dies": "killed by SIGABRT",
+        "hangs": "stopped at the time limit of 0.3 s",
+    }
+    first, second, third, fourth, apart = (outcomes[name].value for name in ("first", "second", "third", "fourth", "apart"))
+    assert first == second
+    assert len({first, third, fourth, apart}) == 4
+    assert gone(fourth)  # nothing waits for more once all are done
+
+
+def test_each_brief_job_has_its_own_output_progress_and_limits() -> None:
+    seen: list[tuple[str, str]] = []
+    loud = "print('loud'), __import__('engines.progress').progress.tell(engine='fake', phase='marching')"
+    jobs = [brief("loud", loud), brief("greedy", f"len(bytearray({2 * GIB}))", limits=Limits(memory=GIB)), brief("quiet", "7")]
+    jobs.insert(1, brief("frugal", "len(bytearray(1000))", limits=Limits(memory=GIB)))
+    outcomes = LocalProcesses(1, Limits(), PRELOAD).run(jobs, lambda job, progress: seen.append((job.name, str(progress))))
+    assert [(outcome.failure, outcome.output) for outcome in outcomes if outcome.job.name != "greedy"] == [("", "loud"), ("", ""), ("", "")]
+    assert seen == [("loud", "None"), ("loud", "fake, marching"), ("frugal", "None"), ("greedy", "None"), ("quiet", "None")]
+
+
+def test_a_process_that_was_killed_while_it_waited_is_replaced() -> None:
+    outcomes = LocalProcesses(1, preload=PRELOAD).run(
+        [brief("first", PID), brief("waits", "__import__('time').sleep(0.5)"), brief("last", PID)]
+    )
+    first = next(outcomes).value
+    assert next(outcomes).completed
+    assert next(outcomes).value == first
+    process = isolated(brief("one", PID), preload=PRELOAD).value
+    os.kill(process, signal.SIGKILL)
+    assert gone(process)
+    assert isolated(brief("two", "7"), preload=PRELOAD).value == 7
+    end_waiting()
+
+
+def test_brief_jobs_wait_for_the_first_of_their_kind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What it compiles they find on the disk. Those that come later wait for nobody: each ends once the other has begun."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new"))
+    log = tmp_path / "log"
+    begin = f"import os, time; open({str(log)!r}, 'a').write('b'); "
+    for rest, written in (("time.sleep(0.3)", "bebe"), (f"\nwhile os.path.getsize({str(log)!r}) < 2: time.sleep(0.02)", "bbee")):
+        code = f"{begin}{rest}\nopen({str(log)!r}, 'a').write('e')"
+        jobs = [Job(name, exec, (code,), engines=("reference",), brief=True) for name in ("one", "two")]
+        assert [outcome.failure for outcome in LocalProcesses(2, Limits(seconds=30.0), PRELOAD).run(jobs)] == ["", ""]
+        assert log.read_text() == written
+        log.unlink()
+
+
+def test_any_executor_of_futures_will_do() -> None:
+    with ThreadPoolExecutor(2) as threads:
+        jobs = [Job("good", operator.neg, (3,)), Job("dies", os.abort), Job("raises", operator.truediv, (1, 0))]
+        outcomes = {outcome.job.name: outcome for outcome in Pool(threads, 2, Limits(seconds=60.0)).run(jobs)}
+    assert (outcomes["good"].value, outcomes["dies"].failure) == (-3, "killed by SIGABRT")
+    assert isinstance(outcomes["raises"].error, ZeroDivisionError)
+    assert all(outcomes[job.name].job is job for job in jobs)
+
+
+def test_what_the_executor_loses_is_named() -> None:
+    class Loses(Executor):
+        def submit(self, *_: Any, **__: Any) -> "Future[Any]":  # type: ignore[override]
+            future: Future[Any] = Future()
+            future.set_exception(RuntimeError("the machine burned down"))
+            return future
+
+    (outcome,) = Pool(Loses()).run([Job("job", len, ((),))])
+    assert (outcome.failure, outcome.error) == ("was lost (RuntimeError: the machine burned down)", None)
 
 
 def test_outcomes_come_as_jobs_end() -> None:

@@ -5,6 +5,8 @@ import os
 import pty
 import subprocess
 import sys
+import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -90,3 +92,16 @@ def test_the_time_left_follows_from_what_was_done() -> None:
 @pytest.mark.parametrize(("seconds", "text"), [(0.2, "0 s"), (59.4, "59 s"), (61.0, "1 min 1 s"), (4800.0, "1 h 20 min")])
 def test_a_span_of_time_for_a_person(seconds: float, text: str) -> None:
     assert span(seconds) == text
+
+
+def test_jobs_of_several_points_are_counted_by_their_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A row of 30 of 40 points took 3 s: 10 a second, and the other 10 points take one more second."""
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    long = replace(job("long"), points=30)
+    tally = Tally(40, 1)
+    tally.watch(long, None)
+    now[0] += 3.0
+    tally.ended(Outcome(long, 0, seconds=3.0))
+    assert tally.left == pytest.approx(1.0)
+    assert str(tally) == "30 of 40 done, 10 a second, about 1 s left"

@@ -1,0 +1,89 @@
+"""A mechanism in dimensionless groups: what tells one class of such machines from another.
+
+By similarity two machines with the same groups move alike: lengths scale with the follower's, times with the period of its lowest mode.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+from cases.library.thesis import run_case
+from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip, changed
+from reference_model.natural_modes import stiffness_ratio
+from reference_model.rigid import crank_pace
+
+#: Square of the tip body's radius of gyration over that of the follower's length: the thesis' plates, 0.068 in^2 and 25 in (table 5.1).
+GYRATION: Final = 0.068 / 25.0**2
+
+
+@dataclass(frozen=True)
+class Groups:
+    """The groups of a machine.
+
+    Attributes:
+        speed: crank's frequency over the lowest natural frequency of the follower with the crank held, wherever that is lowest.
+        tip: mass of the tip body over that of the arm.
+        crank: crank's length over the distance of the pivots.
+        damping: share of critical damping of the lowest mode: of the arm's own damping as if there were no tip body, and of the pivot's as
+            if the arm turned as a whole.
+        joint: stiffness of the slider's joint over EI / L^3 of the arm; infinite where it is rigid.
+    """
+
+    speed: float
+    tip: float
+    crank: float
+    damping: float
+    joint: float
+
+
+#: Group -> what it is, in words.
+MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "speed": "crank speed over the lowest bending frequency",
+        "tip": "tip mass over arm mass",
+        "crank": "crank length over pivot distance",
+        "damping": "damping ratio of the lowest mode",
+        "joint": "joint stiffness over EI/L^3 of the arm",
+    }
+)
+
+
+def scene_of(groups: Groups) -> Mechanism:
+    """The thesis' arm with a crank, a tip, a damping, a joint and a prescribed speed that make these groups.
+
+    Raises:
+        ImpossibleMechanism: the slider would leave the follower, or the crank reach the pivot.
+    """
+    base = run_case(24).mechanism
+    arm, mass = base.follower, groups.tip * base.follower.mass
+    stiffness = groups.joint * arm.bending_stiffness / arm.length**3
+    made = changed(
+        base,
+        {
+            "crank.length": groups.crank * base.pivot_distance,
+            "crank.drive": PrescribedSpeed(speed=1.0),
+            "base.damping": 0.0,
+            "tip": Tip(mass=mass, inertia=mass * GYRATION * arm.length**2) if mass else None,
+            "slider": Slider(joint_stiffness=stiffness),
+        },
+    )
+    lowest = stiffness_ratio(made)  # at a speed of 1 rad/s this is the angular frequency of the lowest mode, rad/s
+    damping = 2.0 * groups.damping * lowest * arm.mass_per_length
+    return changed(made, {"crank.drive.speed": groups.speed * lowest, "follower.damping": damping})
+
+
+def groups_of(mechanism: Mechanism) -> Groups | None:
+    """The groups of a mechanism; None where it has no bending frequency or does not turn."""
+    ratio, arm = stiffness_ratio(mechanism), mechanism.follower
+    if ratio == 0.0:
+        return None
+    lowest = ratio * crank_pace(mechanism)
+    rates = arm.damping / arm.mass_per_length + mechanism.base.damping / (arm.mass * arm.length**2 / 3.0)
+    return Groups(
+        speed=1.0 / ratio,
+        tip=mechanism.tip_body.mass / arm.mass,
+        crank=mechanism.crank.length / mechanism.pivot_distance,
+        damping=0.5 * (rates / lowest + arm.material_damping * lowest),
+        joint=min(mechanism.slider.sides) * arm.length**3 / arm.bending_stiffness,
+    )

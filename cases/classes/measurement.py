@@ -1,0 +1,178 @@
+"""What it takes each method to get to an error in each scene of the map, in solve time and in all that one waits for."""
+
+import time
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from cases.benchmark.findings import LEVELS as ALL_LEVELS
+from cases.benchmark.findings import Confirmation, Point, fastest_at
+from cases.benchmark.measurement import Attempt, confirmation_of, seconds_of, truth_of
+from cases.benchmark.methods import methods
+from cases.case import Case
+from cases.classes.grid import case_of
+from cases.classes.groups import Groups
+from engines.accurate import simulate
+from engines.base import AnyEngine, EngineFailure, Refusal
+from engines.relative import relative_error
+from engines.start import standard_start
+from engines.trajectory import REQUIRED, Trajectory
+
+#: Errors of the tip deflection at which methods are compared here.
+LEVELS: Final = ALL_LEVELS[:2]
+#: Processor time (s) that a method's ladder may take, and an answer to an error. No run is begun that would end later if it took as long
+#: as the one before.
+LIMIT: Final = 10.0
+#: Repetitions of a run at most, and of an answer that takes less than this (s); the least time counts.
+REPETITIONS: Final = 3
+BRIEF: Final = 1.0
+
+REACHED: Final = "reached"
+REFUSED: Final = "refused"
+FAILED: Final = "failed"
+NOT_REACHED: Final = "not reached"
+TOO_SLOW: Final = "too slow"
+#: Remark where settings get to an error in time, and the engine that is asked for it does not know in time.
+SLOW_ANSWER: Final = "its estimate takes too long"
+#: Remark where the estimate is none of the distance from the scene's solution, as that of a model whose discretization is its own.
+OF_ITSELF: Final = "its estimate is of something else"
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The solution of a scene that errors are measured against, and how far another one is from it."""
+
+    trajectory: Trajectory
+    confirmation: Confirmation
+
+
+@dataclass(frozen=True)
+class Reach:
+    """A method on a scene at an error of the tip deflection.
+
+    Attributes:
+        scene: its name.
+        engine: the method.
+        level: the error.
+        status: `REACHED` by settings of its ladder, or why not.
+        solve_seconds: solving with the fastest settings that are within the level; None where there are none.
+        waited_seconds: setting up and solving all runs that the engine makes when asked for this error, those of its estimate included;
+            None where it does not get there or does not know that it is there.
+        error: of what it delivers when asked; where nothing is within the level the least error of its ladder.
+        remark: the reason in words.
+    """
+
+    scene: str
+    engine: str
+    level: float
+    status: str
+    solve_seconds: float | None = None
+    waited_seconds: float | None = None
+    error: float | None = None
+    remark: str = ""
+
+
+def truth(groups: Groups) -> Truth:
+    """The truth of a scene. Raises EngineFailure: there is none, as where the slider leaves the follower."""
+    case = case_of(groups)
+    found = truth_of(case)
+    kept = replace(found, columns={name: found[name] for name in REQUIRED})
+    return Truth(kept, confirmation_of(case, kept))
+
+
+def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:
+    """An engine on a scene, at each of `LEVELS`, in this process.
+
+    Args:
+        groups: of the scene.
+        name: of the engine.
+        true: the solution to measure against.
+    """
+    case = case_of(groups)
+    method = methods([name], case)[0]
+    unknown = [Reach(case.name, name, level, NOT_REACHED) for level in LEVELS]
+    try:
+        method.engine.check(case.mechanism)
+    except Refusal as refusal:
+        return [replace(each, status=REFUSED, remark=str(refusal)) for each in unknown]
+    attempts, points = [Attempt(method, settings) for settings in method.ladder], list[Point]()
+    attempts[0].warm_up(case)
+    clock = _Clock()
+    for attempt in attempts:
+        if clock.late:
+            break
+        attempt.repeat(case, 0)
+        points.append(attempt.told(case, true))
+        if (error := points[-1].error()) is not None and error <= LEVELS[-1]:
+            break
+    return [_reach(each, attempts[: len(points)], points, clock, case, true) for each in unknown]
+
+
+class _Clock:
+    """Tells when the next run would end after `LIMIT` if it took as long as the one before; ask it once before each run.
+
+    It counts processor time: what else the machine does must not decide how far a method gets.
+    """
+
+    def __init__(self) -> None:
+        self.began = self.last = time.process_time()
+        self.ran_out = False
+
+    @property
+    def late(self) -> bool:
+        """Whether the next run must not begin."""
+        now = time.process_time()
+        self.ran_out = self.ran_out or (now - self.began) + (now - self.last) > LIMIT
+        self.last = now
+        return self.ran_out
+
+
+class _Limited:
+    """An engine that begins no run for which the time does not suffice."""
+
+    def __init__(self, engine: AnyEngine, clock: _Clock) -> None:
+        self._engine, self._clock = engine, clock
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._engine, name)
+
+    def prepare(self, *arguments: Any) -> Any:
+        """As the engine does. EngineFailure: it is too late."""
+        if self._clock.late:
+            raise EngineFailure(0.0, "time has run out", "ask for less")
+        return self._engine.prepare(*arguments)
+
+
+def _reach(unknown: Reach, attempts: list[Attempt], points: list[Point], clock: _Clock, case: Case, true: Trajectory) -> Reach:
+    """What is known of a level, by the runs of the ladder that were made."""
+    best = fastest_at(points, unknown.level).get(attempts[0].method.name)
+    if best is None:
+        errors = [error for point in points if (error := point.error()) is not None]
+        if not errors:
+            return replace(unknown, status=FAILED, remark=points[-1].status)
+        remark = "" if points[-1].measured else points[-1].status
+        return replace(unknown, status=TOO_SLOW if clock.ran_out else NOT_REACHED, error=min(errors), remark=remark)
+    attempt = next(each for each, point in zip(attempts, points, strict=True) if point is best[0])
+    for repetition in range(len(attempt.times), REPETITIONS):
+        attempt.repeat(case, repetition)
+    return _asked(replace(unknown, status=REACHED, solve_seconds=min(attempt.times)), attempt.method.engine, case, true)
+
+
+def _asked(reach: Reach, engine: AnyEngine, case: Case, true: Trajectory) -> Reach:
+    """The same with what comes of asking the engine for the level, unless its estimate is of something else."""
+    if engine.estimates != "total":
+        return replace(reach, remark=OF_ITSELF)
+    start, times = standard_start(case.mechanism), list[float]()
+    while not times or (times[0] < BRIEF and len(times) < REPETITIONS):
+        began, clock = time.perf_counter(), _Clock()
+        limited: Any = _Limited(engine, clock)
+        try:
+            found = simulate(limited, case.mechanism, start, case.duration, case.output_step, accuracy=reach.level)
+        except EngineFailure as failure:
+            return replace(reach, remark=SLOW_ANSWER if clock.ran_out else str(failure))
+        times.append(max(time.perf_counter() - began - found.compile_seconds, seconds_of(found.runs.values())))
+    error = relative_error(found.trajectory["tip_deflection"], true["tip_deflection"])
+    if error > reach.level and found.reached:
+        return replace(reach, error=error, remark=f"it claims {found.error_estimate:.1e}")
+    if not found.reached:
+        return replace(reach, error=error, remark=SLOW_ANSWER if clock.ran_out else found.remark)
+    return replace(reach, error=error, waited_seconds=min(times))

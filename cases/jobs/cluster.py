@@ -1,0 +1,135 @@
+"""Jobs on a cluster: a scheduler of Dask deals them out, and each worker computes those that it gets in processes of their own.
+
+A worker that is killed loses the jobs that it was at, and others compute them again. Results go into the store of the machine that asks.
+"""
+
+import asyncio
+import multiprocessing
+from collections.abc import Generator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+from cases.jobs.isolation import isolated
+from cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
+from cases.jobs.key import LIBRARIES, code_fingerprint, key_of, library_version, version_of
+from cases.jobs.processes import computed
+from engines.base import first_line
+from engines.registry import OWN
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: How long the scheduler may take to answer, and then the first worker to join, s. A busy machine takes a few.
+PATIENCE: Final = 10.0
+
+
+def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "Cluster":
+    """The executor on a cluster; leaving its `with` block ends the connection.
+
+    Args:
+        address: of the scheduler, such as "tcp://host:8786".
+        limits: of a job that has none of its own; None: `default_limits` of this machine.
+        quiet: whether nobody is to be told how far the jobs are.
+
+    Raises:
+        ExecutorError: there is no such scheduler, no worker, or one that would compute something else than this machine.
+    """
+    place = f"cluster {address}"
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise ExecutorError(f"{place}: the package distributed is not installed; try pip install 'quickreturn[cluster]'") from error
+    try:
+        with ThreadPoolExecutor(1) as elsewhere:  # a notebook's own thread runs a loop of events already
+            elsewhere.submit(asyncio.run, _answers(address)).result()
+    except (OSError, ValueError) as error:
+        raise ExecutorError(f"{place}: no scheduler answers there ({first_line(error)}); start one with `dask scheduler`") from error
+    client = Client(address, timeout=PATIENCE, set_as_default=False)
+    try:
+        _check(client, address)
+    except BaseException:
+        client.close()
+        raise
+    return Cluster(client, limits or default_limits(), quiet)
+
+
+class Cluster:
+    """See `cluster`, which makes it."""
+
+    def __init__(self, client: "Client", limits: Limits, quiet: bool) -> None:
+        self._client, self.limits, self.quiet = client, limits, quiet
+
+    @property
+    def at_once(self) -> int:
+        """How many jobs the present workers compute at a time."""
+        return max(1, sum(self._client.nthreads().values()))
+
+    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
+        """See `cases.jobs.job.Executor`; `watch` is not told, for the workers do not say how far they are."""
+        executor = self._client.get_executor(pure=False)
+        yield from computed(
+            lambda job: executor.submit(_on_worker, job, key_of(job), self.limits), jobs, partial(executor.shutdown, wait=False)
+        )
+
+    def __enter__(self) -> "Cluster":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._client.close()
+
+
+async def _answers(address: str) -> None:
+    """OSError or ValueError: nobody answers at the address. A client that finds nobody would hang when it is thrown away."""
+    from distributed import Security
+    from distributed.comm.core import connect
+
+    comm = await connect(address, PATIENCE, **Security().get_connection_args("client"))
+    await comm.close()
+
+
+def _check(client: "Client", address: str) -> None:
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError as error:
+        raise ExecutorError(f"cluster {address}: it has no worker; start one with `dask worker {address}`") from error
+    here = installed()
+    for worker, found in client.run(_worker, on_error="return").items():
+        place = f"cluster {address}: worker {worker}"
+        if isinstance(found, Exception):
+            raise ExecutorError(f"{place} has no quickreturn of this version ({type(found).__name__}: {found}); install it there")
+        daemon, there = found
+        differing = [name for name in here if there.get(name) != here[name]]
+        if differing:
+            name = differing[0]
+            raise ExecutorError(f"{place} has {name} {there.get(name)}, this machine {here[name]}; both must have the same")
+        if daemon:
+            raise ExecutorError(f"{place} may start no processes; set DASK_DISTRIBUTED__WORKER__DAEMON=False where it is started")
+
+
+def installed() -> dict[str, str]:
+    """Versions of what determines results, by name: libraries, engines, and this project's code."""
+    engines = {f"engine {name}": version_of(name)[-2] for name in sorted(OWN)}
+    versions = {library: library_version(library) for library in LIBRARIES}
+    return {**versions, **engines, "code of quickreturn": code_fingerprint(("reference_model", "engines", "cases"))[:12]}
+
+
+def _worker() -> tuple[bool, dict[str, str]]:
+    """On a worker: whether it is a daemon, which may start no processes, and what is installed."""
+    return multiprocessing.current_process().daemon, installed()
+
+
+def _on_worker(job: Job[V], key: str, limits: Limits) -> Outcome[V]:
+    """On a worker: compute a job, for as long as it is wanted. A worker that joined late was not checked, so the key is."""
+    from distributed import Status, get_worker
+
+    worker = get_worker()
+    if key_of(job) != key:
+        raise ExecutorError(f"worker {worker.address} has other code or libraries than the machine that asks it for {job.name}")
+    task = worker.get_current_task()
+
+    def unwanted() -> bool:
+        """Whether who asked has gone or changed his mind, or the worker is about to go itself."""
+        return worker.state.tasks[task].state == "cancelled" or worker.status in (Status.closing, Status.closed, Status.failed)
+
+    return isolated(job, limits, stopped=unwanted)

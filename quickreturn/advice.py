@@ -1,0 +1,114 @@
+"""Where a machine lies on the map of classes, and which method the map advises."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from cases.case import Case
+from cases.classes.groups import MEANINGS, Groups, groups_of
+from cases.classes.map import TIMES, Map, off_the_map
+from cases.classes.measurement import LEVELS, REFUSED, Reach
+from cases.errors import CaseError
+from cases.shown import Cell, Rows, Shown
+from engines.base import Refusal
+from engines.registry import engine
+from quickreturn.accuracy import checked
+from quickreturn.catalogue import AnyCase, one_case
+
+
+@dataclass(frozen=True, repr=False)
+class Advice(Shown):
+    """What the recorded map says of a machine.
+
+    Attributes:
+        case: name of the machine.
+        groups: in which it is told from others.
+        accuracy: error of the tip deflection that is wanted.
+        level: error at which methods were compared: the loosest that is as tight, or the tightest.
+        scene: name of the nearest scene of the map.
+        steps: how far the machine is from it, in steps of the map.
+        sharpness: by how much two independent solutions of that scene differ; None where it has no second one.
+        outside: sentences, each on something in which the machine lies outside the map: there the advice is an extrapolation.
+        use: of `cases.classes.map.TIMES` -> the engine that was fastest there and takes this machine; absent where none is known.
+        reaches: of each engine what it reached in that scene; of one that refuses this machine that.
+    """
+
+    case: str
+    groups: Groups
+    accuracy: float
+    level: float
+    scene: str
+    steps: float
+    sharpness: float | None
+    outside: tuple[str, ...]
+    use: Mapping[str, str]
+    reaches: tuple[Reach, ...]
+
+    def _parts(self) -> Iterator[Cell]:
+        yield f"{self.case}: which method for an error of {100.0 * self.accuracy:g} %"
+        yield Rows([(MEANINGS[name], f"{value:.3g}") for name, value in vars(self.groups).items()])
+        sharp = "" if self.sharpness is None else f"; two formulations agree there to {self.sharpness:.1e}"
+        yield f"nearest scene of the map: {self.scene} ({self.steps:.1f} steps away){sharp}"
+        yield from (f"outside the map, so this is an extrapolation: {each}" for each in self.outside)
+        yield from (f"fastest by {by}: {self.use.get(by, 'no method that is known to get there')}" for by in TIMES)
+        rows = [(each.engine, _time(each.solve_seconds), _time(each.waited_seconds), _remark(each)) for each in self.reaches]
+        yield Rows(rows, ("engine", "solve", "wait", f"a turn of the crank in that scene, to {100.0 * self.level:g} %"))
+
+
+def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
+    """Where a machine lies on the recorded map of classes, and which methods are fastest there. Nothing is simulated.
+
+    Args:
+        case: a name, a path or a `Case`.
+        accuracy: error of the tip deflection that is wanted, 1e-4 to 0.05.
+
+    Raises:
+        CaseError: no such case, or a machine without a bending frequency or a turning crank, which has no place on the map.
+        ValueError: an accuracy that cannot be asked for.
+    """
+    from reports.long_studies import class_map
+
+    chosen, wanted, known = one_case(case), checked(accuracy) or LEVELS[0], class_map()
+    groups = groups_of(chosen.mechanism)
+    if groups is None:
+        problem = "a follower that cannot bend, or a crank that stands still, has no place on the map of classes"
+        raise CaseError(chosen.name, None, None, problem, "a finite follower.bending_stiffness and a crank that turns")
+    if not known.scenes:
+        raise CaseError(chosen.name, None, None, "the map of classes has not been recorded", "python -m reports.long_studies classes")
+    return _advice(chosen, groups, wanted, known)
+
+
+def _advice(case: Case, groups: Groups, accuracy: float, known: Map) -> Advice:
+    level = max((each for each in LEVELS if each <= accuracy), default=LEVELS[-1])
+    scene, steps = known.nearest(groups)
+    reaches = tuple(_held_against(case, reach) for reach in known.at(scene, level))
+    able = {reach.engine for reach in reaches if reach.status != REFUSED}
+    takers = {by: [name for name in known.ranked(scene, level, by) if name in able] for by in TIMES}
+    outside = [
+        f"{MEANINGS[name]} is {getattr(groups, name):.3g}, the map has {low:g} to {high:g}"
+        for name, (low, high) in known.outside(groups).items()
+    ]
+    if accuracy < level:
+        outside.append(f"an error of {100.0 * accuracy:g} % is asked for, the tightest of the map is {100.0 * level:g} %")
+    outside += off_the_map(case.mechanism)
+    use = {by: names[0] for by, names in takers.items() if names}
+    return Advice(case.name, groups, accuracy, level, scene.name, steps, scene.difference, tuple(outside), use, reaches)
+
+
+def _held_against(case: Case, reach: Reach) -> Reach:
+    """What an engine reached in a scene of the map; `REFUSED` if it refuses this machine."""
+    try:
+        engine(reach.engine).check(case.mechanism)
+    except Refusal as refusal:
+        return Reach(reach.scene, reach.engine, reach.level, REFUSED, remark=str(refusal))
+    return replace(reach, remark="") if reach.status == REFUSED else reach
+
+
+def _time(seconds: float | None) -> str:
+    return "-" if seconds is None else f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
+
+
+def _remark(reach: Reach) -> str:
+    """The status where the engine does not get there, what is left, and the reason."""
+    missed = reach.solve_seconds is None
+    left = f"{100.0 * reach.error:.2g} % are left" if missed and reach.error is not None else ""
+    return "; ".join(filter(None, (reach.status if missed else "", left, reach.remark)))

@@ -1,0 +1,44 @@
+"""`quickreturn advise`: which method for a machine, by the recorded map of classes."""
+
+from collections.abc import Sequence
+
+import click
+
+from quickreturn.accuracy import HIGHEST, LOWEST
+from quickreturn.commands import options
+
+
+@click.command(name="advise")
+@options.cases
+@options.tag
+@options.single(
+    "--accuracy",
+    metavar="REL",
+    read=options.number(LOWEST, HIGHEST, 1e-3),
+    default="0.01",
+    show_default=True,
+    help=f"Relative error of the tip deflection that is wanted, {HIGHEST:g} to {LOWEST:g}.",
+)
+@options.case_assignments
+@options.json
+def command(cases: Sequence[str], tag: str | None, accuracy: float, assignments: Sequence[str], as_json: bool) -> None:
+    """Say where CASE lies on the map of classes, and which methods were the fastest there to an error.
+
+    The map was recorded: one turn of the crank from the standard start, by every engine, in scenes that cover the dimensionless groups.
+    Nothing is simulated. What lies outside the map is named. With several cases the JSON document is a list.
+    """
+    from dataclasses import asdict
+
+    from quickreturn.advice import advise
+    from reports.output import print_json
+
+    overrides, settings = options.read_assignments(assignments)
+    options.refuse_engine_settings(settings)
+    loaded = options.load_all(cases, tag, overrides)
+    found = [advise(case, accuracy) for case in loaded]
+    options.tell_doubts(loaded)
+    if as_json:
+        documents = [asdict(each) for each in found]
+        print_json(documents[0] if len(documents) == 1 else documents)
+    else:
+        click.echo("\n\n".join(map(str, found)))

@@ -1,0 +1,44 @@
+"""Which method is the fastest in which class of machines."""
+
+import math
+from typing import Any
+
+from cases.classes.grid import ROWS, TURNS
+from cases.classes.groups import MEANINGS
+from cases.classes.map import TIMES, Map
+from cases.classes.measurement import LEVELS, LIMIT
+from reports.page.answer import is_own
+from reports.page.content import Content
+from reports.tables import classes as tables
+from reports.words import percent
+
+
+def classes(content: Content) -> dict[str, Any] | None:
+    """None where no map was recorded."""
+    known = content.classes
+    if not known.scenes:
+        return None
+    contests = [_contest(known, level, by) for level in LEVELS for by in TIMES]
+    differences = [scene.difference for scene in known.scenes if scene.difference is not None]
+    return {
+        "of_record": content.of_record.get("classes"),
+        "scenes": len(known.scenes),
+        "contests": contests,
+        "own": [name for name in dict.fromkeys(reach.engine for reach in known.reaches) if is_own(name)],
+        "meanings": MEANINGS,
+        "sharp": max(differences, default=None),
+        "blunt": [scene.name for scene in known.scenes if scene.difference is None or scene.difference > 0.1 * LEVELS[-1]],
+        "turns": TURNS,
+        "rows": ROWS,
+        "limit": LIMIT,
+        "maps": [(f"{by}, to {percent(level, 'g')}", tables.class_map(known, level, by)) for by in TIMES for level in LEVELS],
+        "failing": tables.failing(known),
+        "cells": tables.cells(known),
+    }
+
+
+def _contest(known: Map, level: float, by: str) -> dict[str, Any]:
+    """Who wins how often, and how many times as long the runner-up takes where the most frequent winner is the first."""
+    won = known.factors(level, by)
+    factors = [factor for factor in next(iter(won.values()), []) if factor < math.inf]
+    return {"level": level, "by": by, "wins": {name: len(found) for name, found in won.items()}, "factors": factors}

@@ -1,0 +1,34 @@
+"""A map of classes with known numbers: two scenes of the grid, and one without a solution."""
+
+import math
+
+from cases.classes.grid import grid, name_of
+from cases.classes.map import Map
+from cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, SLOW_ANSWER, Reach
+from cases.classes.study import Scene
+
+SCENES = tuple(groups for groups in grid() if groups.tip == 0.5 and groups.crank == 0.25 and math.isinf(groups.joint))
+BY_SPEED = {groups.speed: groups for groups in SCENES if groups.damping == 0.003}
+
+
+def made_up_map() -> Map:
+    """At a speed of 0.05 `reference` solves first and `fixed-shapes` is done first, at 0.2 `mujoco` is the first in both; 0.5 is open.
+
+    `thesis` is 60 % off everywhere, `multiplier` refuses, and `exudyn` at 0.2 gets there and does not know it.
+    """
+    scenes = tuple(
+        Scene(name_of(BY_SPEED[speed]), BY_SPEED[speed], difference, failure)
+        for speed, difference, failure in ((0.05, 1e-5, ""), (0.2, 3e-4, ""), (0.5, None, "the slider left the follower"))
+    )
+    slow, fast = (scene.name for scene in scenes[:2])
+    reaches = []
+    for level, times in zip(LEVELS, (1.0, 10.0), strict=True):
+        for scene in (slow, fast):
+            reaches.append(Reach(scene, "thesis", level, NOT_REACHED, error=0.6))
+            reaches.append(Reach(scene, "multiplier", level, REFUSED, remark="slider.joint_stiffness: not modelled"))
+        reaches.append(Reach(slow, "reference", level, REACHED, 2e-3 * times, 0.4 * times, 2e-4))
+        reaches.append(Reach(slow, "fixed-shapes", level, REACHED, 7e-3 * times, 0.1 * times, 2e-4))
+        reaches.append(Reach(fast, "mujoco", level, REACHED, 4e-2 * times, 0.2 * times, 2e-4))
+        reaches.append(Reach(fast, "reference", level, REACHED, 8e-2 * times, 0.3 * times, 2e-4))
+        reaches.append(Reach(fast, "exudyn", level, REACHED, 2.0 * times, None, 2e-4, SLOW_ANSWER))
+    return Map(scenes, tuple(reaches))

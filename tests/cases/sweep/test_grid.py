@@ -1,0 +1,96 @@
+"""Axes as they are written, and the scenes of their grid."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cases.errors import CaseError
+from cases.library import library_case
+from cases.sweep.grid import Grid, axis, scenes_of, si_text
+from cases.sweep.rows import OPEN, REFUSED, Impossible
+from cases.units import LENGTH, parse_quantity
+
+RPM = math.pi / 30.0
+
+
+def test_a_range_is_even_in_its_own_unit() -> None:
+    found = axis("crank.prescribed_speed = 60 rpm .. 300 rpm : 5")
+    assert found.texts == ("60 rpm", "120 rpm", "180 rpm", "240 rpm", "300 rpm")
+    assert found.values == pytest.approx([60 * RPM, 120 * RPM, 180 * RPM, 240 * RPM, 300 * RPM], rel=1e-12)
+    assert found.unit == "rad/s"
+
+
+def test_a_range_between_two_units_is_even_in_si() -> None:
+    assert axis("tip.mass = 0 g .. 0.06 kg : 3").values == (0.0, 0.03, 0.06)
+
+
+def test_a_logarithmic_range_has_equal_ratios() -> None:
+    assert axis("slider.joint_stiffness = log 1 N/mm .. 100 N/mm : 3").values == pytest.approx((1e3, 1e4, 1e5), rel=1e-12)
+
+
+def test_a_list_keeps_its_order_and_infinity() -> None:
+    assert axis("follower.bending_stiffness = 2 N*m^2; inf; 1 N*m^2").values == (2.0, math.inf, 1.0)
+
+
+def test_vectors_are_listed_as_texts() -> None:
+    found = axis('mechanism.gravity = ["0 m/s^2", "0 m/s^2"]; ["0 m/s^2", "-9.81 m/s^2"]')
+    upright, level = scenes_of(library_case("thesis-24"), [{found.key: text} for text in found.texts])
+    assert not isinstance(upright, Impossible)
+    assert not isinstance(level, Impossible)
+    assert (upright.gravity, level.gravity) == ((0.0, 0.0), (0.0, -9.81))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("tip.mass", "is no axis"),
+        ("tip.mas = 0 g; 1 g", "tip.mass"),
+        ("tip.mass = 0 g .. 60 g", "is no range"),
+        ("tip.mass = 0 g .. 60 g : 1", "is no range"),
+        ("tip.mass = 0 g .. 60 mm : 3", "a mass"),
+        ("tip.mass = 1 g; 0.001 kg", "twice"),
+        ("tip.mass = 1 g;; 2 g", "empty value"),
+        ("slider.joint_stiffness = log 0 N/m .. 1 N/m : 3", "not positive"),
+        ("slider.joint_stiffness = 1 N/m .. inf : 3", "no end"),
+        ("simulation.duration = 1 s; 2 s", "changes no steady motion"),
+        ("engine = referense", "reference"),
+    ],
+)
+def test_a_mistake_is_told(text: str, told: str) -> None:
+    with pytest.raises(CaseError, match=told):
+        axis(text)
+
+
+def test_a_grid_too_large_or_with_a_key_twice_is_refused() -> None:
+    case = library_case("thesis-24")
+    with pytest.raises(CaseError, match="1000000000 points"):
+        Grid(case, tuple(axis(f"{key} = 0 g .. 1 g : 1000".replace("0 g .. 1 g", ends)) for key, ends in HUGE.items()))
+    with pytest.raises(CaseError, match="varies twice"):
+        Grid(case, (axis("tip.mass = 0 g; 1 g"), axis("tip.mass = 2 g; 3 g")))
+
+
+HUGE = {"tip.mass": "0 g .. 1 g", "crank.prescribed_speed": "1 rpm .. 2 rpm", "follower.damping": "0 N*s/m^2 .. 1 N*s/m^2"}
+
+
+def test_rows_run_along_the_axis_that_keeps_the_shapes() -> None:
+    grid = Grid(library_case("thesis-24"), (axis("tip.mass = 0 g .. 9 g : 10"), axis("crank.prescribed_speed = 1 rpm; 2 rpm; 3 rpm")))
+    assert grid.along == 1
+    assert list(grid.rows()) == [(number, 0) for number in range(10)]
+    assert grid.overrides((2, 1)) == {"tip.mass": "2 g", "crank.prescribed_speed": "2 rpm"}
+
+
+def test_what_cannot_be_becomes_a_point_with_its_sentence() -> None:
+    long, negative = scenes_of(library_case("thesis-24"), [{"crank.length": "20 in"}, {"tip.mass": "-1 g"}])
+    assert isinstance(long, Impossible)
+    assert long.status == OPEN
+    assert "crank.length" in long.sentence
+    assert isinstance(negative, Impossible)
+    assert negative.status == REFUSED
+    assert "is negative" in negative.sentence
+
+
+@given(st.floats(1e-6, 1e6))
+def test_a_number_in_si_comes_back_from_its_text(value: float) -> None:
+    assert parse_quantity(si_text("crank.length", value), LENGTH) == value

@@ -1,0 +1,75 @@
+"""Rows of points, held against the road of `run`, which marches, climbs the engine's ladder and fits the same measures by itself."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.library import library_case
+from cases.runs.request import SETTLED, RunRequest
+from cases.runs.steady_state import steady_state
+from cases.sweep.measures import MEASURES, Motion, measure
+from cases.sweep.rows import LEFT, REFUSED, Asked, row
+from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
+
+RPM = math.pi / 30.0
+NAMES = ("peak.tip_acceleration", "rms.strain_2", "min.slider_force", "peak.stress", "peak.crank_force", "multiplier", "turn.drive_work")
+
+
+def at(speed: float, **values: float) -> Mechanism:
+    scene = library_case("thesis-24").mechanism
+    scene = replace(scene, crank=replace(scene.crank, drive=PrescribedSpeed(speed=speed * RPM)))
+    return changed(scene, {key.replace("__", "."): value for key, value in values.items()})
+
+
+def test_a_point_is_what_run_finds() -> None:
+    scene = at(120.0)
+    found = row([at(110.0), scene], Asked(measures=NAMES))
+    run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine="reference"))
+    of_run = np.array([measure(name).of(Motion(scene, run)) for name in NAMES])
+    assert found.statuses == (SETTLED, SETTLED)
+    apart = np.abs(found.values[1] - of_run[:, 0])
+    claimed = found.errors[1] + np.where(np.isfinite(of_run[:, 1]), of_run[:, 1], 0.0)
+    assert np.all(apart <= claimed), dict(zip(NAMES, apart / claimed, strict=True))
+    sharp = [name != "turn.drive_work" for name in NAMES]  # within a turn, work goes to and fro a hundred times what is left of it
+    assert np.all((claimed < 0.02 * np.abs(found.values[1]))[sharp])
+
+
+def test_a_motion_that_the_dampers_end_takes_from_the_drive_what_they_dissipate() -> None:
+    found = row([at(100.0)], Asked(measures=("turn.drive_work", "turn.dissipated_energy"))).values[0]
+    assert found[0] == pytest.approx(found[1], rel=5e-3)
+    assert found[0] > 0.0
+
+
+def test_frequencies_are_those_of_run() -> None:
+    scene, names = at(120.0), ("pre.frequency", "post.frequency", "pre.amplitude.strain_2")
+    found = row([scene], Asked(measures=names, claims=False))
+    run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine="reference", estimated=False))
+    assert found.values[0] == pytest.approx([measure(name).of(Motion(scene, run))[0] for name in names], rel=2e-3)
+
+
+def test_what_cannot_be_settled_has_a_status_and_the_row_goes_on() -> None:
+    found = row([at(700.0), at(100.0), replace(at(100.0), slider=Slider(friction=0.3))], Asked(measures=("multiplier",), claims=False))
+    assert found.statuses[0] == LEFT
+    assert "left" in found.sentences[0]
+    assert found.statuses[1] == SETTLED
+    assert np.isfinite(found.values[1, 0])
+    refused = row([replace(at(100.0), slider=Slider(friction=0.3))], Asked(measures=("multiplier",), engine="exudyn"))
+    assert refused.statuses == (REFUSED,)
+
+
+def test_every_measure_has_a_unit_and_a_meaning() -> None:
+    assert len(MEASURES) > 150
+    assert all(each.unit and each.meaning and each.name == name for name, each in MEASURES.items())
+
+
+@pytest.mark.verify
+def test_the_other_engines_stand_by_the_points() -> None:
+    scenes = [at(90.0), at(120.0), at(150.0)]
+    names = ("peak.tip_acceleration", "peak.slider_force")
+    ours = row(scenes, Asked(measures=names))
+    for engine in ("mujoco", "exudyn"):
+        other = row(scenes, Asked(measures=names, engine=engine))
+        assert other.statuses == (SETTLED,) * 3
+        assert np.all(np.abs(other.values - ours.values) <= other.errors + ours.errors)

@@ -1,0 +1,78 @@
+"""Studies: the way through a row, points that are lost with their process, rows that are kept."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.jobs.here import ThisProcess
+from cases.jobs.job import Outcome
+from cases.jobs.store import Store
+from cases.jobs.workshop import Workshop
+from cases.library import library_case
+from cases.runs.request import FAILED, SETTLED
+from cases.sweep import grid as of_grid
+from cases.sweep.grid import Grid, axis
+from cases.sweep.rows import Asked, Row
+from cases.sweep.study import study
+
+ASKED = Asked(measures=("peak.tip_acceleration", "multiplier"), claims=False)
+
+
+def grid(*axes: str) -> Grid:
+    return Grid(library_case("thesis-24"), tuple(axis(text) for text in axes))
+
+
+def test_values_lie_where_their_place_says(tmp_path: Path) -> None:
+    """Rows go backwards, and the second axis is the one along which they run."""
+    some = grid("tip.mass = 0 g; 25 g", "crank.prescribed_speed = 80 rpm .. 120 rpm : 3")
+    workshop = Workshop(Store(tmp_path), ThisProcess())
+    found = study(some, ASKED, workshop, "down")
+    assert found.values.shape == (1, 2, 3, 2)
+    assert np.all(found.statuses == SETTLED)
+    assert np.all(np.diff(found.values[0, :, :, 0], axis=1) > 0.0), "a faster crank shakes the tip more"
+    assert np.all(np.diff(found.values[0, :, :, 1], axis=0) > 0.0), "a heavier tip keeps more of a disturbance"
+    before = workshop.store.written
+    again = study(some, ASKED, workshop, "down")
+    assert workshop.store.written == before
+    assert np.array_equal(again.values, found.values, equal_nan=True)
+
+
+class _Dies(ThisProcess):
+    """Loses every job that holds the point at 100 rpm."""
+
+    def run(self, jobs, watch=None):  # type: ignore[no-untyped-def]
+        for outcome in super().run(jobs, watch):
+            lost = any("100 rpm" in change.values() for change in outcome.job.arguments[1])
+            yield Outcome(outcome.job, failure="killed by SIGSEGV") if lost else outcome
+
+
+def test_a_point_that_kills_its_process_costs_that_point(tmp_path: Path) -> None:
+    found = study(grid("crank.prescribed_speed = 80 rpm .. 120 rpm : 3"), ASKED, Workshop(Store(tmp_path), _Dies()))
+    assert found.statuses.tolist() == [[SETTLED, FAILED, SETTLED]]
+    assert "killed by SIGSEGV" in found.sentences[0, 1]
+    assert np.isnan(found.values[0, 1]).all()
+    assert np.isfinite(found.values[0, [0, 2]]).all()
+
+
+def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A made-up machine that follows one branch up and another one down between its second and fourth point."""
+
+    def folded(case: object, changes: tuple[dict[str, str], ...], asked: Asked) -> Row:
+        speeds = [float(change["crank.prescribed_speed"].split()[0]) for change in changes]
+        up = speeds[0] < speeds[-1]
+        values = np.array([[speed if (speed < 4.0) == up or speed in (1.0, 5.0) else 2.0 * speed, 0.5] for speed in speeds])
+        return Row(values, np.full_like(values, 0.01), (SETTLED,) * len(speeds), ("",) * len(speeds))
+
+    monkeypatch.setattr(of_grid, "measured_row", folded)
+    found = study(grid("crank.prescribed_speed = 1 rpm .. 5 rpm : 5"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
+    assert found.two_motions.tolist() == [False, True, True, True, False]
+
+
+@pytest.mark.verify
+def test_the_fold_of_run_24s_machine(tmp_path: Path) -> None:
+    """Between 233 and 239 rpm the machine has two stable motions: which one it is in depends on how it got there."""
+    found = study(grid("crank.prescribed_speed = 228 rpm .. 244 rpm : 33"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
+    speeds = np.linspace(228.0, 244.0, 33)[found.two_motions]
+    assert speeds.min() == pytest.approx(233.0, abs=1.0)
+    assert speeds.max() == pytest.approx(239.0, abs=1.0)

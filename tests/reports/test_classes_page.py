@@ -1,0 +1,47 @@
+"""The chapter on classes says what the map says: who is first, by how much, by which time, and where each method fails."""
+
+from reports.tables import classes as tables
+from tests.cases.made_up_map import made_up_map
+from tests.reports.pages import one_run, read, text_of
+
+
+def test_the_heading_counts_both_times_and_says_whose_code_it_is() -> None:
+    told = text_of(one_run(classes=made_up_map()))
+    # at 0.05 reference takes 2 ms and the next 7 ms; at 0.2 mujoco is first; the third scene has no solution
+    wanted = "reference, this project’s own code, solves fastest to 1 % in 1 of 3 classes of machines (the next takes 3.5 times as long)"
+    assert f"{wanted}; counted by all that one waits for, fixed-shapes in 1, mujoco in 1" in told
+    assert "solving alone, to 0.1 %: reference in 1, mujoco in 1; 1 nobody wins" in told
+    assert "a second formulation agrees with it to 0.03 % or better" in told
+    assert "is missing, in speed 0.2 and speed 0.5: take the numbers there with care" in told
+
+
+def test_a_cell_has_winner_factor_and_runner_up_and_its_remark_has_everybody() -> None:
+    (row,) = tables.class_map(made_up_map(), 1e-2, "solving alone").rows
+    assert (row["speed 0.05"].value, row["speed 0.05"].text) == ("reference", "reference\n3.5× fixed-shapes")
+    note = row["speed 0.05"].note.replace("\N{NO-BREAK SPACE}", " ")
+    assert note == "reference 2.0 ms; fixed-shapes 7.0 ms; thesis not reached (60 % left); multiplier refused"
+    assert (row["speed 0.5"].text or row["speed 0.5"].value, row["speed 0.5"].mark) == ("no solution", "open")
+    (row,) = tables.class_map(made_up_map(), 1e-2, "all that one waits for").rows
+    assert row["speed 0.05"].value == "fixed-shapes"
+    assert "exudyn gets there and does not know it" in row["speed 0.2"].note
+
+
+def test_a_lead_shows_as_a_stronger_colour() -> None:
+    known = made_up_map()
+    (alone,), (waited,) = (tables.class_map(known, 1e-2, by).rows for by in ("solving alone", "all that one waits for"))
+    # mujoco leads by 2 alone and by 1.5 with all that one waits for
+    shares = [int(row["speed 0.2"].tint.rpartition(") ")[2].partition("%")[0]) for row in (alone, waited)]
+    assert shares[0] > shares[1] > 0
+
+
+def test_where_each_method_fails_is_counted() -> None:
+    rows = {(row["method"].value, row["level"].value): row for row in tables.failing(made_up_map()).rows}
+    assert rows["thesis", 1e-2]["not_reached"].value == 2
+    assert rows["multiplier", 1e-3]["refused"].value == 2
+    assert (rows["exudyn", 1e-2]["reached"].value, rows["exudyn", 1e-2]["unclaimed"].value) == (1, 1)
+    assert "slider.joint_stiffness" in rows["multiplier", 1e-3]["refused"].note
+
+
+def test_without_a_record_there_is_no_chapter() -> None:
+    assert "classes" not in read(one_run()).anchors
+    assert "classes" in read(one_run(classes=made_up_map())).anchors
