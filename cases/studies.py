@@ -1,15 +1,14 @@
-"""Studies that the report shows beside the 24 runs: accuracy against a confirmed solution, convergence, and what the thesis leaves open."""
+"""Studies that the report shows beside the 24 runs: accuracy against a confirmed solution, convergence, and another start."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from cases.case_file import load_case
 from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
-from cases.measures import CHANNELS, on_common_grid, relative_change
+from cases.measures import on_common_grid, relative_change
 from cases.runs.campaign import Work, carry_out
-from cases.runs.comparison import HALVES
 from cases.runs.marching import Columns, channels_of
 from cases.runs.request import Run, RunRequest
 from engines.accurate import ESTIMATED, run_once, simulate
@@ -20,7 +19,7 @@ from engines.relative import relative_error
 from engines.settings import Settings, as_texts
 from engines.start import standard_start
 from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, changed
+from reference_model.mechanism import Mechanism
 
 #: The case on which accuracy is shown, and the settings whose three solutions confirm each other.
 ACCURACY_CASE: Final = "thesis-24"
@@ -29,10 +28,6 @@ CONFIRMING: Final = {"exudyn": {"elements": "32", "step": "1e-4"}, "mujoco": {"l
 #: Modes and tolerances of the convergence table of the reference; the last of each is the solution it is measured against.
 MODES: Final = (1, 2, 3, 4, 5, 6, 7, 9, 11)
 TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
-#: Runs on which the influence of what the thesis leaves open is shown.
-OPEN_RUNS: Final = ("thesis-10", "thesis-24")
-
-INCH: Final = 0.0254  # m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,24 +73,6 @@ class BothStarts:
 
 
 @dataclass(frozen=True)
-class Moved:
-    """A number of the steady state in a run, as published (`nominal`) and changed (`value`); None where it is not resolvable."""
-
-    run: str
-    change: str
-    half: str
-    quantity: str
-    channel: str
-    nominal: float | None
-    value: float | None
-
-    @property
-    def relative_change(self) -> float | None:
-        """By what part of the nominal value it moves; None where it is not known."""
-        return self.value / self.nominal - 1.0 if self.nominal and self.value is not None else None
-
-
-@dataclass(frozen=True)
 class Studies:
     """Rows of all studies.
 
@@ -104,7 +81,6 @@ class Studies:
         converged: what that is measured against; None where it could not be computed.
         confirming: solutions of others that confirm it, where they are stored (see `confirming`).
         convergence: of the engine `reference`, over modes and tolerances.
-        sensitivity: to what the thesis leaves open: for each run, change, half and quantity.
         both_starts: of each package that marches.
         failures: sentences on what could not be computed.
     """
@@ -113,7 +89,6 @@ class Studies:
     converged: StudiedRun | None
     confirming: Sequence[StudiedRun]
     convergence: Sequence[StudiedRun]
-    sensitivity: Sequence[Moved]
     both_starts: Sequence[BothStarts]
     failures: Sequence[str]
 
@@ -152,14 +127,13 @@ def run_studies(workshop: Workshop) -> Studies:
     convergence = solutions.pop(_CONVERGENCE).value
     found = {name: outcome.value for name, outcome in solutions.items() if outcome.value is not None}
     converged = found.get(("converged", CONVERGED[0]))
-    results = carry_out(_requests(), workshop, "what the thesis leaves open, and another start")
+    results = carry_out(_requests(), workshop, "another start")
 
     return Studies(
         accuracy=[found["default", name].against(converged.columns) for name in MAIN if ("default", name) in found] if converged else [],
         converged=converged and converged.run,
         confirming=confirming(workshop, compute=False),
         convergence=convergence or (),
-        sensitivity=_sensitivity(results, failures),
         both_starts=_both_starts(results, failures),
         failures=failures,
     )
@@ -239,38 +213,12 @@ def convergence(
     return [each.against(found[-1].columns) for each in found]
 
 
-def open_changes(mechanism: Mechanism) -> dict[str, Mechanism]:
-    """What the thesis leaves open, as changed scenes, by a text that names the change."""
-    follower, tip = mechanism.follower, mechanism.tip_body
-    changes: dict[str, dict[str, Any]] = {
-        "tip centre of mass 0.5 in beyond the end": {"tip": replace(tip, center_of_mass=0.5 * INCH)},
-        "slider mass 0.1 kg": {"slider.mass": 0.1},
-        "slider inertia 2e-5 kg m²": {"slider.inertia": 2e-5},
-        "EI + 5 %": {"follower.bending_stiffness": 1.05 * follower.bending_stiffness},
-        "EI - 5 %": {"follower.bending_stiffness": 0.95 * follower.bending_stiffness},
-        "beam damping doubled": {"follower.damping": 2.0 * follower.damping},
-        "beam damping halved": {"follower.damping": 0.5 * follower.damping},
-    }
-    return {words: changed(mechanism, values) for words, values in changes.items()}
-
-
-#: The damping law is a setting of the model with fixed shapes: nominal and changed law are both taken from it, at this accuracy.
-DAMPING_LAW: Final = "beam damping on the transverse velocity alone"
-DAMPING_LAW_ACCURACY: Final = 3e-3
 #: Packages that march from the standard start, too, on one run: that they get to the same cycle is seen, not assumed.
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
 def _requests() -> dict[Name, RunRequest]:
     requests = dict[Name, RunRequest]()
-    for name in OPEN_RUNS:
-        case = load_case(name)
-        nominal = RunRequest(mechanism=case.mechanism, duration=case.duration, engine="reference")
-        for change, scene in {"": case.mechanism, **open_changes(case.mechanism)}.items():
-            requests[name, change] = replace(nominal, mechanism=scene)
-        fixed = replace(nominal, engine="fixed-shapes", accuracy=DAMPING_LAW_ACCURACY, estimated=False)
-        for law in ("both components", "transverse"):
-            requests[name, law] = replace(fixed, settings={"damping_law": law})
     case = load_case(ACCURACY_CASE)
     for name in PACKAGES:
         requests[name, "orbit"] = RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name)
@@ -279,31 +227,6 @@ def _requests() -> dict[Name, RunRequest]:
         settings = as_texts(chosen.settings_for(chosen.default_accuracy, case.mechanism).as_dict())
         requests[name, "straight"] = replace(requests[name, "orbit"], settings=settings, straight=True, estimated=False)
     return requests
-
-
-def _sensitivity(results: Runs, failures: list[str]) -> list[Moved]:
-    found: list[Moved] = []
-    for name in OPEN_RUNS:
-        changes = list(open_changes(load_case(name).mechanism))
-        pairs = [(change, results[name, change], results[name, ""]) for change in changes]
-        pairs.append((DAMPING_LAW, results[name, "transverse"], results[name, "both components"]))
-        for change, run, nominal in pairs:
-            if run.usable and nominal.usable:
-                found += _moved(name, change, run, nominal)
-            else:
-                failures.append(f"study {name} {change}: {run.remark or nominal.remark}")
-    return found
-
-
-def _moved(name: str, change: str, run: Run, nominal: Run) -> Iterator[Moved]:
-    for half in HALVES:
-        frequencies = nominal.consensus_frequency(half), run.consensus_frequency(half)
-        yield Moved(name, change, half, "first_mode_frequency", "consensus", *frequencies)
-        for channel in CHANNELS:
-            before, after = nominal.measure(half, channel), run.measure(half, channel)
-            if before and after:
-                amplitudes = before.first_mode_amplitude, after.first_mode_amplitude
-                yield Moved(name, change, half, "first_mode_amplitude", channel, *amplitudes)
 
 
 def _both_starts(results: Runs, failures: list[str]) -> list[BothStarts]:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from engines.start_state import reconstruct
     from engines.trajectory import Trajectory
     from quickreturn.advice import Advice, advise
+    from quickreturn.calibration import calibrate, uncertainty
     from quickreturn.catalogue import case, cases, engines
     from quickreturn.cross_validation import CrossValidation, report, run
     from quickreturn.difference import Differences, difference
@@ -56,6 +57,7 @@ __all__ = [
     "UnknownColumn",
     "UnknownEngine",
     "advise",
+    "calibrate",
     "case",
     "case_at",
     "cases",
@@ -73,6 +75,7 @@ __all__ = [
     "setting",
     "simulate",
     "sweep",
+    "uncertainty",
 ]
 
 #: Module -> the names that are taken from it.
@@ -87,6 +90,7 @@ _HOMES: Final = {
     "engines.start": ("Start",),
     "engines.start_state": ("reconstruct",),
     "engines.trajectory": ("Trajectory",),
+    "quickreturn.calibration": ("calibrate", "uncertainty"),
     "quickreturn.advice": ("Advice", "advise"),
     "quickreturn.catalogue": ("case", "cases", "engines"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),

@@ -22,7 +22,7 @@ from cases.library.hard import TAG
 from cases.recorded import RecordedTable, experiment_tables
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import CODE, Run
-from cases.studies import ACCURACY_CASE, OPEN_RUNS, run_studies, work
+from cases.studies import ACCURACY_CASE, run_studies, work
 from engines.registry import MAIN, engine
 from reports import long_studies
 from reports.findings.failures import INCOMPLETE
@@ -147,7 +147,7 @@ def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[Froze
 
 def _studied(cases: Sequence[Case]) -> bool:
     """Whether the report is about all runs that the studies are about."""
-    return {ACCURACY_CASE, *OPEN_RUNS} <= {case.name for case in cases if case.source == "library"}
+    return ACCURACY_CASE in {case.name for case in cases if case.source == "library"}
 
 
 def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
@@ -166,6 +166,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
         "hard scenes": not matrix.cells,
         "classes": True,
         "finding": True,
+        "unprinted": True,
     }
     return {
         "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
@@ -174,6 +175,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
         "classes": long_studies.class_map(),
         "finding": long_studies.finding(),
+        "bands": long_studies.bands(),
         "of_record": {study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
     }
 

@@ -31,6 +31,7 @@ from cases.jobs.store import Record
 from cases.judging.conditioning import Conditioning
 from cases.judging.matrix import Judged, Matrix
 from cases.studies import StudiedRun
+from cases.uncertainty.thesis import Band
 from engines.registry import MAIN
 
 T = TypeVar("T")
@@ -43,6 +44,7 @@ CODE: Final[Mapping[str, tuple[str, ...]]] = {
     "confirmation": (*SIMULATION, "cases.studies"),
     "conformance": (*SIMULATION, "cases.conformance"),
     "finding": (*SIMULATION, "cases.finding", "cases.measures", "cases.runs"),
+    "unprinted": (*SIMULATION, "cases.uncertainty", "cases.sweep", "cases.measures", "cases.runs"),
     "classes": (*SIMULATION, *classes.CODE),
 }
 #: Significant digits of recorded numbers.
@@ -146,6 +148,11 @@ def confirming() -> list[StudiedRun]:
 def finding() -> list[finding_study.Row]:
     """What each effect changes in the thesis' runs."""
     return table("finding", finding_study.Row)
+
+
+def bands() -> list[Band]:
+    """What the scatter of quantities that the thesis does not print does to its runs."""
+    return table("unprinted", Band)
 
 
 def class_map() -> Map:

@@ -23,6 +23,7 @@ from cases.judging.matrix import Matrix, judge_scenes
 from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.studies import confirming
+from cases.uncertainty.thesis import bands
 from engines.registry import MAIN, engine
 from reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedConformance, RecordedPoint, about, text_of
 from reports.machine import version
@@ -77,6 +78,7 @@ _RECORDERS: Final[Mapping[str, Callable[[Workshop, bool], str]]] = {
     "confirmation": lambda workshop, compute: _write("confirmation", confirming(workshop, compute=compute), "confirming solutions"),
     "conformance": lambda workshop, compute: _write("conformance", _conforming(workshop, compute=compute), "engines' conformance"),
     "finding": lambda workshop, compute: _write("finding", finding.study(workshop, compute=compute), "rows on the thesis' finding"),
+    "unprinted": lambda workshop, compute: _write("unprinted", bands(workshop, compute=compute), "bands of runs"),
     "classes": _classes,
 }
 

@@ -53,7 +53,6 @@ _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
     ("methods", "Which method excels", methods.methods),
     ("classes", "Which method, where", classes.classes),
     ("thesis", "What the thesis saw", thesis.thesis),
-    ("open", "What the thesis leaves open", studies.open_points),
     ("accuracy", "Accuracy and cost", studies.accuracy),
     ("hard", "Hard scenes", methods.hard_scenes),
     ("experiment", "The experiment", thesis.experiment),

@@ -12,6 +12,7 @@ from cases.judging.matrix import Matrix
 from cases.runs.comparison import CaseResult
 from cases.runs.request import Run
 from cases.studies import Studies
+from cases.uncertainty.thesis import Band
 from reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
 from reports.findings.failures import troubles
 from reports.findings.loads import CaseLoads, loads_of_cases
@@ -34,6 +35,7 @@ class Content:
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
         finding: the recorded study of what the thesis' finding comes from.
+        bands: recorded: what the scatter of quantities that the thesis does not print does to its runs.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
         verification: of the long verification, if there are results.
         conformance: engine -> verdict on whether it does what it says, where that was tried.
@@ -50,6 +52,7 @@ class Content:
     hard_scenes: Matrix | None = None
     classes: Map = field(default_factory=Map)
     finding: Sequence[Row] = ()
+    bands: Sequence[Band] = ()
     of_record: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
     conformance: Mapping[str, str] = field(default_factory=dict)

@@ -1,16 +1,15 @@
-"""Accuracy, convergence, sensitivity and cost."""
+"""Accuracy, convergence and cost."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from cases.measures import CHANNELS
 from cases.runs.comparison import CaseResult
-from cases.studies import Moved, StudiedRun
+from cases.studies import StudiedRun
 from engines.accurate import ESTIMATED
 from reports.findings.agreement import engines_of
 from reports.tables.table import CASE, Cell, Column, Columns, Table
-from reports.words import HALF, QUANTITY, case_label, cost, settings_words, short_name
+from reports.words import cost, settings_words, short_name
 
 #: Columns of the errors, with their headings.
 _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error") for name in ESTIMATED)
@@ -59,23 +58,6 @@ def convergence(runs: Sequence[StudiedRun]) -> Table:
     found = Table("convergence", columns)
     for run in runs:
         found.add(run, **run.settings, **run.errors)
-    return found
-
-
-def sensitivity(moves: Sequence[Moved]) -> Table:
-    """How first-mode frequency and amplitudes move with what the thesis leaves open."""
-    quantities = {"first_mode_frequency_consensus": "f₁"} | {f"first_mode_amplitude_{name}": short_name(name) for name in CHANNELS}
-    numbers = (Column(f"{half}_{key}", head, "%", "+.1f", group=HALF[half]) for half in HALF for key, head in quantities.items())
-    found = Table("sensitivity", (Column("run", words=case_label), "change", *numbers))
-    for run, change in dict.fromkeys((each.run, each.change) for each in moves):
-        cells = {
-            f"{each.half}_{each.quantity}_{each.channel}": Cell(None, "n. r.", f"{QUANTITY[each.quantity]} not resolvable", "open")
-            if each.relative_change is None
-            else Cell(each.relative_change)
-            for each in moves
-            if (each.run, each.change) == (run, change)
-        }
-        found.add(run=run, change=change, **cells)
     return found
 
 

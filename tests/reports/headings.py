@@ -277,18 +277,6 @@ def _softer_side(tables: Tables) -> tuple[str, float, float]:
     return first["strength"], first["pre_frequency"], first["post_frequency"]
 
 
-def open_points(tables: Tables) -> list[str]:
-    """What the thesis leaves open."""
-    table = tables["sensitivity"].set_index("change")
-    largest = {}
-    for kind in ("frequency", "amplitude"):
-        moved = table[[head for head in table.columns if f"first_mode_{kind}" in head and "remark" not in head]]
-        largest[kind] = moved.abs().max(axis=1).groupby(level=0).max().dropna().sort_values(ascending=False)
-    frequency, amplitude = largest["frequency"], largest["amplitude"]
-    told = [f"{size(share)} ({change})" for change, share in amplitude.iloc[:2].items()]
-    return [f"{frequency.index[0]} moves the first mode’s frequency most, by {size(frequency.iloc[0])}", *told]
-
-
 def accuracy(tables: Tables) -> list[str]:
     """Accuracy and cost; without studies it tells of the search for steady states alone."""
     if "accuracy" not in tables:
@@ -362,7 +350,6 @@ EXPECTED: Final[Mapping[str, Callable[[Tables], list[str]]]] = {
     "methods": methods,
     "classes": classes,
     "thesis": thesis,
-    "open": open_points,
     "accuracy": accuracy,
     "hard": hard,
     "experiment": experiment,

@@ -71,7 +71,6 @@ def test_another_number_in_any_heading_is_noticed(folder: Path) -> None:
     [
         ("experiment", "experiment", "strain_mujoco"),
         ("hard", "hard_scenes_cells", "model_error"),
-        ("open", "sensitivity", "pre_first_mode_amplitude_strain_2"),
         ("methods", "fastest", "reference solve_seconds"),
         ("accuracy", "accuracy", "tip_deflection"),
         ("thesis", "thesis_over_reference", "post_median"),

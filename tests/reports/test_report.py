@@ -16,7 +16,7 @@ from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
 from cases.runs.comparison import compare
 from cases.runs.request import Run
-from cases.studies import BothStarts, Moved, StudiedRun, Studies
+from cases.studies import BothStarts, StudiedRun, Studies
 from reports import report as report_module
 from reports.machine import machine_facts
 from reports.output import OutputError, check_folder
@@ -61,18 +61,11 @@ def studied(engine: str, settings: dict[str, Any], part: float = 1.0, *, is_refe
 
 def studies() -> Studies:
     """Made-up rows."""
-    sensitivity = [
-        Moved("thesis-24", change, half, quantity, channel, 16.0, value)
-        for change, value in (("EI + 5 %", 16.4), ("slider mass 0.1 kg", None))
-        for half in ("pre", "post")
-        for quantity, channel in (("first_mode_frequency", "consensus"), ("first_mode_amplitude", "strain_2"))
-    ]
     return Studies(
         accuracy=[studied(name, {"step": 1e-4}) for name in ("thesis", "reference")],
         converged=studied("reference", {"modes": 9}),
         confirming=[studied("exudyn", {"elements": 32})],
         convergence=[studied("reference", {"modes": n, "tolerance": 1e-9}, 100.0 / n, is_reference=n == 8) for n in (2, 4, 8)],
-        sensitivity=sensitivity,
         both_starts=[both_starts()],
         failures=(),
     )
@@ -151,7 +144,7 @@ def test_a_failure_is_told_in_full_and_what_comes_from_outside_is_escaped(folder
 
 
 def test_the_chapters_stand_in_their_order_and_are_closed(folder: Path, read: PageReader) -> None:
-    wanted = ["agreement", "runs", "methods", "thesis", "open", "accuracy", "experiment", "inconsistencies", "each", "provenance", "files"]
+    wanted = ["agreement", "runs", "methods", "thesis", "accuracy", "experiment", "inconsistencies", "each", "provenance", "files"]
     assert [anchor for anchor in read.anchors if anchor in wanted] == wanted
     assert len(set(read.anchors)) == len(read.anchors)
     assert "<details open" not in (folder / "index.html").read_text("utf-8")
@@ -160,7 +153,7 @@ def test_the_chapters_stand_in_their_order_and_are_closed(folder: Path, read: Pa
 def test_a_report_on_ones_own_case_has_its_title_and_no_word_on_the_thesis() -> None:
     own = Content(results=[reported_result("example")], facts=machine_facts())
     names = [chapter.id for chapter in chapters_of(own)]
-    assert not {"thesis", "open", "experiment", "inconsistencies"} & set(names)
+    assert not {"thesis", "experiment", "inconsistencies"} & set(names)
     assert "next" in names
     page = pages.read(own)
     assert own.results[0].case.title in page.text

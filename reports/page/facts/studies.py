@@ -1,4 +1,4 @@
-"""What the thesis leaves open, and accuracy beside cost."""
+"""Accuracy beside cost."""
 
 from collections.abc import Sequence
 from typing import Any, Final
@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from cases.runs.comparison import REFERENCE
-from cases.studies import Moved, StudiedRun
+from cases.studies import StudiedRun
 from engines.accurate import ESTIMATED
 from reports.findings.agreement import engines_of
 from reports.page.content import Content
@@ -14,49 +14,10 @@ from reports.page.plot import Plot, Series
 from reports.tables import studies as tables
 from reports.tables.orbits import GONE_AT, SETTLED_AT, both_starts, orbits
 from reports.tables.table import Table
-from reports.words import HALF, case_label, size
+from reports.words import size
 
 #: What two solutions may differ by to confirm each other.
 CONFIRMED: Final = 5e-4
-#: A change of more than this part is worth a word; in a strong run the measure itself may be half of it off.
-NOTABLE: Final = 0.01
-
-
-def open_points(content: Content) -> dict[str, Any] | None:
-    """None where the runs that it is about are not all shown."""
-    if content.studies is None or not content.studies.sensitivity:
-        return None
-    found = content.studies.sensitivity
-    return {
-        "notable": NOTABLE,
-        "frequency": strongest(found, "first_mode_frequency"),
-        "amplitude": strongest(found, "first_mode_amplitude"),
-        "failures": content.studies.failures,
-        "plot": _sensitivity(found),
-        "table": tables.sensitivity(found),
-    }
-
-
-def strongest(found: Sequence[Moved], quantity: str) -> list[tuple[str, float]]:
-    """Changes and how far they move a quantity at most, the strongest first."""
-    largest: dict[str, float] = {}
-    for each in found:
-        if each.quantity == quantity and each.relative_change is not None:
-            largest[each.change] = max(abs(each.relative_change), largest.get(each.change, 0.0))
-    return sorted(largest.items(), key=lambda item: item[1], reverse=True)
-
-
-def _sensitivity(found: Sequence[Moved]) -> Plot:
-    known = [each for each in found if each.quantity == "first_mode_frequency" and each.relative_change is not None]
-    series = []
-    for run, half in dict.fromkeys((each.run, each.half) for each in known):
-        moved = {each.change: each.relative_change or 0.0 for each in known if (each.run, each.half) == (run, half)}
-        texts = [f"{change}: {size(share)}" for change, share in moved.items()]
-        shown = [100.0 * share for share in moved.values()]
-        name = case_label(run)
-        series.append(Series(f"{name}, {HALF[half]}", name, list(moved), shown, texts, hollow=half == "post", line=False))
-    changes = list(dict.fromkeys(each.change for each in known))
-    return Plot("sensitivity.csv", "", "change of the first-mode frequency [%]", series, categories=changes)
 
 
 def accuracy(content: Content) -> dict[str, Any] | None:

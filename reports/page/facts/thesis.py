@@ -10,20 +10,23 @@ from cases.experiment.stiffness import stiffness_reading
 from cases.library import inconsistencies
 from cases.measures import CHANNELS
 from cases.runs.comparison import REFERENCE
+from cases.uncertainty.thesis import Band
 from engines.registry import OWN
 from reports.findings.agreement import differences, engines_of
 from reports.findings.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
 from reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, MODEL, NOT, OUTCOMES
 from reports.findings.raw_extremes import Excess, counted_excess
 from reports.page.content import Content
-from reports.page.facts.finding import finding
-from reports.page.facts.studies import strongest
+from reports.page.facts.finding import EXCESS, finding
 from reports.tables import experiment as experiment_tables
+from reports.tables import scatter as scatter_tables
 from reports.tables import thesis_view as tables
 from reports.words import HALF, span
 
 #: Hz, the mode that section 3.4 reads off run 24.
 SECOND_MODE: Final = next(found.low for found in statements() if found.id == "second-mode")
+#: The run that the thesis describes most.
+EXAMPLE: Final = 24
 #: Channels in which the thesis' slow part is large.
 STRAINS: Final = CHANNELS[1:]
 #: A difference of an excess between the halves that a reader of plots would notice.
@@ -55,10 +58,33 @@ def thesis(content: Content) -> dict[str, Any] | None:
         "second_mode": SECOND_MODE,
         "of_record": content.of_record.get("finding"),
         **finding(content.finding, results),
+        **_scattered(content.bands),
+        "of_record_scatter": content.of_record.get("unprinted"),
         "stiffness": stiffness_reading(fitted),
         "ratios": tables.ratios(results),
         "statements": tables.statements(conclusions),
         "counted": tables.counted(excesses),
+    }
+
+
+def _scattered(bands: Sequence[Band]) -> dict[str, Any]:
+    """What the scatter of the quantities that are not printed does to the frequencies of the halves."""
+    resolved = [each for each in bands if each.ratio]
+    if not resolved:
+        return {"scatter": None}
+    return {
+        "scatter": {
+            "compared": sum(each.compared for each in resolved),
+            "runs": len(resolved),
+            "medians": sorted(each.ratio[1] for each in resolved),
+            "least": min(resolved, key=lambda each: each.ratio[0]),
+            "most": max(resolved, key=lambda each: each.ratio[2]),
+            "apart": sum(each.apart for each in resolved),
+            "example": next((each for each in resolved if each.run == EXAMPLE), None),
+            "needed": 1.0 / EXCESS,
+        },
+        "unprinted": scatter_tables.unprinted(),
+        "bands": scatter_tables.bands(bands),
     }
 
 
@@ -96,7 +122,7 @@ def experiment(content: Content) -> dict[str, Any] | None:
         "fits_worse": fits_worse(axes),
         "alone": max((axis for axis in alone if axis.channel == "strain"), key=lambda axis: axis.largest_label, default=None),
         "stiffness": stiffness_reading([]),
-        "moved": strongest(content.studies.sensitivity, "first_mode_amplitude")[:1] if content.studies else [],
+        "strain_band": max((each.strain[2] / each.strain[0] for each in content.bands if each.strain), default=None),
         "recorded": any(item.counts for item in content.comparisons),
         "speeds": experiment_tables.speeds_and_axes(content.results, axes, engines),
         "alone_table": experiment_tables.measured_alone(alone, engines),

@@ -1,0 +1,245 @@
+"""Finds parameters of a scene from a recorded table by least squares, and says how well the table determines them.
+
+What the residuals show is in the covariance. A mistake of the model that another value of a parameter makes up for shows in no residual.
+The part of it that is the simulation's own error is estimated by finer settings and told apart.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+from scipy.optimize import least_squares
+
+from cases.case import Case
+from cases.copies import as_written as as_document
+from cases.errors import CaseError, as_written
+from cases.reading import case_of
+from cases.recorded import RecordedTable
+from cases.uncertainty.covariance import UNTOLD, best_step, covariance, smooth_part, untold
+from cases.uncertainty.fit import PROBABILITY, Fit, Found
+from cases.uncertainty.parameters import Parameter, interval, overrides
+from cases.uncertainty.table_model import TableModel
+from engines.base import EngineFailure, NoSteadyState, Refusal
+from engines.own.reference import ReferenceSettings
+from engines.relative import rms
+from reference_model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+#: Accuracy of the simulations that the result rests on. The way there, and the derivatives, take the engine's default.
+ACCURACY: Final = 1e-4
+#: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of what it shows.
+DIFFERENCE: Final = 1e-3
+#: How strongly a parameter is held where a fit begins, relative to one that changes the table by all of its size: what a stretch of the
+#: table does not tell shall not run away. Each fit begins where the last one ended, so nothing of it is left in the end.
+HOLD: Final = 1e-2
+#: By how much a parameter without a range may change: its logarithm.
+FARTHEST: Final = 3.0
+#: A column is not weighted as if it were better known than this part of its size.
+BEST_KNOWN: Final = 1e-4
+MOST_EVALUATIONS: Final = 30
+FITS: Final = 2  # of the whole table: weighted by the columns' sizes, then by what was left of each
+CORRECTIONS: Final = 2  # Gauss-Newton steps with the finer simulation and the derivatives of the usual one
+ENOUGH: Final = 1e-4  # relative change of the squares at which a fit ends; the corrections do the rest
+FAILED: Final = 1e3  # residual in place of a simulation that broke down, relative to the table's size
+
+
+@dataclass(frozen=True)
+class Free:
+    """A parameter to be found: in its logarithm from the case's value on, or between the ends of a range."""
+
+    parameter: Parameter
+    start: float
+    ends: tuple[float, float] | None
+
+    @classmethod
+    def of_text(cls, text: str, case: Case, source: str) -> "Free":
+        """From `KEY` or `KEY = A .. B`.
+
+        Raises:
+            CaseError: no such parameter, or one whose value gives no scale and that has no range.
+        """
+        key, sign, range_ = (part.strip() for part in text.partition("="))
+        parameter = Parameter.of_key(key, source)
+        start = parameter.of(case.mechanism)
+        if sign:
+            low, high = interval(range_, parameter, source)
+            return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high))
+        if not math.isfinite(start) or start == 0.0:
+            accepted = f'give a range, such as "{key} = 0 {parameter.quantity.unit} .. 1 {parameter.quantity.unit}"'
+            raise CaseError(source, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
+        return cls(parameter, start, None)
+
+    @property
+    def first(self) -> float:
+        """The coordinate of the start."""
+        return 0.0 if self.ends is None else (self.start - self.ends[0]) / (self.ends[1] - self.ends[0])
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Of the coordinate."""
+        return (-FARTHEST, FARTHEST) if self.ends is None else (0.0, 1.0)
+
+    def value(self, coordinate: float) -> float:
+        """SI."""
+        return self.start * math.exp(coordinate) if self.ends is None else self.ends[0] + coordinate * (self.ends[1] - self.ends[0])
+
+    def slope(self, coordinate: float) -> float:
+        """Change of the value by the coordinate."""
+        return self.value(coordinate) if self.ends is None else self.ends[1] - self.ends[0]
+
+
+def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str = "--free") -> Fit:
+    """Find the parameters with which `reference` comes closest to a table.
+
+    Args:
+        case: the scene to begin from.
+        table: from the standard start, or of the steady state.
+        free: keys, each alone or with a range: `"tip.center_of_mass = 0 in .. 0.5 in"`.
+        source: named in what is wrong with `free`.
+
+    Raises:
+        CaseError: keys or table that cannot be.
+        EngineFailure, Refusal: the case cannot be simulated where the search begins.
+    """
+    return _Search(case, TableModel(case, table), frees_of(free, case, source)).fit(table.name)
+
+
+def frees_of(texts: Sequence[str], case: Case, source: str) -> list[Free]:
+    """The parameters of some texts. CaseError: as of `Free.of_text`, or one is given twice, or none is."""
+    found = [Free.of_text(text, case, source) for text in texts]
+    keys = [each.parameter.key for each in found]
+    if not found or len({*keys}) < len(keys):
+        raise CaseError(source, None, None, f"{as_written(keys)} are no different parameters", "give each key once")
+    return found
+
+
+class _Search:
+    """Fits stretch after stretch."""
+
+    def __init__(self, case: Case, model: TableModel, frees: Sequence[Free]) -> None:
+        self.case, self.model, self.frees, self.document = case, model, frees, as_document(case)
+        self.simulations = 0
+        engine, scene = model.engine, case.mechanism
+        self.usual, self.fine = (engine.settings_for(accuracy, scene) for accuracy in (engine.default_accuracy, ACCURACY))
+
+    def fit(self, table: str) -> Fit:
+        model, at = self.model, np.array([each.first for each in self.frees])
+        try:
+            self._simulated(at, self.usual, model.rows)
+        except NoSteadyState as reason:
+            raise EngineFailure(0.0, f"no steady state was found where the search begins: {reason}", "begin from other values") from reason
+        weights = 1.0 / model.sizes
+        for rows in model.stretches(self.case.mechanism)[:-1]:
+            at = self._fitted(at, self.usual, rows, weights)
+        for _ in range(FITS):
+            at = self._fitted(at, self.usual, model.rows, weights)
+            left = model.values - self._simulated(at, self.usual, model.rows)
+            weights = 1.0 / np.maximum([rms(column) for column in left], BEST_KNOWN * model.sizes)
+        slopes = self._slopes(at, self.usual, model.rows)
+        for _ in range(CORRECTIONS):
+            left = model.values - self._simulated(at, self.fine, model.rows)
+            at = np.clip(at + best_step(slopes, left, weights), *np.transpose([each.bounds for each in self.frees]))
+        left = model.values - self._simulated(at, self.fine, model.rows)
+        return self._told(table, at, left, slopes, weights)
+
+    def _scene(self, at: Array) -> Mechanism:
+        values = {each.parameter: each.value(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)}
+        return case_of(self.document.overridden_by(overrides(self.case.mechanism, values))).mechanism
+
+    def _simulated(self, at: Array, settings: ReferenceSettings, rows: int) -> Array:
+        self.simulations += 1
+        return self.model.simulated(self._scene(at), settings, rows)
+
+    def _fitted(self, begin: Array, settings: ReferenceSettings, rows: int, weights: Array) -> Array:
+        scaled = (weights / math.sqrt(rows * len(weights)))[:, None]
+        table = self.model.values[:, :rows]
+        hold = HOLD * float(np.mean(weights * self.model.sizes))
+
+        def residual(at: Array) -> Array:
+            try:
+                apart = (self._simulated(at, settings, rows) - table) * scaled
+            except (EngineFailure, Refusal, NoSteadyState, CaseError):
+                apart = np.full(table.shape, FAILED * float(np.max(scaled * self.model.sizes[:, None])))
+            return np.concatenate([apart.ravel(), hold * (at - begin)])
+
+        def jacobian(at: Array) -> Array:
+            slopes = self._slopes(at, settings, rows) * scaled[:, :, None]
+            return np.vstack([slopes.reshape(-1, len(at)), hold * np.eye(len(at))])
+
+        bounds = tuple(np.transpose([each.bounds for each in self.frees]))
+        inside = np.clip(begin, bounds[0] + 1e-6, bounds[1] - 1e-6)
+        return np.asarray(least_squares(residual, inside, jacobian, bounds, ftol=ENOUGH, xtol=None, gtol=None, max_nfev=MOST_EVALUATIONS).x)
+
+    def _slopes(self, at: Array, settings: ReferenceSettings, rows: int) -> Array:
+        """Derivatives of the columns by the coordinates, shape (C, rows, p), by central differences within the bounds."""
+        columns = []
+        for number, each in enumerate(self.frees):
+            ends = np.clip(at[number] + np.array([-DIFFERENCE, DIFFERENCE]), *each.bounds)
+            both = [self._simulated(np.where(np.arange(len(at)) == number, end, at), settings, rows) for end in ends]
+            columns.append((both[1] - both[0]) / (ends[1] - ends[0]))
+        return np.stack(columns, axis=-1)
+
+    def _told(self, table: str, at: Array, left: Array, slopes: Array, weights: Array) -> Fit:
+        model, rows = self.model, self.model.rows
+        spread, alone = covariance(left * weights[:, None], slopes * weights[:, None, None])
+        sensitivities = slopes / model.sizes[:, None, None]
+        parts = np.sqrt(np.mean(sensitivities**2, axis=(0, 1)))  # relative change of the table by each coordinate
+        directions = untold(sensitivities, spread)
+        loose = {number for direction in directions for number in np.flatnonzero(np.abs(direction) > UNTOLD * np.max(np.abs(direction)))}
+        finer = model.engine.comparisons(self.fine, self.case.mechanism, 0.0)[0]
+        finer_settings = finer.other
+        assert isinstance(finer_settings, ReferenceSettings)
+        apart = (self._simulated(at, finer_settings, rows) - self._simulated(at, self.fine, rows)) / abs(1.0 - finer.factor)
+        moved = np.abs(best_step(slopes, apart, weights))
+        sizes = np.sqrt(np.diag(spread))
+        known = np.where(sizes > 0.0, sizes, 1.0)  # of a parameter without any effect all is zero
+        per = np.array([each.slope(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)])
+        reach = stats.norm.ppf(0.5 + 0.5 * PROBABILITY) * sizes
+        found = [
+            Found(
+                key=each.parameter.key,
+                unit=each.parameter.quantity.unit,
+                start=each.start,
+                value=each.value(float(at[k])),
+                low=min(ends := [each.value(float(np.clip(at[k] + sign * reach[k], -99.0, 99.0))) for sign in (-1.0, 1.0)]),
+                high=max(ends),
+                simulation_error=float(moved[k] * abs(per[k])),
+                determined=k not in loose and bool(parts[k] > 0.0),
+                at_end=bool(np.min(np.abs(at[k] - np.array(each.bounds))) < 1e-3),
+            )
+            for k, each in enumerate(self.frees)
+        ]
+        in_si = spread * np.outer(per, per)
+        return Fit(
+            case=self.case,
+            table=table,
+            begins=model.begins,
+            rows=rows,
+            found=tuple(found),
+            covariance=tuple(map(tuple, in_si.tolist())),
+            correlation=tuple(map(tuple, (spread / np.outer(known, known)).tolist())),
+            cannot_tell=tuple(self._words(direction, at, sensitivities) for direction in directions),
+            left={name: rms(column) / float(size) for name, column, size in zip(model.names, left, model.sizes, strict=True)},
+            smooth=smooth_part(left * weights[:, None]),
+            widened=float(np.exp(np.mean(np.log(known / np.sqrt(np.where(sizes > 0.0, np.diag(alone), 1.0)))))),
+            simulations=self.simulations,
+        )
+
+    def _words(self, direction: Array, at: Array, sensitivities: Array) -> str:
+        """A change of parameters, the largest by a tenth, that the table does not show."""
+        step = UNTOLD * direction / np.max(np.abs(direction))
+        parts = []
+        for each, coordinate, part in zip(self.frees, at, step, strict=True):
+            if abs(part) < 0.05 * UNTOLD:
+                continue
+            if each.ends is None:
+                parts.append(f"{each.parameter.key} {100.0 * math.expm1(part):+.3g} %")
+            else:
+                parts.append(f"{each.parameter.key} {part * each.slope(float(coordinate)):+.3g} {each.parameter.quantity.unit}")
+        shown = float(np.sqrt(np.mean((sensitivities @ step) ** 2)))
+        return f"{' with '.join(parts)} (changes the columns by {100.0 * shown:.2g} % of their RMS)"

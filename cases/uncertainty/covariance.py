@@ -1,0 +1,83 @@
+"""How well a least-squares fit determines its parameters, with residuals that depend on each other.
+
+The residuals of a real table are no independent numbers: noise is coloured, and what the model lacks is smooth. So the covariance comes
+from the residuals' own spectra (the sandwich estimate: W. K. Newey, K. D. West, Econometrica 55, 1987, 703; here in the frequency domain
+and for all columns together).
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: A direction counts as not determined if its standard error reaches this part of the parameters or of their ranges ...
+UNTOLD: Final = 0.1
+#: ... or if such a change moves the table by less than this part, which is about the simulation's accuracy.
+UNSEEN: Final = 2e-4
+
+
+def best_step(slopes: Array, left: Array, weights: Array) -> Array:
+    """The change of the coordinates, shape (p,), that takes most of what is left, shape (C, N), with a change's effect (C, N, p)."""
+    matrix = (slopes * weights[:, None, None]).reshape(-1, slopes.shape[2])
+    return np.asarray(np.linalg.lstsq(matrix, (left * weights[:, None]).ravel(), rcond=UNSEEN)[0])
+
+
+def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
+    """Covariance of a least-squares estimate with residuals that depend on each other, and what independent ones would give.
+
+    The residuals' spectra and cross-spectra are means over the square root of the number of frequencies, so that a correlation over up
+    to so many rows counts.
+
+    Args:
+        residuals: weighted, shape (C, N).
+        slopes: their derivatives by the parameters, shape (C, N, p).
+
+    Returns:
+        Both of shape (p, p).
+    """
+    channels, rows, count = slopes.shape
+    matrix = slopes.reshape(-1, count)
+    sizes = np.linalg.norm(matrix, axis=0)
+    sizes[sizes == 0.0] = 1.0
+    bread = np.linalg.pinv((matrix / sizes).T @ (matrix / sizes), rcond=1e-14, hermitian=True)
+    spectra = np.fft.fft(residuals, 2 * rows, axis=1)
+    of_slopes = np.fft.fft(slopes / sizes, 2 * rows, axis=1)
+    width = 2 * math.isqrt(rows) + 1
+    window = np.fft.fft(np.roll(np.pad(np.full(width, 1.0 / width), (0, 2 * rows - width)), -(width // 2)))
+    filling = np.zeros((count, count), dtype=complex)
+    for one in range(channels):
+        for other in range(channels):
+            smoothed = np.fft.ifft(np.fft.fft(spectra[one] * np.conj(spectra[other])) * window) / rows
+            filling += np.einsum("fi,f,fj->ij", np.conj(of_slopes[one]), smoothed, of_slopes[other]) / (2 * rows)
+    freedom = channels * rows / (channels * rows - count)
+    scale = np.outer(sizes, sizes)
+    independent = bread * float(np.mean(residuals**2)) * freedom / scale
+    found = bread @ np.real(filling + filling.conj().T) @ bread * 0.5 * freedom / scale
+    own = np.diag(found)  # which the scatter of the spectra shall not make narrower than for independent residuals
+    wider = np.sqrt(np.maximum(1.0, np.diag(independent) / np.where(own > 0.0, own, math.inf)))
+    return found * np.outer(wider, wider), independent
+
+
+def smooth_part(residuals: Array) -> float:
+    """Part of the squares of residuals, shape (C, N), that goes on smoothly from row to row: 0 of independent noise.
+
+    Third differences of independent numbers of variance v have the variance 20 v; those of a smooth course are small.
+    """
+    noise = float(np.mean(np.diff(residuals, 3, axis=1) ** 2)) / 20.0
+    return max(0.0, 1.0 - noise / float(np.mean(residuals**2)))
+
+
+def untold(sensitivities: Array, spread: Array) -> list[Array]:
+    """Unit vectors of coordinates that a table does not determine, shape (p,) each.
+
+    Args:
+        sensitivities: relative change of each column by each coordinate, shape (C, N, p).
+        spread: covariance of the coordinates, shape (p, p).
+    """
+    matrix = sensitivities.reshape(-1, len(spread))
+    _, values, vectors = np.linalg.svd(matrix / math.sqrt(len(matrix)), full_matrices=False)
+    errors = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", vectors, spread, vectors), 0.0))
+    return [vector for vector, value, error in zip(vectors, values, errors, strict=True) if UNTOLD * value < UNSEEN or error > UNTOLD]

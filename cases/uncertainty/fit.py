@@ -1,0 +1,118 @@
+"""What a recorded table says of a scene's parameters."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Final
+
+import numpy as np
+from scipy import stats
+
+from cases.case import Case
+from cases.copies import LONGEST_NAME
+from cases.shown import Cell, Rows, Shown
+from cases.uncertainty.parameters import Parameter, overrides
+
+PROBABILITY: Final = 0.95
+#: A smooth part of the squares left that is worth a word.
+SMOOTH: Final = 0.3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """A parameter that was found, SI.
+
+    Attributes:
+        key: of the parameter.
+        unit: SI.
+        start: where the search began.
+        value: the best one.
+        low: lower end of the 95 % interval, by what the residuals show.
+        high: upper end.
+        simulation_error: by how much the simulation's own error may move the value; not part of the interval.
+        determined: whether the table tells it at all.
+        at_end: whether it lies at the end of its range.
+    """
+
+    key: str
+    unit: str
+    start: float
+    value: float
+    low: float
+    high: float
+    simulation_error: float
+    determined: bool
+    at_end: bool
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """A row for people."""
+        interval_ = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
+        end = " (at an end of its range)" if self.at_end else ""
+        return self.key, f"{self.value:.6g}{end}", self.unit, interval_, f"{self.simulation_error:.1e}", f"{self.start:.6g}"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Fit(Shown):
+    """What a table says of some parameters.
+
+    Attributes:
+        case: where the search began.
+        table: name.
+        begins: whether the simulation began in the standard start with the table; else the steady state was fitted.
+        rows: of the table.
+        found: the parameters.
+        covariance: of the estimate, SI, as nested lists, (p, p).
+        correlation: likewise.
+        cannot_tell: directions that the table does not determine, as clauses.
+        left: column -> RMS of what is left over RMS of the column.
+        smooth: part of the squares left that is smooth from row to row: no measuring noise, but what the model or the sensors do.
+        widened: how many times wider the intervals are than for independent residuals, geometric mean.
+        simulations: how many were made.
+    """
+
+    case: Case
+    table: str
+    begins: bool
+    rows: int
+    found: tuple[Found, ...]
+    covariance: tuple[tuple[float, ...], ...]
+    correlation: tuple[tuple[float, ...], ...]
+    cannot_tell: tuple[str, ...]
+    left: dict[str, float]
+    smooth: float
+    widened: float
+    simulations: int
+
+    def holds(self, values: Sequence[float]) -> bool:
+        """Whether values (SI, in the order of `found`) lie in the 95 % region of all parameters that are determined, together."""
+        told = [place for place, each in enumerate(self.found) if each.determined]
+        spread = np.array(self.covariance)[np.ix_(told, told)]
+        sizes = np.sqrt(np.diag(spread))
+        away = np.array([values[place] - self.found[place].value for place in told]) / sizes
+        return bool(away @ np.linalg.solve(spread / np.outer(sizes, sizes), away) <= stats.chi2(len(told)).ppf(PROBABILITY))
+
+    @property
+    def fitted(self) -> Case:
+        """The case with the values that were found."""
+        values = {Parameter.of_key(each.key, self.case.name): each.value for each in self.found}
+        return self.case.with_(overrides(self.case.mechanism, values), name=f"{self.case.name}-fitted"[-LONGEST_NAME:])
+
+    def as_document(self) -> dict[str, Any]:
+        """All of it as JSON has it."""
+        return {**{each.name: getattr(self, each.name) for each in fields(self)}, "case": self.case.name, "found": [*map(vars, self.found)]}
+
+    def _parts(self) -> Iterator[Cell]:
+        of = "from the standard start" if self.begins else "of the steady state"
+        yield f"{self.case.name} fitted to {self.table}: {self.rows} rows {of}, {self.simulations} simulations"
+        yield Rows([each.shown for each in self.found], ("parameter", "value", "unit", "95 % interval", "simulation's error", "begun from"))
+        if len(self.found) > 1:
+            named = zip(self.found, self.correlation, strict=True)
+            rows = [(each.key, *(f"{value:+.2f}" for value in line)) for each, line in named]
+            yield Rows(rows, ("correlation", *(each.key for each in self.found)))
+        yield from (f"this table cannot tell: {direction}" for direction in self.cannot_tell)
+        yield f"left, RMS over the column's: {', '.join(f'{name} {100.0 * share:.2g} %' for name, share in self.left.items())}"
+        if self.smooth > SMOOTH:
+            yield (
+                f"note: {100.0 * self.smooth:.0f} % of the squares left go on smoothly from row to row: the model lacks something,"
+                " or the noise is coloured; the intervals allow for it only as far as no parameter makes up for it"
+            )

@@ -1,0 +1,176 @@
+"""Parameters of a scene that are not known exactly, and the distributions that describe them, written as text with units."""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+from scipy.special import eval_hermitenorm, eval_legendre, factorial
+
+from cases.case import PATHS, dimension_of
+from cases.errors import CaseError, as_written, nearest_or_all
+from cases.units import QuantityError, parse_quantity, plain_number
+from reference_model.mechanism import Mechanism
+from reference_model.quantities import Quantity
+from reference_model.scene_values import values_of
+
+Array = NDArray[np.float64]
+
+_KEY: Final = re.compile(r"([a-z_.]+)(?:\[([1-9])\])?")
+_EXAMPLES: Final = (
+    'write such as "uniform 0 kg .. 1 kg", "log-uniform 1 kg .. 4 kg", "normal 2128 lbf*in^2 +- 4 %" or "normal 2 in +- 1 in"'
+)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of a scene by its key in a case file, such as `tip.mass`; of a list the place is added: `mechanism.gravity[2]`.
+
+    Attributes:
+        path: dotted key.
+        place: in the list, from 0; None of a single number.
+    """
+
+    path: str
+    place: int | None = None
+
+    @classmethod
+    def of_key(cls, key: str, source: str) -> "Parameter":
+        """The parameter of a key as written.
+
+        Raises:
+            CaseError: no such key; no place in a list, or one that is not there; a key that no motion depends on.
+        """
+        match = _KEY.fullmatch(key)
+        if match is None or match[1] not in PATHS or match[1].startswith("simulation."):
+            known = tuple(path for path in PATHS if not path.startswith("simulation."))
+            raise CaseError(source, None, as_written(key), "is no quantity of a scene", nearest_or_all(key, known))
+        quantity = PATHS[match[1]]
+        if not quantity.moves:
+            raise CaseError(source, match[1], None, "changes no motion", "give a quantity that the motion depends on")
+        place = None if match[2] is None else int(match[2]) - 1
+        if (place is None) != (quantity.count is None) or (place or 0) >= (quantity.count or 1):
+            accepted = f"write {match[1]}" if quantity.count is None else f"write {match[1]}[1] to {match[1]}[{quantity.count}]"
+            raise CaseError(source, None, as_written(key), "names no single number", accepted)
+        return cls(match[1], place)
+
+    @property
+    def key(self) -> str:
+        """As it is written."""
+        return self.path if self.place is None else f"{self.path}[{self.place + 1}]"
+
+    @property
+    def quantity(self) -> Quantity:
+        """What it measures."""
+        return PATHS[self.path]
+
+    def of(self, scene: Mechanism) -> float:
+        """Its value in a scene, SI; of an absent part the default, nan where there is none."""
+        section, _, name = self.path.partition(".")
+        value: Any = values_of(scene).get(section, {}).get(name)
+        if value is None and section == "follower":
+            value = getattr(scene.follower, name)  # of material and section, which a scene keeps as stiffness and mass
+        value = self.quantity.default if value is None else value
+        if value is None:
+            return math.nan
+        return float(value if self.place is None else value[self.place])
+
+
+def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, Any]:
+    """Values (SI) as what `Document.overridden_by` takes: texts by dotted key; of a list the other places keep what the scene has."""
+    found: dict[str, Any] = {}
+    for parameter, value in values.items():
+        text = f"{float(value):.12g} {parameter.quantity.unit}".removesuffix(" 1")
+        if parameter.place is None:
+            found[parameter.path] = text
+        else:
+            others = [Parameter(parameter.path, place) for place in range(parameter.quantity.count or 0)]
+            whole = found.get(parameter.path) or tuple(f"{each.of(scene)!r} {parameter.quantity.unit}" for each in others)
+            found[parameter.path] = tuple(text if each == parameter else kept for each, kept in zip(others, whole, strict=True))
+    return found
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """How a parameter scatters.
+
+    Attributes:
+        kind: "uniform", "log-uniform" or "normal".
+        first: SI; lower end, or the mean.
+        second: SI; upper end, or the standard deviation.
+        text: as written.
+    """
+
+    kind: str
+    first: float
+    second: float
+    text: str
+
+    def quantile(self, probability: Array) -> Array:
+        """The values that are not exceeded with a probability from 0 to 1, SI, shape as the argument."""
+        if self.kind == "normal":
+            return np.asarray(stats.norm(self.first, self.second).ppf(probability))
+        if self.kind == "log-uniform":
+            return np.asarray(stats.loguniform(self.first, self.second).ppf(probability))
+        return np.asarray(self.first + (self.second - self.first) * probability)
+
+    def polynomials(self, values: Array, degree: int) -> Array:
+        """Orthonormal polynomials of the parameter at values (SI), shape (n,), up to a degree: shape (n, degree + 1).
+
+        Hermite's for a normal distribution, Legendre's for others (D. Xiu, G. E. Karniadakis, SIAM Journal on Scientific Computing 24,
+        2002, 619).
+        """
+        orders = np.arange(degree + 1)
+        if self.kind == "normal":
+            found = eval_hermitenorm(orders, ((values - self.first) / self.second)[:, None])
+            return np.asarray(found / np.sqrt(factorial(orders)))
+        ends = (math.log(self.first), math.log(self.second)) if self.kind == "log-uniform" else (self.first, self.second)
+        place = np.log(values) if self.kind == "log-uniform" else values
+        centred = (2.0 * place - ends[0] - ends[1]) / (ends[1] - ends[0])
+        return np.asarray(eval_legendre(orders, centred[:, None]) * np.sqrt(2.0 * orders + 1.0))
+
+
+def distribution(text: Any, parameter: Parameter, source: str) -> Distribution:
+    """A distribution as written: `"uniform A .. B"`, `"log-uniform A .. B"`, `"normal M +- S"`; S may be a percentage of M.
+
+    Raises:
+        CaseError: none of these; ends in the wrong order; a value that the quantity cannot have.
+    """
+
+    def wrong(problem: str, accepted: str = _EXAMPLES) -> CaseError:
+        return CaseError(source, parameter.key, as_written(text), problem, accepted)
+
+    kind, _, rest = text.strip().partition(" ") if isinstance(text, str) else ("", "", "")
+    between = {"uniform": "..", "log-uniform": "..", "normal": "+-"}.get(kind)
+    if between is None or rest.count(between) != 1:
+        raise wrong("is no distribution")
+    ends = [part.strip() for part in rest.split(between)]
+    first = _value(ends[0], parameter, wrong)
+    percent = plain_number(ends[1].removesuffix("%").strip()) if kind == "normal" and ends[1].endswith("%") else None
+    second = _value(ends[1], parameter, wrong) if percent is None else abs(first) * percent / 100.0
+    if kind == "normal" and not second > 0.0:
+        raise wrong("has no positive standard deviation")
+    if kind != "normal" and not first < second:
+        raise wrong("does not rise", "write the lower end first")
+    if kind == "log-uniform" and not first > 0.0:
+        raise wrong("has an end that is not positive, and no logarithm", "both ends of a log-uniform distribution must be positive")
+    if parameter.quantity.sign != "any" and first < 0.0:
+        raise wrong("holds negative values", f"{parameter.path} must be {parameter.quantity.sign}")
+    return Distribution(kind, first, second, text)
+
+
+def interval(text: str, parameter: Parameter, source: str) -> tuple[float, float]:
+    """A range `A .. B` in SI. CaseError: no such range."""
+    found = distribution(f"uniform {text}", parameter, source)
+    return found.first, found.second
+
+
+def _value(text: str, parameter: Parameter, wrong: Any) -> float:
+    try:
+        return parse_quantity(text, dimension_of(parameter.path))
+    except QuantityError as problem:
+        raise wrong(f'holds "{text}", which {problem.problem}', problem.accepted) from None

@@ -1,0 +1,264 @@
+"""What the scatter of parameters does to measures of the settled motion: quantiles, and which parameter causes how much of it.
+
+The points are quasi-random (Sobol', scrambled: A. B. Owen, Journal of Complexity 14, 1998, 466). The error of a number that comes from a
+finite number of points is found by drawing the points again from themselves (bootstrap). How far off the simulation is at a point
+is another matter, and is told apart.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from cases.case import Case
+from cases.errors import CaseError
+from cases.jobs.job import Job
+from cases.jobs.workshop import Workshop
+from cases.runs.request import FAILED, SETTLED
+from cases.shown import Cell, Rows, Shown
+from cases.sweep.grid import job
+from cases.sweep.measures import measure
+from cases.sweep.rows import Asked, Row
+from cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
+
+Array = NDArray[np.float64]
+
+#: Points that are computed one after the other; each begins its search in the motion of the one before.
+ROW: Final = 16
+#: Numbers of points that keep a Sobol' sequence balanced: powers of two.
+FEWEST: Final = 8
+MOST: Final = 65536
+SEED: Final = 1
+DRAWN: Final = 200  # times that the points are drawn again
+PROBABILITIES: Final = (0.025, 0.5, 0.975)
+HIGHEST_DEGREE: Final = 4
+#: Points for each coefficient of a surrogate, at least.
+PER_TERM: Final = 2.0
+#: A surrogate that explains less than this part of the variance, cross-validated, gives no indices.
+GOOD: Final = 0.8
+
+
+@dataclass(frozen=True)
+class Quantile:
+    """A quantile of a measure, SI; `error`: standard error from the finite number of points."""
+
+    probability: float
+    value: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Share:
+    """How much of a measure's variance a parameter causes: alone, and with all that it does together with others; ± 95 %."""
+
+    key: str
+    first: float
+    first_error: float
+    total: float
+    total_error: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Scatter(Shown):
+    """What came of the points.
+
+    Attributes:
+        case: in which all other values are.
+        distributions: of the parameters.
+        measures: names.
+        units: of the measures.
+        inputs: values of the parameters, SI, shape (n, p).
+        values: of the measures, SI, nan where not to be had, shape (n, measures).
+        errors: how far off each may be by the simulation's own estimate, likewise; nan without one.
+        statuses: how each point ended.
+    """
+
+    case: Case
+    distributions: Mapping[Parameter, Distribution]
+    measures: tuple[str, ...]
+    units: tuple[str, ...]
+    inputs: Array
+    values: Array
+    errors: Array
+    statuses: tuple[str, ...]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Status -> points; those that did not settle are missing from all numbers, and not at random."""
+        return dict(Counter(self.statuses).most_common())
+
+    def of(self, measure: str) -> tuple[NDArray[np.bool_], Array]:
+        """Which points have a measure, shape (n,), and its values there."""
+        column = self.values[:, self.measures.index(measure)]
+        known = np.isfinite(column) & (np.array(self.statuses) == SETTLED)
+        return known, column[known]
+
+    def quantiles(self, measure: str, probabilities: Sequence[float] = PROBABILITIES) -> list[Quantile]:
+        """Quantiles of a measure; none where no point has it."""
+        _, values = self.of(measure)
+        return quantiles(values, probabilities)
+
+    def simulation_error(self, measure: str) -> float:
+        """Median over the points of how far off a measure may be by the simulation's own estimate, SI; nan without one."""
+        known, _ = self.of(measure)
+        found = self.errors[known, self.measures.index(measure)]
+        return float(np.nanmedian(found)) if np.any(np.isfinite(found)) else math.nan
+
+    def surrogate(self, measure: str) -> "Surrogate":
+        """The polynomial in all parameters that foretells a measure best, by its cross-validated error."""
+        known, values = self.of(measure)
+        return Surrogate.best(list(self.distributions.values()), self.inputs[known], values)
+
+    def shares(self, measure: str) -> list[Share]:
+        """Sobol' indices of a measure, the largest first; none where the surrogate is no better than `GOOD`."""
+        surrogate = self.surrogate(measure)
+        if not surrogate.q2 >= GOOD:
+            return []
+        keys = [parameter.key for parameter in self.distributions]
+        return sorted((Share(key, *found) for key, found in zip(keys, surrogate.shares(), strict=True)), key=lambda each: -each.total)
+
+    def _parts(self) -> Iterator[Cell]:
+        """Counts; quantiles with what the number of points leaves open of them, and the simulation's own error; shares of the variance."""
+        counts = ", ".join(f"{count} {status}" for status, count in self.counts.items())
+        yield f"{self.case.name}: {len(self.statuses)} points in {len(self.distributions)} parameters: {counts}"
+        rows = []
+        for name, unit in zip(self.measures, self.units, strict=True):
+            found = [f"{each.value:.5g} ± {each.error:.1g}" for each in self.quantiles(name)]
+            rows.append((name, unit, *(found or ["-"] * len(PROBABILITIES)), f"{self.simulation_error(name):.1g}"))
+        heads = [f"{100.0 * each:g} %" for each in PROBABILITIES]
+        yield Rows(rows, ("measure", "unit", *heads, "simulation's error"))
+        for name in self.measures:
+            shares = [f"{each.key} {each.first:.2f} ± {each.first_error:.2f} (in all {each.total:.2f})" for each in self.shares(name)]
+            q2 = self.surrogate(name).q2
+            told = ", ".join(shares) or "no surrogate is good enough, or there are too few points"
+            yield f"variance of {name}: {told}; Q2 {q2:.3f}"
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Quasi-random points that are to be computed."""
+
+    case: Case
+    distributions: Mapping[Parameter, Distribution]
+    asked: Asked
+    inputs: Array
+
+    @cached_property
+    def jobs(self) -> list[Job[Row]]:
+        """A job for each `ROW` points."""
+        scene = self.case.mechanism
+        changes = [overrides(scene, dict(zip(self.distributions, point, strict=True))) for point in self.inputs]
+        return [job(self.case, changes[first : first + ROW], self.asked) for first in range(0, len(changes), ROW)]
+
+    def are_stored(self, workshop: Workshop) -> bool:
+        """Whether all of them are."""
+        return all(workshop.stored(each) is not None for each in self.jobs)
+
+    def scatter(self, workshop: Workshop) -> Scatter:
+        """Compute what is not stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
+        names = self.asked.measures
+        values, errors = (np.full((len(self.inputs), len(names)), math.nan) for _ in range(2))
+        statuses = np.full(len(self.inputs), FAILED, dtype=object)
+        for number, outcome in enumerate(workshop.outcomes(self.jobs, "points")):
+            if (row := outcome.value) is not None:
+                here = slice(number * ROW, (number + 1) * ROW)
+                values[here], errors[here], statuses[here] = row.values, row.errors, row.statuses
+        units = tuple(measure(name).unit for name in names)
+        return Scatter(self.case, self.distributions, names, units, self.inputs, values, errors, tuple(statuses))
+
+
+def planned(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int, source: str) -> Points:
+    """Quasi-random points.
+
+    Args:
+        case: in which all other values are.
+        uncertain: key -> distribution as text.
+        asked: what is measured, and how.
+        samples: number of points, a power of two.
+        source: named in what is wrong with `uncertain`.
+
+    Raises:
+        CaseError: a key, a distribution, a measure or a number of points that cannot be.
+    """
+    if not uncertain:
+        raise CaseError(source, "uncertain", None, "names no parameter", 'write KEY = "uniform A .. B"')
+    if samples & (samples - 1) or not FEWEST <= samples <= MOST:
+        raise CaseError(source, "samples", str(samples), "is no power of two", f"from {FEWEST} to {MOST} are accepted, such as 256")
+    for name in asked.measures:
+        measure(name)
+    given = {Parameter.of_key(key, source): text for key, text in uncertain.items()}
+    known = {parameter: distribution(text, parameter, source) for parameter, text in given.items()}
+    cube = stats.qmc.Sobol(len(known), rng=np.random.default_rng(SEED)).random(samples)
+    inputs = np.column_stack([each.quantile(cube[:, place]) for place, each in enumerate(known.values())])
+    return Points(case, known, asked, inputs)
+
+
+def quantiles(values: Array, probabilities: Sequence[float] = PROBABILITIES) -> list[Quantile]:
+    """Quantiles of values, shape (n,), with standard errors by bootstrap; none of no values."""
+    if not len(values):
+        return []
+    drawn = np.random.default_rng(SEED).integers(len(values), size=(DRAWN, len(values)))
+    errors = np.std(np.quantile(values[drawn], probabilities, axis=1), axis=1, ddof=1)
+    found = np.quantile(values, probabilities)
+    return [Quantile(*each) for each in zip(probabilities, found.tolist(), errors.tolist(), strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Surrogate:
+    """A polynomial chaos: orthonormal polynomials of the parameters, fitted by least squares.
+
+    Attributes:
+        degree: largest total degree.
+        powers: of each term in each parameter, shape (terms, p).
+        matrix: terms at the points, shape (n, terms).
+        values: at the points, shape (n,).
+        q2: part of the variance that it foretells at points left out of its fit, one at a time; nan without enough points.
+    """
+
+    degree: int
+    powers: NDArray[np.int64]
+    matrix: Array
+    values: Array
+    q2: float
+
+    @classmethod
+    def best(cls, distributions: Sequence[Distribution], inputs: Array, values: Array) -> "Surrogate":
+        """The degree with the best `q2` of those that the points suffice for."""
+        found = [cls._of(degree, distributions, inputs, values) for degree in range(1, HIGHEST_DEGREE + 1)]
+        return max(found, key=lambda each: each.q2 if math.isfinite(each.q2) else -math.inf)
+
+    @classmethod
+    def _of(cls, degree: int, distributions: Sequence[Distribution], inputs: Array, values: Array) -> "Surrogate":
+        count = len(distributions)
+        if math.comb(degree + count, count) * PER_TERM > len(values) or not np.ptp(values) > 0.0:
+            return cls(degree, np.zeros((1, count), dtype=np.int64), np.ones((len(values), 1)), values, math.nan)
+        powers = np.array([each for each in product(range(degree + 1), repeat=count) if sum(each) <= degree])
+        tables = [each.polynomials(inputs[:, place], degree) for place, each in enumerate(distributions)]
+        matrix = np.prod([table[:, powers[:, place]] for place, table in enumerate(tables)], axis=0)
+        leverage = np.sum(np.linalg.qr(matrix)[0] ** 2, axis=1)
+        left = values - matrix @ np.linalg.lstsq(matrix, values, rcond=None)[0]
+        alone = left / np.maximum(1.0 - leverage, 1e-9)  # error at each point of the fit to all others
+        return cls(degree, powers, matrix, values, 1.0 - float(np.mean(alone**2) / np.var(values)))
+
+    def shares(self) -> list[tuple[float, float, float, float]]:
+        """Of each parameter the first-order and the total Sobol' index, each followed by its 95 % half width (bootstrap)."""
+        generator = np.random.default_rng(SEED)
+        found = self._indices(np.arange(len(self.values)))
+        drawn = [self._indices(generator.integers(len(self.values), size=len(self.values))) for _ in range(DRAWN)]
+        errors = stats.norm.ppf(0.975) * np.std(drawn, axis=0, ddof=1)
+        return [(*found[k, :1], *errors[k, :1], *found[k, 1:], *errors[k, 1:]) for k in range(len(found))]
+
+    def _indices(self, points: NDArray[np.int64]) -> Array:
+        squares = np.linalg.lstsq(self.matrix[points], self.values[points], rcond=None)[0] ** 2
+        squares[np.sum(self.powers, axis=1) == 0] = 0.0
+        parts = squares / np.sum(squares)
+        alone = [parts[(self.powers[:, k] > 0) & (np.sum(self.powers > 0, axis=1) == 1)].sum() for k in range(self.powers.shape[1])]
+        whole = [parts[self.powers[:, k] > 0].sum() for k in range(self.powers.shape[1])]
+        return np.column_stack([alone, whole])

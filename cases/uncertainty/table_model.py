@@ -1,0 +1,107 @@
+"""What the engine `reference` says to the rows of a recorded table, for any values of a scene's parameters."""
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cases.case import Case
+from cases.errors import CaseError
+from cases.recorded import RecordedTable
+from cases.runs.marching import output_step, whole_cycles
+from cases.runs.recorded import recorded_run
+from cases.runs.request import NOT_SETTLED, STANDARD
+from engines.accurate import run_once
+from engines.base import NoSteadyState
+from engines.own.reference import ReferenceEngine, ReferenceSettings
+from engines.relative import rms
+from engines.start import standard_start
+from reference_model.columns import COLUMNS
+from reference_model.mechanism import Mechanism
+from reference_model.natural_modes import frozen_crank_modes
+from reference_model.rigid import crank_pace
+
+Array = NDArray[np.float64]
+
+#: Columns that are compared, where a table has them: those that every engine delivers. Time and crank angle say where a row is.
+COMPARED: Final = tuple(name for name, column in COLUMNS.items() if column.required and name not in ("time", "crank_angle"))
+#: Periods of the first mode in the shortest stretch that is fitted: the phase is within half a turn there if the stiffness is a third off.
+FIRST_STRETCH: Final = 3.0
+FEWEST_ROWS: Final = 20
+
+
+class TableModel:
+    """The rows of a table and what a simulation has in their place.
+
+    A table that begins in the standard start is held against a simulation from there, row by row in time. Any other is held against the
+    periodic steady state at equal crank angles.
+
+    Attributes:
+        begins: whether the table begins in the standard start.
+        names: columns that are compared, C of them.
+        values: of the table, SI, shape (C, N).
+        sizes: RMS of each column, shape (C,).
+    """
+
+    def __init__(self, case: Case, table: RecordedTable) -> None:
+        run = recorded_run(table, case)
+        self.begins = run.start == STANDARD
+        if not self.begins and run.status == NOT_SETTLED:
+            raise CaseError(table.shown, None, None, "neither begins in the standard start nor has settled", run.remark)
+        self.names = tuple(name for name in COMPARED if name in table.columns and np.any(table.columns[name]))
+        if not self.names:
+            raise CaseError(table.shown, None, None, "has no column to fit", f"give some of {', '.join(COMPARED)}")
+        self.values = np.array([table.columns[name] for name in self.names])
+        self.sizes = np.array([rms(column) for column in self.values])
+        self.engine = ReferenceEngine()
+        self._time = table.columns["time"]
+        even = case.mechanism.crank.initial_angle + math.copysign(crank_pace(case.mechanism), self._speed(case.mechanism)) * self._time
+        self._angle = table.columns.get("crank_angle", even)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows, N."""
+        return len(self._time)
+
+    def stretches(self, scene: Mechanism) -> list[int]:
+        """Numbers of rows from the first on that are fitted one after the other, all of them last.
+
+        A stiffness that is a little off turns the vibration's phase ever further, and beyond half a turn the best fit is not downhill any
+        more. So the first stretch is short, and each is twice the one before.
+        """
+        found = [self.rows]
+        if self.begins and not scene.follower.is_rigid:
+            shortest = FIRST_STRETCH / float(frozen_crank_modes(scene, math.pi, 1).frequencies[0])
+            least = max(FEWEST_ROWS, int(np.searchsorted(self._time, shortest)))
+            while found[0] // 2 >= least:
+                found.insert(0, found[0] // 2)
+        return found
+
+    def simulated(self, scene: Mechanism, settings: ReferenceSettings, rows: int) -> Array:
+        """The columns in the first `rows` rows, shape (C, rows).
+
+        Raises:
+            EngineFailure, Refusal, NoSteadyState: the simulation cannot be had.
+        """
+        if self.begins:
+            time = self._time[:rows]
+            step = float(np.median(np.diff(self._time)))
+            duration = step * math.ceil(time[-1] / step - 1e-6)
+            made = run_once(self.engine, scene, standard_start(scene), duration, step, settings).trajectory
+            return np.array([CubicSpline(made["time"], made[name])(time) for name in self.names])
+        self.engine.check(scene)
+        found = self.engine.steady_state(scene, standard_start(scene), settings)
+        if found is None or not found.stable:
+            raise NoSteadyState("a rigid follower or a soft joint has none that can be searched" if found is None else "it is not stable")
+        step = output_step(scene)
+        cycle = whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
+        turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
+        way = math.copysign(1.0, self._speed(scene))
+        where = np.mod(way * self._angle[:rows] - math.pi, 2.0 * math.pi)
+        return np.array([CubicSpline(turned, cycle.channels[name])(where) for name in self.names])
+
+    @staticmethod
+    def _speed(scene: Mechanism) -> float:
+        return scene.crank.drive.initial_speed

@@ -1,0 +1,119 @@
+"""Parameters that are not known exactly: found from a recorded table, or scattered as distributions say."""
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+from cases.errors import CaseError, as_written, nearest_or_all
+from cases.jobs.job import Job
+from cases.text_file import read_text
+from cases.uncertainty import calibration
+from cases.uncertainty.calibration import frees_of
+from cases.uncertainty.fit import Fit
+from cases.uncertainty.table_model import TableModel
+from quickreturn import questions
+from quickreturn.accuracy import checked
+from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.cross_validation import opened
+from quickreturn.difference import AnyTable, as_table
+
+if TYPE_CHECKING:
+    from cases.jobs.job import Limits
+    from cases.uncertainty.propagation import Scatter
+
+#: Keys of a study file: kind and example.
+KEYS: Final[Mapping[str, tuple[type, str]]] = {
+    "case": (str, '"thesis-24"'),
+    "measures": (list, '["post.frequency"]'),
+    "uncertain": (dict, "a table [uncertain]"),
+}
+
+
+def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limits: "Limits | None" = None, quiet: bool = False) -> Fit:
+    """Find the parameters with which `reference` comes closest to a recorded table, and how well the table determines them.
+
+    Args:
+        case: a name, a path or a `Case`: all other values, and those to begin from.
+        table: a path, a DataFrame or a dictionary of arrays with units in the headings, or what `simulate` returns: from the standard
+            start, or of the steady state.
+        free: keys of a case file, each alone, or with a range in which it lies: "tip.center_of_mass = 0 in .. 0.5 in".
+        limits: of the process that computes; None: the usual.
+        quiet: whether nothing is told on standard error.
+
+    Raises:
+        CaseError: a case, a table or a key that cannot be.
+        EngineFailure, Refusal: the case cannot be simulated where the search begins.
+    """
+    chosen, recorded, keys = one_case(case), as_table(table), [free] if isinstance(free, str) else [*free]
+    frees_of(keys, chosen, "--free")
+    TableModel(chosen, recorded)
+    job = Job("calibration", calibration.calibrate, (chosen, recorded, keys))
+    return questions.value_of(questions.asked([job], "calibration", limits, quiet)[0])
+
+
+def uncertainty(
+    case: AnyCase | None,
+    uncertain: Mapping[str, str] | str | os.PathLike[str],
+    measures: Sequence[str] = (),
+    samples: int = 256,
+    *,
+    claims: bool = True,
+    accuracy: float | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
+) -> "Scatter":
+    """Measure the settled motion at quasi-random values of uncertain parameters.
+
+    Args:
+        case: a name, a path or a `Case`; None: that of the study file.
+        uncertain: key of a case file -> distribution: "uniform 0 kg .. 0.3 kg", "log-uniform 1 N/m .. 1e3 N/m" or
+            "normal 2128 lbf*in^2 +- 4 %"; or the path of a study file with `case`, `measures` and `[uncertain]`.
+        measures: names, see `qr.measures`.
+        samples: number of points, a power of two.
+        claims: whether every number gets the simulation's error estimate, which takes about twice as long.
+        accuracy: error of the tip deflection that is asked for; None: the engine's default.
+        jobs: processes at a time; None: one per core.
+        quiet: whether nothing is told on standard error.
+
+    Returns:
+        Points, which print as a summary, with `quantiles(measure)`, `shares(measure)` (Sobol' indices) and `surrogate(measure)`.
+
+    Raises:
+        CaseError: something cannot be; the sentence says what is accepted.
+    """
+    from cases.sweep.rows import Asked
+    from cases.uncertainty.propagation import planned
+
+    if isinstance(uncertain, Mapping):
+        source, distributions = "uncertain", dict(uncertain)
+    else:
+        source = os.fspath(uncertain)
+        study = _study_file(source)
+        case, measures, distributions = case or study["case"], measures or study["measures"], study["uncertain"]
+    if case is None or not measures:
+        raise CaseError(source, "measures" if case else "case", None, "is missing", 'give one, such as "post.frequency" or "thesis-24"')
+    asked = Asked(measures=tuple(measures), claims=claims, accuracy=checked(accuracy))
+    return planned(one_case(case), distributions, asked, samples, source).scatter(opened(jobs, quiet))
+
+
+def _study_file(path: str) -> dict[str, Any]:
+    """`case`, `measures` and `uncertain` of a study file, dotted keys put together again. CaseError."""
+    import tomllib
+
+    from cases.broken_toml import broken_toml
+
+    text = read_text(path, "a study file", 1_000_000)
+    try:
+        content = tomllib.loads(text)
+    except ValueError as broken:
+        raise broken_toml(path, text, str(broken)) from None
+    for key, (kind, example) in KEYS.items():
+        if not isinstance(content.get(key), kind):
+            given = as_written(content[key]) if key in content else None
+            raise CaseError(path, key, given, "is missing or not of its kind", f"give {example}")
+    if unknown := [key for key in content if key not in KEYS]:
+        raise CaseError(path, unknown[0], None, "is an unknown key", nearest_or_all(unknown[0], tuple(KEYS)))
+    flat: dict[str, Any] = {}
+    for section, value in content["uncertain"].items():
+        flat |= {f"{section}.{key}": text for key, text in value.items()} if isinstance(value, dict) else {section: value}
+    return {**content, "uncertain": flat}

@@ -1,0 +1,50 @@
+"""`quickreturn calibrate`: parameters of a case from a recorded table."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from quickreturn.commands import options
+
+
+@click.command(name="calibrate")
+@options.case
+@click.argument("file", metavar="FILE")
+@click.option(
+    "--free",
+    metavar="KEY",
+    multiple=True,
+    required=True,
+    help='Parameter to be found, alone or with a range ("tip.center_of_mass = 0 in .. 0.5 in"); again for more.',
+)
+@options.case_assignments
+@options.single("--output", metavar="CASE_FILE", help="Write the case with the values found: .toml.")
+@options.limited
+@options.json
+def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str], output: str | None, as_json: bool) -> int:
+    """Find parameters of CASE from a recorded table by least squares.
+
+    FILE is a CSV table as `quickreturn compare` reads it. One that begins in the standard start is fitted row by row in time, any other in
+    the steady state at equal crank angles. The engine is reference; the search begins at the case's values, or those of --set.
+
+    The 95 % intervals come from what the residuals show, correlated as they are. The simulation's own error is given beside them, and what
+    this table cannot tell is named.
+    """
+    from quickreturn.calibration import calibrate
+    from quickreturn.command_line import GOOD
+    from reports.output import check_writable, print_json, write_file
+
+    overrides, settings = options.read_assignments(assignments)
+    options.refuse_engine_settings(settings)
+    loaded = options.load(case, overrides)
+    if output is not None:
+        check_writable(Path(output), "" if loaded.source == "library" else case, ".toml")
+    found = calibrate(loaded, file, free, limits=options.limits(), quiet=options.quiet())
+    if output is not None:
+        write_file(Path(output), found.fitted.to_toml().encode())
+    if as_json:
+        print_json(found.as_document())
+    else:
+        click.echo(repr(found))
+    return GOOD
