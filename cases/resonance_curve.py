@@ -230,7 +230,7 @@ def resonance_curve(
         speed: of the crank, prescribed, rad/s; None: that of the case's own drive, unless the speed itself varies.
         measures: what to measure, names of `PEAKS`; peaks are those of the first.
         accuracy: relative, for which the model's modes are chosen; None: that of `reference`.
-        claims: whether the error of every point is estimated, which takes about as long again.
+        claims: whether the error of every point is estimated, which takes a fifth of the time.
 
     Raises:
         CaseError, Refusal, ImpossibleMechanism: something cannot be.

@@ -24,7 +24,7 @@ TABLES: Final = (".csv", ".nc", ".parquet")
     help="Measure, such as peak.strain_2; may be given again.",
 )
 @options.accuracy
-@click.option("--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save half of the time.")
+@click.option("--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save a fifth of the time.")
 @options.case_assignments
 @options.output(f"Where the table goes, {', '.join(TABLES)}; or a picture, {', '.join(PICTURES)}.", required=False)
 @options.single("--plot", metavar="FILE", help="Where a picture goes besides.")
