@@ -161,7 +161,7 @@ class _Point:
         """One turn of the periodic state, and what a finer one makes of it."""
         if kind := instability(np.array(found.multipliers)):
             self.status = UNSTABLE.format(kind)
-            self.sentence = f"a disturbance grows {abs(found.multipliers[0]):.4g}-fold in a turn ({kind})"
+            self.sentence = f"a disturbance grows {abs(found.multipliers[0]):.7g}-fold in a turn ({kind})"
         else:
             self.status = SETTLED
         step = output_step(self._scene)
