@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from quickreturn.cross_validation import CrossValidation, report, run
     from quickreturn.difference import Differences, difference
     from quickreturn.frequencies import modes
+    from quickreturn.resonance_curves import Resonance, resonance
     from quickreturn.solution import Solution, UnknownColumn, simulate
     from quickreturn.sweeping import case_at, measures, sweep
     from quickreturn.table_comparison import TableComparison, compare
@@ -44,6 +45,7 @@ __all__ = [
     "Model",
     "ModelDescription",
     "Refusal",
+    "Resonance",
     "SettingError",
     "Settings",
     "SimpleEngine",
@@ -68,6 +70,7 @@ __all__ = [
     "modes",
     "reconstruct",
     "report",
+    "resonance",
     "run",
     "setting",
     "simulate",
@@ -93,6 +96,7 @@ _HOMES: Final = {
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
     "quickreturn.difference": ("Differences", "difference"),
     "quickreturn.frequencies": ("modes",),
+    "quickreturn.resonance_curves": ("Resonance", "resonance"),
     "quickreturn.solution": ("Solution", "UnknownColumn", "simulate"),
     "quickreturn.sweeping": ("case_at", "measures", "sweep"),
     "quickreturn.table_comparison": ("TableComparison", "compare"),

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
 COMMANDS: Final = (
-    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "compare", "calibrate", "report", "benchmark", "advise",
-    "conform", "plot", "animate",
+    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "resonance", "compare", "calibrate", "report", "benchmark",
+    "advise", "conform", "plot", "animate",
 )  # fmt: skip
 
 GOOD: Final = 0

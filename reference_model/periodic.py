@@ -99,9 +99,9 @@ def _search(whole: SectionMap, guess: Array, tolerance: float, marched: int) -> 
     guessed = _with_modes(coarse.state, whole.parameters.n)
     first = _Cycle.of(whole, whole.state(whole.point(guessed), guessed), coarse.period)
     fine = _newton(first, _among_all_modes(jacobian, slow, whole), tolerance)
-    multipliers = _eigenvalues(fine.jacobian)[: len(jacobian)]
+    multipliers = eigenvalues(fine.jacobian)[: len(jacobian)]
     if abs(multipliers[0]) > NEARLY_ONE:
-        multipliers = _eigenvalues(_jacobian(_Cycle.of(whole, fine.state, fine.period)))
+        multipliers = eigenvalues(_jacobian(_Cycle.of(whole, fine.state, fine.period)))
     return PeriodicOrbit(
         state=fine.state,
         period=fine.period,
@@ -121,7 +121,7 @@ def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: flo
         NoPeriodicOrbit: the state is not one of a cycle.
     """
     try:
-        return _eigenvalues(_jacobian(_Cycle.of(SectionMap(model, integration), orbit.state, orbit.period)))
+        return eigenvalues(_jacobian(_Cycle.of(SectionMap(model, integration), orbit.state, orbit.period)))
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
 
@@ -245,7 +245,7 @@ def _jacobian(cycle: _Cycle) -> Array:
     return np.column_stack(columns)
 
 
-def _eigenvalues(jacobian: Array) -> NDArray[np.complex128]:
+def eigenvalues(jacobian: Array) -> NDArray[np.complex128]:
     """Of the map's Jacobian, the Floquet multipliers (equation 10.7); largest modulus first."""
     found = np.linalg.eigvals(jacobian).astype(np.complex128)
     return found[np.argsort(-np.abs(found), kind="stable")]

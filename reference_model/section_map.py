@@ -8,12 +8,13 @@ the numerical computation of Poincare maps, Physica D 5, 1982, 412).
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference_model.compilation import compiled
-from reference_model.integrate import LEFT_FOLLOWER, REACHED_END
+from reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from reference_model.model import BeamModel
 from reference_model.motion.address import call_equations
 from reference_model.motion.layout import FOOT_1, FOOT_2
@@ -27,9 +28,24 @@ PARTS = 16
 #: Longest rest of a turn, in such parts: more would cost as much as another cycle.
 LONGEST_REST = 2000
 
+_CAUSES: Final = {
+    LEFT_FOLLOWER: "the slider left the follower's end",
+    STEP_TOO_SMALL: "the step size fell below its least",
+    TOO_MANY_CALLS: "it took too many evaluations",
+    NOT_A_NUMBER: "the loop cannot close any more",
+}
+
 
 class CycleBroken(Exception):
-    """A state from which no whole cycle can be made: the loop does not close, the integration ends, or the crank stands still."""
+    """A state from which no whole cycle can be made: the loop does not close, the integration ends, or the crank stands still.
+
+    Attributes:
+        left: whether the slider leaves the follower.
+    """
+
+    def __init__(self, reason: str, *, left: bool = False) -> None:
+        super().__init__(reason)
+        self.left = left
 
 
 @dataclass(frozen=True)
@@ -116,9 +132,10 @@ class SectionMap:
         for _ in range(3):
             result = self.model.integrate(states[-1][-1], duration / ROWS, ROWS, self.tolerance, step)
             calls, step = calls + result.calls, result.next_step
-            if result.status != REACHED_END or result.states[-1, n + 2] * start[n + 2] <= 0.0:
-                left = result.status == LEFT_FOLLOWER
-                raise CycleBroken("the slider left the follower's end" if left else "the integration ended within the cycle")
+            if result.status != REACHED_END:
+                raise CycleBroken(f"the integration ended within the cycle: {_CAUSES[result.status]}", left=result.status == LEFT_FOLLOWER)
+            if result.states[-1, n + 2] * start[n + 2] <= 0.0:
+                raise CycleBroken("the crank stood still within the cycle")
             states.append(result.states[1:])
             elapsed += duration
             duration = (end - result.states[-1, 0]) / result.states[-1, n + 2]

@@ -1,4 +1,4 @@
-"""What is to be computed, what it may take, who computes it, how far it is, and how it ended. A cluster would be another `Executor`."""
+"""What is to be computed, what it may take, who computes it, how far it is, and how it ended."""
 
 import os
 from collections.abc import Callable, Generator, Sequence

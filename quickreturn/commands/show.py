@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 @options.tag
 @options.case_assignments
 @click.option("--for-other-tools", "for_others", is_flag=True, help="Print what is needed to build the scene in another tool instead.")
+@click.option("--resonance", is_flag=True, help="Follow the motion over speeds about the machine's own as well, which takes a while.")
 @options.json
-def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
+def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, resonance: bool, as_json: bool) -> None:
     """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.
 
     With several cases the JSON document is a list.
@@ -38,7 +39,9 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
         _print_for_others(options.load_all(cases, tag, overrides), overrides)
         return
     get_ready(TELLING)
-    documents = [_document(case) for case in options.load_all(cases, tag, overrides)]
+    loaded = options.load_all(cases, tag, overrides)
+    around = _resonances(loaded) if resonance else [{}] * len(loaded)
+    documents = [_document(case) | more for case, more in zip(loaded, around, strict=True)]
     if as_json:
         print_json(documents[0] if len(documents) == 1 else documents)
         return
@@ -62,6 +65,19 @@ def _document(loaded: "Case") -> dict[str, Any]:
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
         "engines": _models(loaded.scene),
     }
+
+
+def _resonances(cases: "Sequence[Case]") -> list[dict[str, list[str]]]:
+    """Lines on the motion of each case over speeds about its own."""
+    from cases.jobs.job import Job
+    from cases.resonance_curve import curve_around
+    from quickreturn.questions import asked, value_of
+    from quickreturn.resonance_curves import told_around
+    from reference_model.rigid import crank_pace
+
+    jobs = [Job(f"{case.name} reference", curve_around, (case,)) for case in cases]
+    found = [value_of(outcome) for outcome in asked(jobs, "resonance curves", quiet=options.quiet())]
+    return [{"resonance_curve": told_around(each, crank_pace(case.mechanism))} for each, case in zip(found, cases, strict=True)]
 
 
 def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
@@ -109,6 +125,8 @@ def _print(document: dict[str, Any]) -> None:
         print_table([(f"  {key}", shown_value(value), units[section][key]) for key, value in values.items()])
     click.echo("\nwhat follows")
     print_table([(f"  {name}", shown_value(of["value"]), of["unit"], of["meaning"]) for name, of in document["derived"].items()])
+    for line in ("", *document["resonance_curve"]) if "resonance_curve" in document else ():
+        click.echo(line)
     for model in document["engines"]:
         if model["refused"]:
             click.echo(f"\n{model['engine']}: {model['refused']}")

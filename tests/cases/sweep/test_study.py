@@ -1,6 +1,11 @@
 """Studies: the way through a row, points that are lost with their process, rows that are kept."""
 
+import os
+import subprocess
+import time
+import tracemalloc
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +20,8 @@ from cases.sweep import grid as of_grid
 from cases.sweep.grid import Grid, axis
 from cases.sweep.rows import Asked, Row
 from cases.sweep.study import study
+from quickreturn import sweeping
+from tests.quickreturn.program import PROGRAM
 
 ASKED = Asked(measures=("peak.tip_acceleration", "multiplier"), claims=False)
 
@@ -76,3 +83,48 @@ def test_the_fold_of_run_24s_machine(tmp_path: Path) -> None:
     speeds = np.linspace(228.0, 244.0, 33)[found.two_motions]
     assert speeds.min() == pytest.approx(233.0, abs=1.0)
     assert speeds.max() == pytest.approx(239.0, abs=1.0)
+
+
+@pytest.mark.verify
+def test_ten_thousand_points_that_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, record_property: Any) -> None:
+    """What a study of 100,000 points takes besides its points: a tenth of it is measured here."""
+
+    def costless(case: object, changes: tuple[dict[str, str], ...], asked: Asked) -> Row:
+        values = np.ones((len(changes), len(asked.measures)))
+        return Row(values, values, (SETTLED,) * len(changes), ("",) * len(changes))
+
+    monkeypatch.setattr(of_grid, "measured_row", costless)
+    some = grid("tip.mass = 0 g .. 60 g : 100", "crank.prescribed_speed = 60 rpm .. 240 rpm : 100")
+    asked = Asked(measures=("peak.tip_acceleration", "multiplier", "pre.frequency", "post.frequency"))
+    began = time.process_time()
+    tracemalloc.start()
+    found = study(some, asked, Workshop(Store(tmp_path), ThisProcess()))
+    _, memory = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    stored = sum(file.stat().st_size for file in tmp_path.iterdir()) / found.statuses.size
+    written = len(sweeping.written(sweeping.dataset_of(found), ".nc")) / found.statuses.size
+    record_property("processor s a point", (time.process_time() - began) / found.statuses.size)
+    record_property("bytes a point in memory, store and file", (memory / found.statuses.size, stored, written))
+    assert max(stored, written, memory / found.statuses.size) < 2000.0
+
+
+@pytest.mark.verify
+def test_a_study_that_is_killed_goes_on_and_gives_the_same_file(tmp_path: Path) -> None:
+    """A SIGKILL in the middle costs the rows that were being computed."""
+    command = [str(PROGRAM), "sweep", "thesis-24", "--vary", "crank.prescribed_speed = 80 rpm .. 120 rpm : 9"]
+    command += ["--vary", "tip.mass = 0 g .. 50 g : 6", "--no-claims", "--output"]
+
+    def environment(store: str) -> dict[str, str]:
+        return {**os.environ, "QUICKRETURN_STORE": str(tmp_path / store)}
+
+    with subprocess.Popen([*command, str(tmp_path / "killed.nc")], env=environment("killed")) as running:
+        while len(list((tmp_path / "killed").glob("*.result"))) < 2:
+            assert running.poll() is None
+            time.sleep(0.05)
+        running.kill()
+    kept = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "killed").glob("*.result")}
+    assert not (tmp_path / "killed.nc").exists()
+    for name in ("killed", "whole"):
+        subprocess.run([*command, str(tmp_path / f"{name}.nc")], env=environment(name), check=True)
+    assert all((tmp_path / "killed" / name).stat().st_mtime_ns == written for name, written in kept.items())
+    assert (tmp_path / "killed.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()

@@ -1,0 +1,88 @@
+"""`quickreturn resonance`: the periodic motion over a quantity of the machine, through folds."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import click
+
+from quickreturn.commands import options
+from quickreturn.commands.plot import ENDINGS as PICTURES
+
+TABLES: Final = (".csv", ".nc", ".parquet")
+
+
+@click.command(name="resonance")
+@options.case
+@options.single("--speed", metavar="RANGE", help='Crank speed, prescribed: "60 rpm .. 300 rpm"; or one speed where --vary varies.')
+@options.single("--vary", metavar="RANGE", help='Another key that varies instead: tip.mass="0 g .. 100 g".')
+@click.option(
+    "--measure",
+    "measures",
+    metavar="NAME",
+    multiple=True,
+    help="Measure, such as peak.strain_2; may be given again.",
+)
+@options.accuracy
+@click.option("--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save half of the time.")
+@options.case_assignments
+@options.output(f"Where the table goes, {', '.join(TABLES)}; or a picture, {', '.join(PICTURES)}.", required=False)
+@options.single("--plot", metavar="FILE", help="Where a picture goes besides.")
+@options.limited
+@options.json
+def command(
+    case: str,
+    speed: str | None,
+    vary: str | None,
+    measures: Sequence[str],
+    accuracy: float | None,
+    claims: bool,
+    assignments: Sequence[str],
+    output: str | None,
+    plot: str | None,
+    as_json: bool,
+) -> int:
+    """Follow the periodic motion of CASE over the crank's speed or another key.
+
+    The curve passes through folds, where two motions meet. Its table has stable and unstable motions, the largest Floquet multiplier,
+    special points (fold, period doubling, torus, slider left), peaks with the order of the harmonic that drives them, and the error claim
+    of every point. A machine that a torque drives is held at the prescribed speed.
+
+    Exit code 3: no periodic motion was found in the range.
+    """
+    from cases.jobs.job import Job
+    from cases.resonance_curve import SPEED, USUAL, checked_scenes, range_of, resonance_curve
+    from quickreturn.command_line import GOOD
+    from quickreturn.questions import value_of
+    from quickreturn.resonance_curves import Resonance, speed_of
+    from reports.output import check_writable, print_json, write_file
+
+    overrides, settings = options.read_assignments(assignments)
+    options.refuse_engine_settings(settings)
+    loaded = options.load(case, overrides)
+    if vary is not None:
+        key, _, text = vary.partition("=")
+        varied, held = range_of(key.strip(), text.strip()), None if speed is None else speed_of(speed)
+    elif speed is not None:
+        varied, held = range_of(SPEED, speed, "--speed"), None
+    else:
+        raise click.UsageError("Missing option '--speed'; give a range such as \"60 rpm .. 300 rpm\"")
+    asked = tuple(measures) or (USUAL,)
+    checked_scenes(loaded, varied, held, asked)
+    for file, endings in ((output, (*TABLES, *PICTURES)), (plot, PICTURES)):
+        if file is not None:
+            check_writable(Path(file), "" if loaded.source == "library" else case, *endings)
+    workshop = options.opened_workshop([loaded], ["reference"])
+    arguments = (loaded, varied, held, asked, accuracy, claims)
+    inputs = (loaded.scene, *arguments[1:])
+    code = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes")
+    job = Job(f"{loaded.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), code, inputs)
+    found = Resonance(value_of(workshop.outcomes([job], "resonance curve")[0]))
+    for file in (each for each in (output, plot) if each is not None):
+        ending = Path(file).suffix.lower()
+        write_file(Path(file), found.picture(ending) if ending in PICTURES else found.written(ending))
+    if as_json:
+        print_json({"case": loaded.name, "output": output, **found.document()})
+    else:
+        click.echo(repr(found))
+    return GOOD

@@ -1,0 +1,251 @@
+"""Resonance curves as tables and pictures."""
+
+import io
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from cases.case import PATHS
+from cases.errors import CaseError, as_written
+from cases.jobs.display import compilation_told
+from cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
+from cases.shown import Cell, Rows, Shown
+from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
+from quickreturn.accuracy import checked
+from quickreturn.catalogue import AnyCase, one_case
+from reference_model.columns import COLUMNS
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from quickreturn.curves import Drawing
+
+#: Marks of special points in pictures.
+MARKS: Final = {"fold": "o", "period doubling": "s", "torus": "D", "slider left": "X", "lost": "x"}
+ERROR: Final = ".error"
+
+
+class Resonance(Shown):
+    """The periodic motion of a machine over one of its quantities.
+
+    Attributes:
+        curve: all that is known of it.
+    """
+
+    def __init__(self, curve: ResonanceCurve) -> None:
+        self.curve = curve
+
+    @property
+    def frame(self) -> "pd.DataFrame":
+        """A row for each point in order of arclength, SI; claims under the names with ".error"."""
+        import pandas as pd
+
+        curve = self.curve
+        columns = {curve.range.key: curve.values, f"{curve.range.key}{ERROR}": curve.value_errors, "arclength": curve.arclength}
+        for name, values in curve.measures.items():
+            columns |= {name: values, f"{name}{ERROR}": curve.errors[name]}
+        special = {each.at: each.kind for each in curve.special}
+        real, imaginary = curve.multipliers.T
+        columns |= {"multiplier": np.hypot(real, imaginary), "multiplier.real": real, "multiplier.imag": imaginary}
+        table = pd.DataFrame(columns)
+        table["stability"] = [f"unstable: {kind}" if kind else "stable" for kind in curve.kinds]
+        table["special"] = [special.get(at, "") for at in range(len(table))]
+        orders = {each.at: each.order for each in curve.peaks}
+        table["peak_order"] = pd.array([orders.get(at) for at in range(len(table))], dtype="Int64")
+        table.attrs["units"] = {name: self._unit(str(name)) for name in table.columns}
+        return table
+
+    @property
+    def special(self) -> "pd.DataFrame":
+        """Special points: kind, value of what varies (SI), by how much the model's own may be missed, and the claim."""
+        import pandas as pd
+
+        names = ("kind", "value", "tolerance", "error", "reason")
+        return pd.DataFrame([{name: getattr(each, name) for name in names} for each in self.curve.special], columns=names)
+
+    @property
+    def peaks(self) -> "pd.DataFrame":
+        """Peaks of the first measure: value of what varies (SI), height, order of the harmonic."""
+        import pandas as pd
+
+        names = ("value", "height", "order")
+        return pd.DataFrame([{name: getattr(each, name) for name in names} for each in self.curve.peaks], columns=names)
+
+    def plot(self, mark: float | None = None) -> "Drawing":
+        """Each measure over what varies: stable parts as lines, unstable ones dashed, special points as marks.
+
+        Args:
+            mark: a value of what varies (SI) at which a machine runs; None: none.
+        """
+        from quickreturn.curves import PANEL, drawing
+        from reports.plots.style import FONT_SIZE, tidy
+
+        curve = self.curve
+        figure = drawing(0.9 + 1.4 * PANEL * len(curve.measures))
+        panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
+        shown = curve.values / curve.range.size
+        for axes, (name, heights) in zip(panels, curve.measures.items(), strict=True):
+            for part, unstable in _stretches(curve):
+                axes.plot(shown[part], heights[part], color="#0072B2", linewidth=1.1, linestyle="--" if unstable else "-")
+            for kind in dict.fromkeys(each.kind for each in curve.special):
+                at = [each.at for each in curve.special if each.kind == kind]
+                axes.plot(shown[at], heights[at], MARKS[kind], markersize=4.0, color="#D55E00", label=kind)
+            for peak in curve.peaks if name == next(iter(curve.measures)) else ():
+                place = (peak.value / curve.range.size, peak.height)
+                axes.annotate(f"{peak.order}", place, (0, 3), textcoords="offset points", ha="center", fontsize=FONT_SIZE)
+            if mark is not None:
+                axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
+            axes.set_yscale("log")
+            tidy(axes, f"{name} [{self._unit(name)}]")
+        panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
+        if panels[0].get_legend_handles_labels()[0]:
+            panels[0].legend(fontsize=FONT_SIZE, frameon=False)
+        figure.suptitle(f"{curve.case}: dashed is unstable, numbers are orders of the harmonic", fontsize=FONT_SIZE + 1.0)
+        return figure
+
+    def picture(self, ending: str) -> bytes:
+        """The plot as the content of a file."""
+        file = io.BytesIO()
+        self.plot().savefig(file, format=ending[1:], dpi=150)
+        return file.getvalue()
+
+    def document(self) -> dict[str, Any]:
+        """What the JSON document holds of it: special points and peaks, and the points by column."""
+        frame = self.frame
+        about = {"key": self.curve.range.key, "units": frame.attrs["units"], "settings": self.curve.settings}
+        special, peaks = (table.to_dict(orient="records") for table in (self.special, self.peaks))
+        columns = {str(name): frame[name].astype(object).where(frame[name].notna(), None).tolist() for name in frame.columns}
+        return {**about, "special": special, "peaks": peaks, "points": columns}
+
+    def written(self, ending: str) -> bytes:
+        """The table as the content of a file: .csv, .parquet (units in the headings) or .nc.
+
+        Raises:
+            ModuleNotFoundError: .nc needs xarray.
+        """
+        frame = self.frame
+        units = frame.attrs["units"]
+        if ending == ".nc":
+            return self._netcdf()
+        frame.columns = [f"{name} [{units[name]}]" if units[name] else name for name in frame.columns]
+        return frame.to_parquet(index=False) if ending == ".parquet" else str(frame.to_csv(index=False, lineterminator="\n")).encode()
+
+    def _netcdf(self) -> bytes:
+        try:
+            import xarray as xr
+        except ModuleNotFoundError as missing:
+            raise ModuleNotFoundError("a netCDF file needs xarray: pip install 'quickreturn[notebook]'", name=missing.name) from None
+        frame = self.frame.assign(peak_order=self.frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
+        dataset = xr.Dataset.from_dataframe(frame).assign_attrs(case=self.curve.case)
+        for name, variable in dataset.data_vars.items():
+            variable.attrs["units"] = self._unit(str(name))
+        return bytes(dataset.to_netcdf(engine="h5netcdf"))
+
+    def _unit(self, name: str) -> str:
+        name = name.removesuffix(ERROR)
+        if name in PEAKS:
+            return COLUMNS[PEAKS[name]].unit
+        return PATHS[name].unit if name in PATHS else "1" if name.startswith("multiplier") else ""
+
+    def _parts(self) -> Iterator[Cell]:
+        curve, unit = self.curve, self.curve.range.unit
+        drive = ", the crank's speed prescribed in place of its drive" if curve.prescribed else ""
+        yield f"{curve.case}: {len(curve.values)} points along {curve.range.key}, {curve.kinds.count('')} of them stable{drive}"
+        first = next(iter(curve.measures))
+        rows = [
+            (each.kind, f"{self._of_range(each.value)} {unit}", f"+- {self._of_range(each.error, '.2g')}", each.reason)
+            for each in curve.special
+        ]
+        for each in curve.peaks:
+            error = curve.errors[first][each.at]
+            height = f"{each.height:.4g} {self._unit(first)}" + ("" if math.isnan(error) else f" +- {error:.2g}")
+            claim = f"+- {self._of_range(curve.value_errors[each.at], '.2g')}"
+            rows.append((f"peak of order {each.order}", f"{self._of_range(each.value)} {unit}", claim, height))
+        if rows:
+            yield Rows(rows)
+
+    def _of_range(self, value: float | None, digits: str = ".6g") -> str:
+        """A value in the unit in which the range was given."""
+        return "unknown" if value is None or math.isnan(value) else f"{value / self.curve.range.size:{digits}}"
+
+
+def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
+    """What a curve of speeds says of a machine that runs at `pace` (rad/s): its own motion, and what is nearest, in lines."""
+    name, (low, high) = next(iter(curve.measures)), sorted((curve.range.low, curve.range.high))
+    crossings = [
+        (height, kind)
+        for value, other, height, kind in zip(curve.values, curve.values[1:], curve.measures[name], curve.kinds, strict=False)
+        if min(value, other) <= pace < max(value, other)
+    ]
+    rpm, unit = curve.range.size, COLUMNS[PEAKS[name]].unit
+    drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
+    lines = [f"the machine runs at {pace / rpm:.5g} rpm{drive}"]
+    for height, kind in crossings:
+        lines.append(f"there {name} is about {height:.3g} {unit}, {f'unstable: {kind}' if kind else 'stable'}")
+    found = [(f"order {each.order}, {each.height:.3g} {unit}", each.value) for each in curve.peaks]
+    for what, places in (("peak", found), ("change of stability", [(each.kind, each.value) for each in curve.special])):
+        if not places:
+            lines.append(f"no {what} between {low / rpm:.4g} and {high / rpm:.4g} rpm")
+            continue
+        words, value = min(places, key=lambda each: abs(each[1] - pace))
+        way = "faster" if abs(value) > abs(pace) else "slower"
+        lines.append(f"nearest {what}: {words}, at {value / rpm:.5g} rpm, {100.0 * abs(value / pace - 1.0):.2g} % {way}")
+    return lines
+
+
+def _stretches(curve: ResonanceCurve) -> Iterator[tuple[slice, bool]]:
+    """Stretches of the curve, and whether they are unstable; special points belong to both stretches that they part."""
+    special = {each.at for each in curve.special}
+    unstable = [bool(curve.kinds[at + 1 if at in special else at]) for at in range(len(curve.kinds) - 1)]
+    begin = 0
+    for state, group in itertools.groupby(unstable):
+        end = begin + len(list(group))
+        yield slice(begin, end + 1), state
+        begin = end
+
+
+def resonance(
+    case: AnyCase,
+    key: str = SPEED,
+    range: str = "",
+    *,
+    speed: str | None = None,
+    measures: Sequence[str] = (USUAL,),
+    accuracy: float | None = None,
+    claims: bool = True,
+    quiet: bool = False,
+) -> Resonance:
+    """Follow the periodic motion of a case over one of its quantities, through folds.
+
+    Args:
+        case: a name, a path or a `Case`.
+        key: of what varies, as in a case file.
+        range: its values, such as "60 rpm .. 300 rpm".
+        speed: at which the crank is held where something else varies, such as "165 rpm"; None: the case's own drive.
+        measures: what to measure, "peak.COLUMN"; peaks are those of the first.
+        accuracy: relative, of the model that is followed; None: that of `reference`.
+        claims: whether the error of every point is estimated, which takes half of the time.
+        quiet: whether nothing is told on standard error.
+
+    Raises:
+        CaseError, Refusal, ImpossibleMechanism: something cannot be.
+        EngineFailure: no periodic motion was found in the range.
+    """
+    chosen = one_case(case)
+    varied, held = range_of(key, range, "range"), None if speed is None else speed_of(speed, "speed")
+    with compilation_told(quiet):
+        return Resonance(resonance_curve(chosen, varied, held, tuple(measures), checked(accuracy), claims))
+
+
+def speed_of(text: str, option: str = "--speed") -> float:
+    """A crank speed, rad/s. CaseError: it is none, or zero."""
+    try:
+        found = parse_quantity(text, ANGULAR_SPEED)
+    except QuantityError as wrong:
+        raise CaseError(option, SPEED, as_written(text), wrong.problem, wrong.accepted) from None
+    if found == 0.0:
+        raise CaseError(option, SPEED, as_written(text), "does not turn the crank", 'give a speed such as "165 rpm"')
+    return found

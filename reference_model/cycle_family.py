@@ -1,0 +1,109 @@
+"""The cycle of a machine as a map that depends on one quantity of its scene."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.continuation import BranchPoint, Image, corrected
+from reference_model.mechanism import Mechanism, PrescribedSpeed, changed
+from reference_model.model import BeamModel
+from reference_model.periodic import periodic_orbit
+from reference_model.section_map import SectionMap
+
+Array = NDArray[np.float64]
+
+#: Distance to which the orbit is searched that a branch begins with.
+SEARCHED: Final = 1e-3
+#: Factor between the prescribed speeds for which models are built: a model's tables do not depend on the speed, only the sizes that its
+#: integration's errors refer to do.
+PACE: Final = 1.25
+#: Length of the last correction of a point that is only compared with.
+COMPARED: Final = 1e-4
+#: Models that are kept: corrections and derivatives ask for the same values again.
+KEPT: Final = 8
+
+
+class CycleFamily:
+    """A machine's cycle for each value of a quantity.
+
+    Args:
+        scene_at: the machine for a value, SI.
+        modes: of the model.
+        tolerance: of its integration.
+    """
+
+    def __init__(self, scene_at: Callable[[float], Mechanism], modes: int, tolerance: float) -> None:
+        self.scene_at = scene_at
+        self.modes = modes
+        self.tolerance = tolerance
+        self._built = lru_cache(KEPT)(self._build)
+
+    def _build(self, scene: Mechanism) -> BeamModel:
+        return BeamModel.following(scene, self.modes)
+
+    def at(self, value: float) -> tuple[SectionMap, Array]:
+        """The cycle's map for a value, and a state at the farthest place with its crank speed."""
+        scene = self.scene_at(value)
+        speed = scene.crank.drive.initial_speed
+        if isinstance(scene.crank.drive, PrescribedSpeed) and speed != 0.0:
+            pace = math.copysign(PACE ** round(math.log(abs(speed), PACE)), speed)
+            scene = changed(scene, {"crank.drive.speed": pace})
+        model = self._built(scene)
+        state = model.straight_state(math.pi, speed)
+        return SectionMap(model, self.tolerance), state
+
+    def image(self, point: Array, value: float) -> Image:
+        """The state a cycle later. Raises CycleBroken."""
+        cycle, like = self.at(value)
+        state = cycle.state(point, like)
+        passage = cycle.passage(state, cycle.time_to_go(state))
+        return Image(cycle.point(passage.state), passage.sizes, cycle.noise(state))
+
+    def orbit(self, value: float) -> Array:
+        """The free quantities of the periodic motion that the search from the straight follower finds. Raises NoPeriodicOrbit."""
+        cycle, straight = self.at(value)
+        return cycle.point(periodic_orbit(cycle.model, straight, SEARCHED, self.tolerance).state)
+
+    def columns(self, point: Array, value: float, rows: int) -> dict[str, Array]:
+        """The cycle from a point: `time` (s) and observables by the names of `reference_model.columns`, each of shape (rows + 1,).
+
+        Raises:
+            CycleBroken: there is none.
+        """
+        cycle, like = self.at(value)
+        state = cycle.state(point, like)
+        period = cycle.time_to_go(state)
+        if self.scene_at(value).crank_is_free:
+            period = cycle.passage(state, period).duration
+        states = cycle.model.integrate(state, period / rows, rows, self.tolerance).states
+        return {"time": np.linspace(0.0, period, rows + 1), **cycle.model.observe(states)}
+
+    def nearest(self, other: BranchPoint) -> tuple[Array, float]:
+        """The point of this family's branch in the plane across the branch of a family with fewer modes (equation 10.13).
+
+        What the added modes were a cycle ago is forgotten (equation 10.6), so that the other family's derivatives serve here.
+
+        Raises:
+            CycleBroken, NotConverged: there is none near by.
+        """
+        kept, sizes = self._kept(len(other.point)), np.empty(2 * self.modes + len(other.point) % 2)
+        blocks = np.zeros(len(sizes), dtype=int)
+        blocks[len(sizes) - self.modes :] = 1
+        sizes[:] = np.where(blocks, other.sizes[-1], other.sizes[0])
+        sizes[kept] = other.sizes
+        rows = np.append(kept, len(sizes))
+        matrix = np.hstack([-np.eye(len(sizes)), np.zeros((len(sizes), 1))])
+        matrix[np.ix_(kept, rows)] = other.matrix
+        point, tangent = np.zeros(len(sizes)), np.zeros(len(sizes) + 1)
+        point[kept], tangent[rows] = other.point, other.tangent
+        return corrected(self, replace(other, point=point, sizes=sizes, matrix=matrix), point, other.parameter, tangent, COMPARED)
+
+    def _kept(self, size: int) -> NDArray[np.intp]:
+        """Places of the free quantities of a model with fewer modes among those of this one: eta, crank speed if free, rates of eta."""
+        fewer, crank = divmod(size, 2)
+        return np.array([*range(fewer), *range(self.modes, self.modes + crank + fewer)])

@@ -1,0 +1,132 @@
+"""`quickreturn resonance` and `qr.resonance`: tables, pictures, and answers to mistakes."""
+
+import io
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import quickreturn as qr
+from cases.resonance_curve import range_of, scene_with
+from quickreturn.resonance_curves import told_around
+from tests.quickreturn.conftest import Call
+
+RPM = math.pi / 30.0
+#: About the fold of run 24's machine in one mode, which `accuracy=0.05` makes of it.
+ASKED = {"range": "237.5 rpm .. 241 rpm", "accuracy": 0.05, "quiet": True}
+
+
+@pytest.fixture(scope="module")
+def found() -> qr.Resonance:
+    return qr.resonance("thesis-24", **ASKED)
+
+
+def test_a_table_in_si_with_claims(found: qr.Resonance) -> None:
+    frame = found.frame
+    assert frame.attrs["units"]["crank.prescribed_speed"] == "rad/s"
+    assert frame["crank.prescribed_speed"].iloc[0] == pytest.approx(237.5 * RPM)
+    assert frame["crank.prescribed_speed"].between(237.5 * RPM, 241.0 * RPM).all()
+    assert (np.diff(frame["arclength"]) > 0.0).all()
+    np.testing.assert_allclose(np.hypot(frame["multiplier.real"], frame["multiplier.imag"]), frame["multiplier"], rtol=1e-12)
+    assert ((frame["multiplier"] < 1.0) == (frame["stability"] == "stable")).all()
+    (fold,) = found.special.itertuples()
+    assert fold.kind == "fold"
+    assert (frame["special"] == "fold").sum() == 1
+    assert fold.value == frame["crank.prescribed_speed"].max()
+    assert "prescribed in place of its drive" in repr(found)
+
+
+@pytest.mark.verify
+def test_the_claims_hold_against_a_model_with_more_modes(found: qr.Resonance) -> None:
+    """One mode is off by percents. The fold of four modes lies within what the curve of one claims of its own."""
+    finer = qr.resonance("thesis-24", range="237.5 rpm .. 240 rpm", accuracy=1e-3, claims=False, quiet=True)
+    (coarse,), (fine,) = found.special.itertuples(), finer.special.itertuples()
+    assert abs(coarse.value - fine.value) <= coarse.error
+    assert abs(coarse.value - fine.value) > 0.2 * coarse.error  # no empty claim
+
+
+def test_files_of_every_kind(found: qr.Resonance, tmp_path: Path) -> None:
+    table = pd.read_csv(io.BytesIO(found.written(".csv")))
+    assert list(table.columns[:2]) == ["crank.prescribed_speed [rad/s]", "crank.prescribed_speed.error [rad/s]"]
+    np.testing.assert_allclose(table["peak.tip_acceleration [m/s^2]"], found.frame["peak.tip_acceleration"], rtol=1e-12)
+    assert len(pd.read_parquet(io.BytesIO(found.written(".parquet")))) == len(table)
+    (tmp_path / "curve.nc").write_bytes(found.written(".nc"))
+    dataset = xr.open_dataset(tmp_path / "curve.nc", engine="h5netcdf")
+    assert dataset["peak.tip_acceleration"].attrs["units"] == "m/s^2"
+    assert set(dataset["stability"].values) == {"stable", "unstable: fold"}
+
+
+def test_a_picture_tells_stable_from_unstable(found: qr.Resonance) -> None:
+    (axes,) = found.plot(mark=240.0 * RPM).axes
+    styles = {line.get_linestyle() for line in axes.lines if len(line.get_xdata()) > 2}
+    assert styles == {"-", "--"}
+    marks = [line for line in axes.lines if line.get_label() == "fold"]
+    assert marks[0].get_xdata() == pytest.approx(found.special["value"] / RPM)
+    assert found.picture(".png").startswith(b"\x89PNG")
+
+
+def test_the_command_writes_what_python_gives(call: Call, tmp_path: Path) -> None:
+    table, picture = tmp_path / "curve.csv", tmp_path / "curve.svg"
+    asked = ("resonance", "thesis-24", "--speed", "150 rpm .. 151 rpm", "--accuracy", "0.05", "--no-claims", "--json")
+    answer = call(*asked, "--output", str(table), "--plot", str(picture))
+    assert answer.code == 0
+    document = json.loads(answer.output)
+    rows = pd.read_csv(table)
+    assert document["points"]["crank.prescribed_speed"] == pytest.approx(rows["crank.prescribed_speed [rad/s]"].tolist())
+    assert document["special"] == []
+    assert picture.read_text().startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        ((), ("--speed", "60 rpm .. 300 rpm")),
+        (("--speed", "60 rpm"), ("--speed", "60 rpm", "is no range")),
+        (("--speed", "300 rpm .. 60 rpm"), ("300 rpm .. 60 rpm", "smaller and a larger")),
+        (("--speed", "-60 rpm .. 60 rpm"), ("one sign",)),
+        (("--speed", "1 Hz .. 2 Hz"), ("1 Hz", "an angular speed is needed")),
+        (("--vary", "tip.mas=0 g .. 100 g"), ("tip.mas", "tip.mass")),
+        (("--vary", "crank.initial_angle=0 deg .. 10 deg"), ("crank.initial_angle", "changes no periodic motion")),
+        (("--vary", "crank.length=4 in .. 9 in"), ("crank.length", "slider leaves the follower")),
+        (("--vary", "slider.joint_stiffness=1e4 N/m .. 2e4 N/m", "--speed", "100 rpm"), ("rigid and frictionless",)),
+        (("--vary", "tip.mass=0 g .. 100 g", "--speed", "0 rpm"), ("--speed", "0 rpm", "does not turn")),
+        (("--speed", "60 rpm .. 90 rpm", "--measure", "peak.tip"), ("--measure", "peak.tip")),
+        (("--speed", "60 rpm .. 90 rpm", "--output", "curve.xlsx"), ("curve.xlsx", ".csv")),
+    ],
+    ids=str,
+)
+def test_answers_to_mistakes(call: Call, typed: tuple[str, ...], words: tuple[str, ...]) -> None:
+    answer = call("resonance", "thesis-24", *typed)
+    assert answer.code == 2
+    assert answer.output == ""
+    for word in words:
+        assert word in answer.errors.replace('\\"', '"')
+
+
+def test_other_values_replace_what_excludes_them() -> None:
+    scene = qr.case("thesis-24").mechanism
+    held = scene_with(scene, {"crank.prescribed_speed": 10.0, "tip.mass": 0.02})
+    assert not held.crank_is_free
+    assert held.crank.drive.initial_speed == 10.0
+    assert held.tip_body.mass == 0.02
+    assert range_of("tip.mass", "0 g .. 25 g").high == pytest.approx(0.025)
+
+
+def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -> None:
+    fold = found.special["value"].item()
+    pace = 0.998 * fold
+    lines = told_around(found.curve, pace)
+    assert lines[0].startswith(f"the machine runs at {pace / RPM:.5g} rpm, its mean speed")
+    assert {line.rpartition(", ")[2] for line in lines[1:3]} == {"stable", "unstable: fold"}
+    assert lines[3].startswith("no peak between 237.5 and 241 rpm")
+    assert lines[4] == f"nearest change of stability: fold, at {fold / RPM:.5g} rpm, 0.2 % faster"
+
+
+def test_a_rigid_machine_has_no_curve(call: Call) -> None:
+    answer = call("show", "rigid", "--resonance")
+    assert answer.code == 2
+    assert "bending_stiffness" in answer.errors

@@ -1,0 +1,66 @@
+"""The resonance curve of run 24's machine, confirmed by marching other engines up and down in speed."""
+
+import dataclasses
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+from engines.own.simulation import OwnSimulation
+from engines.registry import usable_engine
+from reference_model.continuation import Branch, BranchPoint, branch
+from reference_model.cycle_family import CycleFamily
+from reference_model.mechanism import Mechanism, PrescribedSpeed
+from tests.engines.scenes import run_24
+
+RPM = math.pi / 30.0
+LOW, HIGH = 140.0 * RPM, 250.0 * RPM
+#: rpm, and the way on which a march comes to it: five points, two of them at one speed between the folds.
+PLACES = ((150.0, 1), (166.5, 1), (236.0, 1), (236.0, -1), (246.0, -1))
+CYCLES = 40
+STEPS = 400  # a turn
+
+
+def at_speed(speed: float) -> Mechanism:
+    return run_24(crank={"drive": PrescribedSpeed(speed=speed)})
+
+
+@cache
+def curve() -> tuple[CycleFamily, Branch]:
+    family = CycleFamily(at_speed, 5, 1e-10)
+    return family, branch(family, family.orbit(LOW), LOW, LOW, HIGH)
+
+
+def stable_point(speed: float, way: int) -> BranchPoint:
+    """The stable point about a speed on the first part of the curve (1) or on its last one (-1)."""
+    _, found = curve()
+    stable = [each for each in found.points if not each.instability]
+    ordered = stable if way > 0 else stable[::-1]
+    return next(each for each in ordered if way * (each.parameter - speed) >= 0.0)
+
+
+def peak(family: CycleFamily, point: BranchPoint) -> float:
+    return float(np.max(np.abs(family.columns(point.point, point.parameter, STEPS)["tip_acceleration"])))
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize(("rpm", "way"), PLACES)
+@pytest.mark.parametrize(("engine", "accuracy", "apart"), [("reference", 1e-3, 0.005), ("mujoco", 7e-3, 0.02), ("exudyn", 3e-3, 0.02)])
+def test_a_march_from_a_neighbouring_speed_settles_on_the_curve(engine: str, accuracy: float, apart: float, rpm: float, way: int) -> None:
+    """Within some times the accuracy asked of the engine: near resonance an error of a frequency is a larger one of the peak."""
+    if engine == "exudyn" and (rpm, way) != PLACES[1]:
+        pytest.skip("takes minutes; one point is asked of it")
+    family, _ = curve()
+    goal, neighbour = stable_point(rpm * RPM, way), stable_point((rpm - way) * RPM, way)
+    scene, chosen = at_speed(goal.parameter), usable_engine(engine)
+    cycle, like = family.at(neighbour.parameter)
+    start = OwnSimulation(cycle.model, cycle.state(neighbour.point, like), family.tolerance, 0.0).present_start()
+    begun = dataclasses.replace(start, crank_speed=goal.parameter)
+    turn = 2.0 * math.pi / goal.parameter
+    simulation = chosen.prepare(scene, begun, chosen.settings_for(accuracy, scene))
+    for _ in range(CYCLES):
+        columns = simulation.advance(turn, turn / STEPS)
+    found = float(np.max(np.abs(columns["tip_acceleration"])))
+    print(engine, rpm, way, found, peak(family, goal), found / peak(family, goal) - 1.0)
+    assert found == pytest.approx(peak(family, goal), rel=apart)
