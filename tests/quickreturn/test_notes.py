@@ -24,7 +24,7 @@ def _scene(tmp_path: Path) -> None:
     [
         ("simulate", "--set", "engine.step=0.1"),
         ("modes",),
-        ("run",),
+        pytest.param(("run",), marks=pytest.mark.verify),
     ],
     ids=lambda arguments: arguments[0],
 )

@@ -48,6 +48,7 @@ def noisy(columns: dict[str, Array], generator: np.random.Generator, memory: flo
     return table_of(found, "table", CASE.name)
 
 
+@pytest.mark.verify
 def test_the_truth_lies_in_the_region_for_a_table_of_another_engine() -> None:
     fit = calibrate(BEGUN, noisy(computed("mujoco"), np.random.default_rng(1)), FREE)
     assert fit.begins
@@ -119,6 +120,7 @@ def test_parameters_that_do_the_same_are_not_told_apart() -> None:
     assert direction[0] * direction[1] < 0.0
 
 
+@pytest.mark.verify
 def test_the_steady_state_is_fitted_at_equal_crank_angles() -> None:
     from cases.runs.marching import whole_cycles
     from engines.own.reference import ReferenceEngine
