@@ -16,15 +16,9 @@ def dataset_of(solution: "Solution") -> "xr.Dataset":
 
     Attributes are texts and numbers alone, so that netCDF keeps them: of each variable `units`, `long_name`, `comment` and, where it is
     known, `error_estimate`; of the whole what was simulated, by what, and what is known of its error.
-
-    Raises:
-        ModuleNotFoundError: xarray is not installed.
     """
-    try:
-        import xarray as xr
-    except ModuleNotFoundError as missing:
-        sentence = "to_xarray needs the package xarray: pip install 'quickreturn[notebook]'"
-        raise ModuleNotFoundError(sentence, name=missing.name) from None
+    import xarray as xr
+
     estimates = solution.result.error_estimates
     variables: dict[str, tuple[str, Any, dict[str, Any]]] = {}
     for name in solution.frame.columns:

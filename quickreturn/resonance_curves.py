@@ -16,6 +16,8 @@ from cases.shown import Cell, Rows, Shown
 from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.sweeping import ERROR
+from quickreturn.table_files import table_file
 from reference_model.columns import COLUMNS
 
 if TYPE_CHECKING:
@@ -25,7 +27,6 @@ if TYPE_CHECKING:
 
 #: Marks of special points in pictures.
 MARKS: Final = {"fold": "o", "period doubling": "s", "torus": "D", "slider left": "X", "lost": "x"}
-ERROR: Final = ".error"
 
 
 class Resonance(Shown):
@@ -121,23 +122,12 @@ class Resonance(Shown):
         return {**about, "special": special, "peaks": peaks, "points": columns}
 
     def written(self, ending: str) -> bytes:
-        """The table as the content of a file: .csv, .parquet (units in the headings) or .nc.
-
-        Raises:
-            ModuleNotFoundError: .nc needs xarray.
-        """
-        frame = self.frame
-        units = frame.attrs["units"]
-        if ending == ".nc":
-            return self._netcdf()
-        frame.columns = [f"{name} [{units[name]}]" if units[name] else name for name in frame.columns]
-        return frame.to_parquet(index=False) if ending == ".parquet" else str(frame.to_csv(index=False, lineterminator="\n")).encode()
+        """The table as the content of a file: .csv, .parquet (units in the headings) or .nc."""
+        return self._netcdf() if ending == ".nc" else table_file(self.frame, self.frame.attrs["units"], ending)
 
     def _netcdf(self) -> bytes:
-        try:
-            import xarray as xr
-        except ModuleNotFoundError as missing:
-            raise ModuleNotFoundError("a netCDF file needs xarray: pip install 'quickreturn[notebook]'", name=missing.name) from None
+        import xarray as xr
+
         frame = self.frame.assign(peak_order=self.frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
         dataset = xr.Dataset.from_dataframe(frame).assign_attrs(case=self.curve.case)
         for name, variable in dataset.data_vars.items():

@@ -113,11 +113,7 @@ class Solution(Shown):
         return list(self.frame.columns)
 
     def to_xarray(self) -> "xr.Dataset":
-        """The trajectory as an xarray dataset over `time`, with units and error estimates as attributes, which netCDF keeps.
-
-        Raises:
-            ModuleNotFoundError: xarray is not installed.
-        """
+        """The trajectory as an xarray dataset over `time`, with units and error estimates as attributes, which netCDF keeps."""
         from quickreturn.dataset import dataset_of
 
         return dataset_of(self)

@@ -19,6 +19,7 @@ from engines.registry import usable_engine
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, Listing, one_case
 from quickreturn.cross_validation import given_settings, opened
+from quickreturn.table_files import table_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,7 +73,6 @@ def sweep(
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be; the sentence says what is accepted.
-        ModuleNotFoundError: xarray is not installed.
     """
     chosen = one_case(case)
     axes = tuple(_axis(key, values) for key, values in vary.items())
@@ -117,7 +117,8 @@ def _axis(key: str, values: str | Sequence[Any]) -> Axis:
 
 def dataset_of(found: Study) -> "xr.Dataset":
     """A study as a dataset, whose attributes are texts and numbers alone, so that netCDF keeps them."""
-    xr = _xarray()
+    import xarray as xr
+
     axes, both = found.grid.axes, len(found.ways) > 1
     dimensions = (*(["path"] if both else []), *(each.key for each in axes))
 
@@ -183,10 +184,7 @@ def written(dataset: "xr.Dataset", ending: str) -> bytes:
         return bytes(dataset.to_netcdf(engine="h5netcdf"))
     frame = dataset.to_dataframe().reset_index()
     units = {name: dataset[name].attrs.get("units", "") for name in map(str, frame.columns)}
-    frame.columns = [f"{name} [{unit}]" if unit else name for name, unit in units.items()]
-    if ending == ".parquet":
-        return frame.to_parquet(index=False)
-    return str(frame.to_csv(index=False, lineterminator="\n")).encode()
+    return table_file(frame, units, ending)
 
 
 def summary(dataset: "xr.Dataset") -> list[str]:
@@ -213,12 +211,3 @@ def _place(end: "xr.DataArray", values: "xr.DataArray") -> str:
         return f"{key} = {value:.6g} {unit}".rstrip() if isinstance(value, float) else f"{key} = {value}"
 
     return ", ".join(told(str(key)) for key in values.dims)
-
-
-def _xarray() -> Any:
-    try:
-        import xarray as xr
-    except ModuleNotFoundError as missing:
-        sentence = f"sweep needs the package {missing.name}: pip install 'quickreturn[notebook]'"
-        raise ModuleNotFoundError(sentence, name=missing.name) from None
-    return xr

@@ -22,6 +22,10 @@ Array = NDArray[np.float64]
 
 #: Modes whose memory of a disturbance outlasts a cycle; of the others at most a twentieth is left in the thesis' runs.
 SLOW_MODES: Final = 2
+#: Cycles made first, and so many where a search failed: they carry a start that is far from any steady state to where Newton's method
+#: converges.
+MARCHED: Final = 2
+PATIENT: Final = 50
 #: Distance to which the model of the slow modes is solved, and tolerance of its integration: the model itself is off by as much.
 GUESS: Final = 1e-3
 GUESS_INTEGRATION: Final = 1e-5
@@ -69,7 +73,9 @@ class PeriodicOrbit:
     residual: float
 
 
-def periodic_orbit(model: BeamModel, guess: Array, tolerance: float = 1e-6, integration: float = 1e-9, marched: int = 2) -> PeriodicOrbit:
+def periodic_orbit(
+    model: BeamModel, guess: Array, tolerance: float = 1e-6, integration: float = 1e-9, marched: int = MARCHED
+) -> PeriodicOrbit:
     """The periodic steady state of a scene.
 
     Args:
@@ -78,8 +84,7 @@ def periodic_orbit(model: BeamModel, guess: Array, tolerance: float = 1e-6, inte
         tolerance: distance from the fixed point relative to the states' sizes along the cycle. Mild motions are small beside the
             fixed sizes that the integration's tolerance refers to: to reach 1e-6 in all, that must be 1e-9.
         integration: tolerance of the integration.
-        marched: cycles made first, of the slow modes alone: they carry a guess that is far from any steady state to where Newton's
-            method converges.
+        marched: cycles made first, of the slow modes alone.
 
     Raises:
         NoPeriodicOrbit: not converged.

@@ -31,10 +31,8 @@ Array = NDArray[np.float64]
 UNKNOWN_ERROR: Final = 1e-2
 
 
-#: Turns after which a search that failed is made once more.
-PATIENT: Final = 50
 #: Part of the speed by which the ways to another motion begin off the machine's own, and their steps: the folds of run 24's machine are
-#: 1 to 3 % wide.
+#: 0.2 and 2.4 % wide.
 NEAR: Final = 0.05
 STEPS: Final = 5
 #: Part by which the largest tip accelerations of two motions differ; one motion is found again to 1e-3. Rows from which they are taken.
@@ -155,7 +153,7 @@ def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimul
     for begun in dict.fromkeys((near, None)):
         with contextlib.suppress(NoSteadyState):
             return reference.steady_state(scene, start, settings, begun)
-    return reference.steady_state(scene, start, settings, near, PATIENT)
+    return reference.steady_state(scene, start, settings, near, patient=True)
 
 
 def simulation_in(found: SteadyState) -> OwnSimulation:

@@ -34,7 +34,7 @@ from reference_model.periodic import instability
 Array = NDArray[np.float64]
 
 #: How a point ends.
-UNSTABLE: Final = "unstable, {}"  # fold, period doubling or torus
+UNSTABLE: Final = "unstable: {}"  # fold, period doubling or torus
 LEFT: Final = "slider left"
 OPEN: Final = "loop cannot close"
 REFUSED: Final = "refused"

@@ -48,8 +48,6 @@ SLOWEST: Final = 0.5
 #: Distance at which the search for a steady state makes its last step, which leaves a tenth of it or less: what counts as settled when
 #: marching.
 ORBIT_TOLERANCE: Final = 1e-3
-#: Turns that the search makes first: they carry a start far from any steady state to where Newton's method converges.
-MARCHED: Final = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +153,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return LADDER.finer(settings, excess)
 
     def steady_state(
-        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "OwnSimulation | None" = None, marched: int = MARCHED
+        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "OwnSimulation | None" = None, patient: bool = False
     ) -> SteadyState | None:
         """See `Engine.steady_state`; a rigid follower, or a slider joint that gives way or rubs, is marched.
 
@@ -164,13 +162,13 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             start: where the search begins.
             settings: of it.
             near: in the periodic state of a neighbouring scene, or with other settings, where the search begins instead.
-            marched: turns made before Newton's method.
+            patient: whether more turns are made before Newton's method, as where a search failed.
         """
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
         from engines.own.simulation import OwnSimulation
         from reference_model.model import BeamModel
-        from reference_model.periodic import NoPeriodicOrbit, periodic_orbit
+        from reference_model.periodic import MARCHED, PATIENT, NoPeriodicOrbit, periodic_orbit
         from reference_model.section_map import turn_to
 
         begin = self.prepare(mechanism, start, settings)
@@ -180,7 +178,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         began = time.perf_counter()
         guess = begin.state if near is None else _guess(near, begin.state[model.parameters.speeds + 1], mechanism)
         try:
-            orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance, marched)
+            orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance, PATIENT if patient else MARCHED)
         except NoPeriodicOrbit as reason:
             raise NoSteadyState(str(reason)) from reason
         return SteadyState(

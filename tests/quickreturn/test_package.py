@@ -238,13 +238,6 @@ def test_parquet_keeps_units_and_numbers(place: Path) -> None:
     assert kept.attrs == frame.attrs
 
 
-def test_a_missing_xarray_is_one_sentence_that_names_the_extra(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    solution = qr.simulate("small.toml", "fake")
-    monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(ModuleNotFoundError, match=r"^to_xarray needs the package xarray: pip install 'quickreturn\[notebook\]'$"):
-        solution.to_xarray()
-
-
 def test_a_follower_alone_shows_no_estimate_of_columns_that_it_lacks(place: Path) -> None:
     whole = qr.simulate("small.toml", "fake")
     columns = {name: values for name, values in whole.trajectory.columns.items() if name in FollowerTrajectory.required}

@@ -206,6 +206,10 @@ def methods(tables: Tables) -> list[str]:
     return found
 
 
+#: Scenes of the map of classes: six speeds by three tips, and fourteen in which another group varies.
+WHOLE_MAP = 6 * 3 + 14
+
+
 def classes(tables: Tables) -> list[str]:
     """Which method, where: to 1 %."""
     rows, cells = tables["classes"], tables["classes_map_1_0.01"].filter(regex=r"^speed [\d.]+$").notna().sum().sum()
@@ -220,6 +224,7 @@ def classes(tables: Tables) -> list[str]:
         f"{winner}{code} solves fastest to 1 % in {(won == winner).sum()} of {cells} classes of machines",
         f"(the next takes {' '.join(span)} times as long); counted by all that one waits for, ",
         *(f"{name} in {count}" for name, count in waited.idxmin(axis=1).value_counts().items()),
+        *([f"; {WHOLE_MAP - cells} more classes of the map are not recorded"] * int(cells < WHOLE_MAP)),
     ]
 
 

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from cases.classes.grid import ROWS, TURNS
+from cases.classes.grid import ROWS, TURNS, grid
 from cases.classes.groups import MEANINGS
 from cases.classes.map import TIMES, Map
 from cases.classes.measurement import LEVELS, LIMIT
@@ -23,6 +23,7 @@ def classes(content: Content) -> dict[str, Any] | None:
     return {
         "of_record": content.of_record.get("classes"),
         "scenes": len(known.scenes),
+        "missing": len(list(grid())) - len(known.scenes),
         "contests": contests,
         "own": [name for name in dict.fromkeys(reach.engine for reach in known.reaches) if is_own(name)],
         "meanings": MEANINGS,

@@ -54,8 +54,8 @@ def test_the_error_of_a_quantile_is_what_other_samples_show() -> None:
 def test_points_that_did_not_settle_count_in_no_number() -> None:
     found = points(8)
     scatter = scattered(found, np.arange(8.0))
-    unstable = Scatter(**{**vars(scatter), "statuses": ("unstable, fold", *scatter.statuses[1:])})
-    assert unstable.counts == {"settled": 7, "unstable, fold": 1}
+    unstable = Scatter(**{**vars(scatter), "statuses": ("unstable: fold", *scatter.statuses[1:])})
+    assert unstable.counts == {"settled": 7, "unstable: fold": 1}
     assert unstable.quantiles("peak.strain_2", (0.0,))[0].value == 1.0
 
 
