@@ -208,7 +208,7 @@ def _fitted(scale: TimeScale | None, half: str, cycle: Cycle) -> dict[str, First
     start, end = CubicSpline(turned, cycle.time)(np.pi * np.array((0.0, 1.0) if half == "pre" else (1.0, 2.0)))
     here = half_cycle(scale, float(start), float(end), CubicSpline(cycle.time, cycle.crank_angle))
     signals = {name: CubicSpline(cycle.time, cycle.channels[name]) for name in scale.channels}
-    return fit_first_modes({name: channel_half(scale, here, name, signal) for name, signal in signals.items()})
+    return fit_first_modes([{name: channel_half(scale, here, name, signal) for name, signal in signals.items()}])[0]
 
 
 def _half(half: str, cycles: list[dict[str, FirstMode]]) -> Half:
