@@ -20,6 +20,7 @@ from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from engines import progress
 from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal, SceneT, Simulation, Solver, StartT, first_line
@@ -101,6 +102,8 @@ class Result:
     runs: Mapping[Settings, Made] = field(default_factory=dict, repr=False)
 
 
+# The eigenproblems of the shapes are small: a second thread makes them take three times as much of the processors, and no less time.
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def simulate(
     engine: Solver[SceneT, StartT, Any],
     scene: SceneT,
