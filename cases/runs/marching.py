@@ -58,12 +58,13 @@ def _third_frequency(mechanism: Mechanism) -> float:
     return float(max(frozen_crank_modes(mechanism, angle, 3).frequencies[2] for angle in np.linspace(0.0, math.pi, 5)))
 
 
-def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[tuple[Columns, ...], Settling]:
+def settle(cycles: Iterable[Cycle], multiplier: float | None = None, rattles: bool = False) -> tuple[tuple[Columns, ...], Settling]:
     """Take cycle after cycle until settled or given up, or until there are no more.
 
     Args:
         cycles: one after the other, with all columns of the trajectory.
         multiplier: largest Floquet multiplier of the steady state, where it is known.
+        rattles: whether the slider's joint opens and closes, so that the cycles may come near to one another and never repeat.
 
     Returns:
         The columns of the cycles to be measured, and what the cycles tell of settling. Where they settle that is the last one; where they
@@ -75,7 +76,7 @@ def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[tu
         progress.tell(cycle=settling.cycles + 1, most=GREATEST_NUMBER)
         if settling.feed(channels_of(latest[-1])) or settling.cycles >= GREATEST_NUMBER:
             break
-    if len(latest) == AVERAGED and settling.keeps_changing([channels_of(each) for each in latest]):
+    if len(latest) == AVERAGED and settling.keeps_changing([channels_of(each) for each in latest], rattles):
         return tuple(latest), settling
     return tuple(latest)[-1:], settling
 
