@@ -1,14 +1,13 @@
 """A study: the rows of a grid, computed and stored one by one, put together again point by point."""
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.jobs.job import Outcome
+from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.runs.request import FAILED, SETTLED
 from cases.sweep.grid import Grid, job
@@ -68,52 +67,32 @@ def study(grid: Grid, asked: Asked, workshop: Workshop, path: Path = "up") -> St
         KeyboardInterrupt: Ctrl-C; the rows that were computed are stored.
         UnknownEngine: see there.
     """
-    ways = ("up", "down") if path == "both" else (path,)
-    begun = [(way, place) for way in ways for place in grid.rows()]
-    asked_of = [replace(asked, engine=grid.engine_at(place, asked.engine)) for _, place in begun]
-    rows = [_Row(grid, way, place, one) for (way, place), one in zip(begun, asked_of, strict=True)]
-    outcomes = workshop.outcomes([each.job for each in rows], "points")
-    found = [each.result(outcome, workshop) for each, outcome in zip(rows, outcomes, strict=True)]
-    return _together(grid, asked, ways, begun, found)
-
-
-class _Row:
-    """A row of the grid that begins at a place, and the changes of its points in the order in which they are computed."""
-
-    def __init__(self, grid: Grid, way: str, place: tuple[int, ...], asked: Asked) -> None:
-        along = grid.along
-        places = [(*place[:along], at, *place[along + 1 :]) for at in range(grid.shape[along])]
-        self._changes = [grid.overrides(each) for each in (reversed(places) if way == "down" else places)]
-        self._case, self._asked = grid.case, asked
-        self.job = job(grid.case, self._changes, asked)
-
-    def result(self, outcome: Outcome[Row], workshop: Workshop) -> Row:
-        """The row; where its process died, its points each in a process of its own, so that one costs no other."""
-        if outcome.value is not None:
-            return outcome.value
-        alone = [job(self._case, [each], self._asked) for each in self._changes]
-        outcomes = workshop.outcomes(alone, "points of a row whose process died")
-        parts = [each.value or self._lost(each) for each in outcomes]
-        return Row(
-            np.concatenate([part.values for part in parts]),
-            np.concatenate([part.errors for part in parts]),
-            tuple(part.statuses[0] for part in parts),
-            tuple(part.sentences[0] for part in parts),
-        )
-
-    def _lost(self, outcome: Outcome[Row]) -> Row:
-        nothing = np.full((1, len(self._asked.measures)), np.nan)
-        return Row(nothing, nothing, (FAILED,), (f"its process {outcome.explanation}",))
-
-
-def _together(grid: Grid, asked: Asked, ways: tuple[str, ...], begun: Sequence[tuple[str, tuple[int, ...]]], rows: Sequence[Row]) -> Study:
+    ways, along = ("up", "down") if path == "both" else (path,), grid.along
     shape = (len(ways), *grid.shape)
-    numbers = np.full((2, *shape, len(asked.measures)), np.nan)
-    texts = np.full((2, *shape), "", dtype=object)
-    for (way, place), found in zip(begun, rows, strict=True):
-        at = (ways.index(way), *place[: grid.along], slice(None, None, -1 if way == "down" else 1), *place[grid.along + 1 :])
-        for kind, values in enumerate((found.values, found.errors)):
-            numbers[kind][at] = values
-        for kind, words in enumerate((found.statuses, found.sentences)):
-            texts[kind][at] = words
-    return Study(grid, asked, ways, numbers[0], numbers[1], texts[0], texts[1])
+    values, errors = (np.full((*shape, len(asked.measures)), np.nan) for _ in range(2))
+    statuses, sentences = (np.full(shape, "", dtype=object) for _ in range(2))
+    jobs, places = list[Job[Row]](), list[Any]()
+    for number, way in enumerate(ways):
+        for place in grid.rows():
+            before, behind, backwards = place[:along], place[along + 1 :], slice(None, None, -1 if way == "down" else 1)
+            changes = [grid.overrides((*before, at, *behind)) for at in range(grid.shape[along])][backwards]
+            jobs.append(job(grid.case, changes, replace(asked, engine=grid.engine_at(place, asked.engine))))
+            places.append((number, *before, backwards, *behind))
+    for at, outcome in zip(places, workshop.outcomes(jobs, "points"), strict=True):
+        row = outcome.value or _point_by_point(outcome.job, workshop)
+        values[at], errors[at], statuses[at], sentences[at] = row.values, row.errors, row.statuses, row.sentences
+    return Study(grid, asked, ways, values, errors, statuses, sentences)
+
+
+def _point_by_point(died: Job[Row], workshop: Workshop) -> Row:
+    """A row whose process died, with each point in a process of its own, so that one costs no other."""
+    case, changes, asked = died.arguments
+    outcomes = workshop.outcomes([job(case, [each], asked) for each in changes], "points of a row whose process died")
+    nothing = np.full((1, len(asked.measures)), np.nan)
+    parts = [each.value or Row(nothing, nothing, (FAILED,), (f"its process {each.explanation}",)) for each in outcomes]
+    return Row(
+        np.concatenate([part.values for part in parts]),
+        np.concatenate([part.errors for part in parts]),
+        tuple(part.statuses[0] for part in parts),
+        tuple(part.sentences[0] for part in parts),
+    )
