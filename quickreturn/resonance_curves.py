@@ -1,6 +1,5 @@
 """Resonance curves as tables and pictures."""
 
-import io
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -8,12 +7,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from cases.case import PATHS
+from cases.case import PATHS, si_value
 from cases.errors import CaseError, as_written
 from cases.jobs.display import compilation_told
 from cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
 from cases.shown import Cell, Rows, Shown
-from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.sweeping import ERROR
@@ -52,7 +50,7 @@ class Resonance(Shown):
         real, imaginary = curve.multipliers.T
         columns |= {"multiplier": np.hypot(real, imaginary), "multiplier.real": real, "multiplier.imag": imaginary}
         table = pd.DataFrame(columns)
-        table["stability"] = [f"unstable: {kind}" if kind else "stable" for kind in curve.kinds]
+        table["stability"] = [_stability(kind) for kind in curve.kinds]
         table["special"] = [special.get(at, "") for at in range(len(table))]
         orders = {each.at: each.order for each in curve.peaks}
         table["peak_order"] = pd.array([orders.get(at) for at in range(len(table))], dtype="Int64")
@@ -64,16 +62,14 @@ class Resonance(Shown):
         """Special points: kind, value of what varies (SI), by how much the model's own may be missed, and the claim."""
         import pandas as pd
 
-        names = ("kind", "value", "tolerance", "error", "reason")
-        return pd.DataFrame([{name: getattr(each, name) for name in names} for each in self.curve.special], columns=names)
+        return pd.DataFrame(map(vars, self.curve.special), columns=["kind", "value", "tolerance", "error", "reason"])
 
     @property
     def peaks(self) -> "pd.DataFrame":
         """Peaks of the first measure: value of what varies (SI), height, order of the harmonic."""
         import pandas as pd
 
-        names = ("value", "height", "order")
-        return pd.DataFrame([{name: getattr(each, name) for name in names} for each in self.curve.peaks], columns=names)
+        return pd.DataFrame(map(vars, self.curve.peaks), columns=["value", "height", "order"])
 
     def plot(self, mark: float | None = None) -> "Drawing":
         """Each measure over what varies: stable parts as lines, unstable ones dashed, special points as marks.
@@ -109,9 +105,7 @@ class Resonance(Shown):
 
     def picture(self, ending: str) -> bytes:
         """The plot as the content of a file."""
-        file = io.BytesIO()
-        self.plot().savefig(file, format=ending[1:], dpi=150)
-        return file.getvalue()
+        return self.plot().written(ending)
 
     def document(self) -> dict[str, Any]:
         """What the JSON document holds of it: special points and peaks, and the points by column."""
@@ -123,15 +117,15 @@ class Resonance(Shown):
 
     def written(self, ending: str) -> bytes:
         """The table as the content of a file: .csv, .parquet (units in the headings) or .nc."""
-        return self._netcdf() if ending == ".nc" else table_file(self.frame, self.frame.attrs["units"], ending)
-
-    def _netcdf(self) -> bytes:
+        frame = self.frame
+        if ending != ".nc":
+            return table_file(frame, frame.attrs["units"], ending)
         import xarray as xr
 
-        frame = self.frame.assign(peak_order=self.frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
-        dataset = xr.Dataset.from_dataframe(frame).assign_attrs(case=self.curve.case)
-        for name, variable in dataset.data_vars.items():
-            variable.attrs["units"] = self._unit(str(name))
+        whole = frame.assign(peak_order=frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
+        dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.curve.case)
+        for name, unit in frame.attrs["units"].items():
+            dataset[name].attrs["units"] = unit
         return bytes(dataset.to_netcdf(engine="h5netcdf"))
 
     def _unit(self, name: str) -> str:
@@ -174,7 +168,7 @@ def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
     drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
     lines = [f"the machine runs at {pace / rpm:.5g} rpm{drive}"]
     for height, kind in crossings:
-        lines.append(f"there {name} is about {height:.3g} {unit}, {f'unstable: {kind}' if kind else 'stable'}")
+        lines.append(f"there {name} is about {height:.3g} {unit}, {_stability(kind)}")
     found = [(f"order {each.order}, {each.height:.3g} {unit}", each.value) for each in curve.peaks]
     for what, places in (("peak", found), ("change of stability", [(each.kind, each.value) for each in curve.special])):
         if not places:
@@ -184,6 +178,10 @@ def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
         way = "faster" if abs(value) > abs(pace) else "slower"
         lines.append(f"nearest {what}: {words}, at {value / rpm:.5g} rpm, {100.0 * abs(value / pace - 1.0):.2g} % {way}")
     return lines
+
+
+def _stability(kind: str) -> str:
+    return f"unstable: {kind}" if kind else "stable"
 
 
 def _stretches(curve: ResonanceCurve) -> Iterator[tuple[slice, bool]]:
@@ -225,17 +223,14 @@ def resonance(
         EngineFailure: no periodic motion was found in the range.
     """
     chosen = one_case(case)
-    varied, held = range_of(key, range, "range"), None if speed is None else speed_of(speed, "speed")
+    varied, held = range_of(key, range, "range"), speed_of(speed, "speed")
     with compilation_told(quiet):
         return Resonance(resonance_curve(chosen, varied, held, tuple(measures), checked(accuracy), claims))
 
 
-def speed_of(text: str, option: str = "--speed") -> float:
-    """A crank speed, rad/s. CaseError: it is none, or zero."""
-    try:
-        found = parse_quantity(text, ANGULAR_SPEED)
-    except QuantityError as wrong:
-        raise CaseError(option, SPEED, as_written(text), wrong.problem, wrong.accepted) from None
-    if found == 0.0:
+def speed_of(text: str | None, option: str = "--speed") -> float | None:
+    """A crank speed, rad/s; None of None. CaseError: it is none, or zero."""
+    found = None if text is None else si_value(SPEED, text, option)
+    if text is not None and found == 0.0:
         raise CaseError(option, SPEED, as_written(text), "does not turn the crank", 'give a speed such as "165 rpm"')
     return found

@@ -62,7 +62,7 @@ def command(
     loaded = options.load(case, overrides)
     if vary is not None:
         key, _, text = vary.partition("=")
-        varied, held = range_of(key.strip(), text.strip()), None if speed is None else speed_of(speed)
+        varied, held = range_of(key.strip(), text.strip()), speed_of(speed)
     elif speed is not None:
         varied, held = range_of(SPEED, speed, "--speed"), None
     else:
@@ -75,7 +75,7 @@ def command(
     workshop = options.opened_workshop([loaded], ["reference"])
     arguments = (loaded, varied, held, asked, accuracy, claims)
     inputs = (loaded.scene, *arguments[1:])
-    code = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes")
+    code = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes", "cases.document")
     job = Job(f"{loaded.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), code, inputs)
     found = Resonance(value_of(workshop.outcomes([job], "resonance curve")[0]))
     for file in (each for each in (output, plot) if each is not None):
