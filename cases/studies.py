@@ -74,23 +74,14 @@ class BothStarts:
 
 @dataclass(frozen=True)
 class Studies:
-    """Rows of all studies.
+    """Rows of all studies."""
 
-    Attributes:
-        accuracy: of each engine at its default accuracy.
-        converged: what that is measured against; None where it could not be computed.
-        confirming: solutions of others that confirm it, where they are stored (see `confirming`).
-        convergence: of the engine `reference`, over modes and tolerances.
-        both_starts: of each package that marches.
-        failures: sentences on what could not be computed.
-    """
-
-    accuracy: Sequence[StudiedRun]
-    converged: StudiedRun | None
-    confirming: Sequence[StudiedRun]
-    convergence: Sequence[StudiedRun]
-    both_starts: Sequence[BothStarts]
-    failures: Sequence[str]
+    accuracy: Sequence[StudiedRun]  # of each engine at its default accuracy
+    converged: StudiedRun | None  # what that is measured against; None where it could not be computed
+    confirming: Sequence[StudiedRun]  # solutions of others that confirm it, where they are stored (see `confirming`)
+    convergence: Sequence[StudiedRun]  # of the engine `reference`, over modes and tolerances
+    both_starts: Sequence[BothStarts]  # of each package that marches
+    failures: Sequence[str]  # sentences on what could not be computed
 
 
 def work() -> Work:

@@ -47,28 +47,18 @@ class Truth:
 
 @dataclass(frozen=True)
 class Reach:
-    """A method on a scene at an error of the tip deflection.
+    """A method on a scene at an error of the tip deflection."""
 
-    Attributes:
-        scene: its name.
-        engine: the method.
-        level: the error.
-        status: `REACHED` by settings of its ladder, or why not.
-        solve_seconds: solving with the fastest settings that are within the level; None where there are none.
-        waited_seconds: setting up and solving all runs that the engine makes when asked for this error, those of its estimate included;
-            None where it does not get there or does not know that it is there.
-        error: of what it delivers when asked; where nothing is within the level the least error of its ladder.
-        remark: the reason in words.
-    """
-
-    scene: str
-    engine: str
-    level: float
-    status: str
-    solve_seconds: float | None = None
+    scene: str  # its name
+    engine: str  # the method
+    level: float  # the error
+    status: str  # `REACHED` by settings of its ladder, or why not
+    solve_seconds: float | None = None  # solving with the fastest settings that are within the level; None where there are none
+    # setting up and solving all runs that the engine makes when asked for this error, those of its estimate included; None where it does
+    # not get there or does not know that it is there
     waited_seconds: float | None = None
-    error: float | None = None
-    remark: str = ""
+    error: float | None = None  # of what it delivers when asked; where nothing is within the level the least error of its ladder
+    remark: str = ""  # the reason in words
 
 
 def truth(groups: Groups) -> Truth:

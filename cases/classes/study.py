@@ -21,19 +21,13 @@ STOP: Final = 12.0 * LIMIT
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene of the map.
+    """A scene of the map."""
 
-    Attributes:
-        name: see `cases.classes.grid.name_of`.
-        groups: that make it.
-        difference: of the confirming solution's tip deflection from the one that errors are measured against; None where there is none.
-        failure: why there is no solution, or no confirming one; "" where there are both.
-    """
-
-    name: str
-    groups: Groups
+    name: str  # see `cases.classes.grid.name_of`
+    groups: Groups  # that make it
+    # of the confirming solution's tip deflection from the one that errors are measured against; None where there is none
     difference: float | None = None
-    failure: str = ""
+    failure: str = ""  # why there is no solution, or no confirming one; "" where there are both
 
 
 def study(workshop: Workshop, *, compute: bool = True, among: Iterable[Groups] | None = None) -> tuple[list[Scene], list[Reach]]:

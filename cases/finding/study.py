@@ -35,41 +35,27 @@ Found = Mapping[tuple[str, int, Way], tuple[Response, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """An effect of one strength; changes are those of the run as published. None: not resolvable, not computed, or broken down.
+    """An effect of one strength; changes are those of the run as published. None: not resolvable, not computed, or broken down."""
 
-    Attributes:
-        effect: `Effect.id`.
-        strength: its words.
-        engine: that computed it.
-        pre_frequency: change of the first mode's consensus frequency, 0.01 %, of each run from 1 on, of `SECOND` of `CONFIRMED_RUNS`.
-        post_frequency: likewise.
-        pre_amplitude: change of its amplitude, %, median over the channels.
-        post_amplitude: likewise.
-        acceleration: change of the peak tip acceleration, %, median over the runs.
-        strain: likewise of the peak strain, the largest of three.
-        band: RMS from 90 to 180 Hz in the tip acceleration at the return, m/s^2, likewise.
-        example: of run 24 the first mode's frequency before and after the return, Hz (0: not resolvable); at the return the RMS of the
-            band, m/s^2, the strongest frequency from 60 to 200 Hz, and there the correlation of strain 1 with 2, and with 3.
-        measured: what the measurement leaves open of a frequency, %, median over runs and halves, the cycles' scatter included.
-        claim: estimated errors, the greatest of the sample: of the changes of frequency, amplitude, peak acceleration and peak strain, in
-            %, and of the band, m/s^2; empty where none was estimated.
-        runs: how many were computed, and `failed` of them broke down.
-    """
-
-    effect: str
-    strength: str
-    engine: str
+    effect: str  # `Effect.id`
+    strength: str  # its words
+    engine: str  # that computed it
+    # change of the first mode's consensus frequency, 0.01 %, of each run from 1 on, of `SECOND` of `CONFIRMED_RUNS`
     pre_frequency: tuple[int | None, ...]
-    post_frequency: tuple[int | None, ...]
-    pre_amplitude: tuple[int | None, ...]
-    post_amplitude: tuple[int | None, ...]
-    acceleration: int | None
-    strain: int | None
-    band: float | None
+    post_frequency: tuple[int | None, ...]  # likewise
+    pre_amplitude: tuple[int | None, ...]  # change of its amplitude, %, median over the channels
+    post_amplitude: tuple[int | None, ...]  # likewise
+    acceleration: int | None  # change of the peak tip acceleration, %, median over the runs
+    strain: int | None  # likewise of the peak strain, the largest of three
+    band: float | None  # RMS from 90 to 180 Hz in the tip acceleration at the return, m/s^2, likewise
+    # of run 24 the first mode's frequency before and after the return, Hz (0: not resolvable); at the return the RMS of the band, m/s^2,
+    # the strongest frequency from 60 to 200 Hz, and there the correlation of strain 1 with 2, and with 3
     example: tuple[float, ...]
-    measured: float
+    measured: float  # what the measurement leaves open of a frequency, %, median over runs and halves, the cycles' scatter included
+    # estimated errors, the greatest of the sample: of the changes of frequency, amplitude, peak acceleration and peak strain, in %, and
+    # of the band, m/s^2; empty where none was estimated
     claim: tuple[float, ...]
-    runs: int
+    runs: int  # how many were computed, and `failed` of them broke down
     failed: int
 
     def changes(self, name: str) -> dict[int, float]:

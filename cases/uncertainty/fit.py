@@ -19,29 +19,17 @@ SMOOTH: Final = 0.3
 
 @dataclass(frozen=True, kw_only=True)
 class Found:
-    """A parameter that was found, SI.
+    """A parameter that was found, SI."""
 
-    Attributes:
-        key: of the parameter.
-        unit: SI.
-        start: where the search began.
-        value: the best one.
-        low: lower end of the 95 % interval, by what the residuals show.
-        high: upper end.
-        simulation_error: by how much the simulation's own error may move the value; not part of the interval.
-        determined: whether the table tells it at all.
-        at_end: whether it lies at the end of its range.
-    """
-
-    key: str
-    unit: str
-    start: float
-    value: float
-    low: float
-    high: float
-    simulation_error: float
-    determined: bool
-    at_end: bool
+    key: str  # of the parameter
+    unit: str  # SI
+    start: float  # where the search began
+    value: float  # the best one
+    low: float  # lower end of the 95 % interval, by what the residuals show
+    high: float  # upper end
+    simulation_error: float  # by how much the simulation's own error may move the value; not part of the interval
+    determined: bool  # whether the table tells it at all
+    at_end: bool  # whether it lies at the end of its range
 
     @property
     def shown(self) -> tuple[str, ...]:

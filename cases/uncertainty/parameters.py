@@ -28,15 +28,10 @@ _EXAMPLES: Final = (
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a scene by its key in a case file, such as `tip.mass`; of a list the place is added: `mechanism.gravity[2]`.
+    """A number of a scene by its key in a case file, such as `tip.mass`; of a list the place is added: `mechanism.gravity[2]`."""
 
-    Attributes:
-        path: dotted key.
-        place: in the list, from 0; None of a single number.
-    """
-
-    path: str
-    place: int | None = None
+    path: str  # dotted key
+    place: int | None = None  # in the list, from 0; None of a single number
 
     @classmethod
     def of_key(cls, key: str, source: str) -> "Parameter":
@@ -96,19 +91,12 @@ def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, 
 
 @dataclass(frozen=True)
 class Distribution:
-    """How a parameter scatters.
+    """How a parameter scatters."""
 
-    Attributes:
-        kind: "uniform", "log-uniform" or "normal".
-        first: SI; lower end, or the mean.
-        second: SI; upper end, or the standard deviation.
-        text: as written.
-    """
-
-    kind: str
-    first: float
-    second: float
-    text: str
+    kind: str  # "uniform", "log-uniform" or "normal"
+    first: float  # SI; lower end, or the mean
+    second: float  # SI; upper end, or the standard deviation
+    text: str  # as written
 
     def quantile(self, probability: Array) -> Array:
         """The values that are not exceeded with a probability from 0 to 1, SI, shape as the argument."""

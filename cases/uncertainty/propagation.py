@@ -212,21 +212,13 @@ def quantiles(values: Array, probabilities: Sequence[float] = PROBABILITIES) -> 
 
 @dataclass(frozen=True, eq=False)
 class Surrogate:
-    """A polynomial chaos: orthonormal polynomials of the parameters, fitted by least squares.
+    """A polynomial chaos: orthonormal polynomials of the parameters, fitted by least squares."""
 
-    Attributes:
-        degree: largest total degree.
-        powers: of each term in each parameter, shape (terms, p).
-        matrix: terms at the points, shape (n, terms).
-        values: at the points, shape (n,).
-        q2: part of the variance that it foretells at points left out of its fit, one at a time; nan without enough points.
-    """
-
-    degree: int
-    powers: NDArray[np.int64]
-    matrix: Array
-    values: Array
-    q2: float
+    degree: int  # largest total degree
+    powers: NDArray[np.int64]  # of each term in each parameter, shape (terms, p)
+    matrix: Array  # terms at the points, shape (n, terms)
+    values: Array  # at the points, shape (n,)
+    q2: float  # part of the variance that it foretells at points left out of its fit, one at a time; nan without enough points
 
     @classmethod
     def best(cls, distributions: Sequence[Distribution], inputs: Array, values: Array) -> "Surrogate":
