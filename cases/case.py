@@ -128,9 +128,9 @@ def dimension_of(path: str) -> Dimension:
     return DIMENSIONS[PATHS[path].unit]
 
 
-def si_value(path: str, text: str, source: str) -> float:
-    """What a text says of the quantity at a dotted path, SI; infinite where that is accepted. CaseError, which names `source`: nothing."""
+def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:
+    """What a text says of the quantity at a dotted path, SI; infinite where that may be. CaseError, which names `source`: nothing."""
     try:
-        return parse_quantity(text, dimension_of(path), infinity_accepted=PATHS[path].infinity)
+        return parse_quantity(text, dimension_of(path), infinity_accepted=PATHS[path].infinity and not finite)
     except QuantityError as wrong:
         raise CaseError(source, path, shown(text), wrong.problem, wrong.accepted) from None

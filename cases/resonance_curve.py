@@ -131,8 +131,8 @@ def range_of(key: str, text: str, option: str = "--vary") -> Range:
     example = f'such as "{"60 rpm .. 300 rpm" if key == SPEED else f"1 {about.unit} .. 2 {about.unit}"}"'
     if len(ends) != 2 or not all(ends):
         raise CaseError(option, key, as_written(text), "is no range", f"write two values with .. between them, {example}")
-    low, high = (si_value(key, end, option) for end in ends)
-    if not low < high < math.inf or low * high < 0.0 or (key == SPEED and low * high == 0.0):
+    low, high = (si_value(key, end, option, finite=True) for end in ends)
+    if not low < high or low * high < 0.0 or (key == SPEED and low * high == 0.0):
         raise CaseError(option, key, as_written(text), "is no range to follow", f"give a smaller and a larger value of one sign, {example}")
     unit = ends[1].partition(" ")[2]
     return Range(key, low, high, unit, si_value(key, f"1 {unit}", option) if unit else 1.0)

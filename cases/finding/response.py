@@ -24,7 +24,7 @@ from cases.measures.consensus import consensus
 from cases.measures.cycle import HALVES
 from cases.measures.first_mode import FirstMode, fit_first_modes
 from cases.measures.half_cycle import channel_half, half_cycle
-from cases.runs.marching import March, output_step, whole_cycles
+from cases.runs.marching import March, output_step, periodic_cycle
 from cases.runs.orbit import PeriodicStart
 from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
 from engines.registry import engine as engine_of_name
@@ -134,8 +134,7 @@ def _steady_cycles(
     except NoSteadyState:
         found = None
     if found is not None and found.stable:
-        cycle = whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
-        return iter([cycle]), 2.0 * math.pi / found.period
+        return iter([periodic_cycle(found, step)]), 2.0 * math.pi / found.period
     march = iter(March(engine.prepare(scene, start, settings), start.crank_speed, step))
     periods = [float(cycle.time[-1] - cycle.time[0]) for cycle in islice(march, TRIED)]
     before, last = (2.0 * math.pi / period for period in periods[-2:])

@@ -14,7 +14,7 @@ from cases.measures import AVERAGED, CHANNELS, Cycle, Settling, cut_cycles
 from cases.measures.steady_state import GREATEST_NUMBER
 from engines import progress
 from engines.accurate import check_trajectory
-from engines.base import EngineFailure, Simulation
+from engines.base import EngineFailure, Simulation, SteadyState
 from engines.trajectory import Trajectory, join
 from reference_model.mechanism import Mechanism, PrescribedSpeed
 from reference_model.natural_modes import frozen_crank_modes
@@ -140,6 +140,11 @@ def whole_cycles(rows: Trajectory) -> list[Cycle]:
             cause = f"the crank takes {turn:.3g} s for a turn, much less than its drive says"
             raise EngineFailure(float(cycle.time[0]), cause, "let it begin at about the speed at which it goes on")
     return cycles
+
+
+def periodic_cycle(found: SteadyState, step: float) -> Cycle:
+    """A whole cycle of a periodic state, recorded every `step` seconds. Raises as `whole_cycles`."""
+    return whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
 
 
 def columns_of(cycle: Cycle) -> Columns:

@@ -1,6 +1,7 @@
 """A study: the rows of a grid, computed and stored one by one, put together again point by point."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
@@ -78,21 +79,25 @@ def study(grid: Grid, asked: Asked, workshop: Workshop, path: Path = "up") -> St
             changes = [grid.overrides((*before, at, *behind)) for at in range(grid.shape[along])][backwards]
             jobs.append(job(grid.case, changes, replace(asked, engine=grid.engine_at(place, asked.engine))))
             places.append((number, *before, backwards, *behind))
-    for at, outcome in zip(places, workshop.outcomes(jobs, "points"), strict=True):
-        row = outcome.value or _point_by_point(outcome.job, workshop)
+    for at, row in zip(places, computed(jobs, workshop), strict=True):
         values[at], errors[at], statuses[at], sentences[at] = row.values, row.errors, row.statuses, row.sentences
     return Study(grid, asked, ways, values, errors, statuses, sentences)
 
 
+def computed(jobs: Sequence[Job[Row]], workshop: Workshop) -> list[Row]:
+    """The rows of jobs; where a process died, its points each in a process of its own, so that one costs no other."""
+    return [outcome.value or _point_by_point(outcome.job, workshop) for outcome in workshop.outcomes(jobs, "points")]
+
+
+def joined(rows: Sequence[Row]) -> Row:
+    """Rows as one, each behind the one before."""
+    values, errors = (np.concatenate([getattr(row, name) for row in rows]) for name in ("values", "errors"))
+    statuses, sentences = (tuple(text for row in rows for text in getattr(row, name)) for name in ("statuses", "sentences"))
+    return Row(values, errors, statuses, sentences)
+
+
 def _point_by_point(died: Job[Row], workshop: Workshop) -> Row:
-    """A row whose process died, with each point in a process of its own, so that one costs no other."""
     case, changes, asked = died.arguments
     outcomes = workshop.outcomes([job(case, [each], asked) for each in changes], "points of a row whose process died")
     nothing = np.full((1, len(asked.measures)), np.nan)
-    parts = [each.value or Row(nothing, nothing, (FAILED,), (f"its process {each.explanation}",)) for each in outcomes]
-    return Row(
-        np.concatenate([part.values for part in parts]),
-        np.concatenate([part.errors for part in parts]),
-        tuple(part.statuses[0] for part in parts),
-        tuple(part.sentences[0] for part in parts),
-    )
+    return joined([each.value or Row(nothing, nothing, (FAILED,), (f"its process {each.explanation}",)) for each in outcomes])

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
-from cases.case import PATHS, dimension_of
+from cases.case import PATHS, si_value
 from cases.errors import CaseError, as_written, nearest_or_all
-from cases.units import QuantityError, parse_quantity, plain_number
+from cases.units import plain_number
 from reference_model.mechanism import Mechanism
 from reference_model.quantities import Quantity
 from reference_model.scene_values import values_of
@@ -137,9 +137,9 @@ def distribution(text: Any, parameter: Parameter, source: str) -> Distribution:
     if between is None or rest.count(between) != 1:
         raise wrong("is no distribution")
     ends = [part.strip() for part in rest.split(between)]
-    first = _value(ends[0], parameter, wrong)
+    first = si_value(parameter.path, ends[0], source, finite=True)
     percent = plain_number(ends[1].removesuffix("%").strip()) if kind == "normal" and ends[1].endswith("%") else None
-    second = _value(ends[1], parameter, wrong) if percent is None else abs(first) * percent / 100.0
+    second = si_value(parameter.path, ends[1], source, finite=True) if percent is None else abs(first) * percent / 100.0
     if kind == "normal" and not second > 0.0:
         raise wrong("has no positive standard deviation")
     if kind != "normal" and not first < second:
@@ -155,10 +155,3 @@ def interval(text: str, parameter: Parameter, source: str) -> tuple[float, float
     """A range `A .. B` in SI. CaseError: no such range."""
     found = distribution(f"uniform {text}", parameter, source)
     return found.first, found.second
-
-
-def _value(text: str, parameter: Parameter, wrong: Any) -> float:
-    try:
-        return parse_quantity(text, dimension_of(parameter.path))
-    except QuantityError as problem:
-        raise wrong(f'holds "{text}", which {problem.problem}', problem.accepted) from None

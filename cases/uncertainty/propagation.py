@@ -21,11 +21,12 @@ from cases.case import Case
 from cases.errors import CaseError
 from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
-from cases.runs.request import FAILED, SETTLED
+from cases.runs.request import SETTLED
 from cases.shown import Cell, Rows, Shown
 from cases.sweep.grid import job
 from cases.sweep.measures import measure
 from cases.sweep.rows import Asked, Row
+from cases.sweep.study import computed, joined
 from cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
 
 Array = NDArray[np.float64]
@@ -163,15 +164,9 @@ class Points:
 
     def scatter(self, workshop: Workshop) -> Scatter:
         """Compute what is not stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
-        names = self.asked.measures
-        values, errors = (np.full((len(self.inputs), len(names)), math.nan) for _ in range(2))
-        statuses = np.full(len(self.inputs), FAILED, dtype=object)
-        for number, outcome in enumerate(workshop.outcomes(self.jobs, "points")):
-            if (row := outcome.value) is not None:
-                here = slice(number * ROW, (number + 1) * ROW)
-                values[here], errors[here], statuses[here] = row.values, row.errors, row.statuses
+        names, row = self.asked.measures, joined(computed(self.jobs, workshop))
         units = tuple(measure(name).unit for name in names)
-        return Scatter(self.case, self.distributions, names, units, self.inputs, values, errors, tuple(statuses))
+        return Scatter(self.case, self.distributions, names, units, self.inputs, row.values, row.errors, row.statuses)
 
 
 def planned(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int, source: str) -> Points:

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from cases.case import Case
 from cases.errors import CaseError
 from cases.recorded import RecordedTable
-from cases.runs.marching import output_step, whole_cycles
+from cases.runs.marching import output_step, periodic_cycle
 from cases.runs.recorded import recorded_run
 from cases.runs.request import NOT_SETTLED, STANDARD
 from engines.accurate import run_once
@@ -95,8 +95,7 @@ class TableModel:
         found = self.engine.steady_state(scene, standard_start(scene), settings)
         if found is None or not found.stable:
             raise NoSteadyState("a rigid follower or a soft joint has none that can be searched" if found is None else "it is not stable")
-        step = output_step(scene)
-        cycle = whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
+        cycle = periodic_cycle(found, output_step(scene))
         turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
         way = math.copysign(1.0, self._speed(scene))
         where = np.mod(way * self._angle[:rows] - math.pi, 2.0 * math.pi)
