@@ -32,8 +32,7 @@ def command(cases: Sequence[str], tag: str | None, accuracy: float, assignments:
     from quickreturn.advice import advise
     from reports.output import print_json
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
+    overrides = options.read_overrides(assignments)
     loaded = options.load_all(cases, tag, overrides)
     found = [advise(case, accuracy) for case in loaded]
     options.tell_doubts(loaded)

@@ -89,6 +89,11 @@ def single(*names: str, read: Reader = lambda _, text: text, default: str | None
     return click.option(*names, multiple=True, callback=one, default=default and [default], **more)
 
 
+def several(*names: str, help: str, **more: Any) -> Callable[[Any], Any]:
+    """An option that may be given more than once."""
+    return click.option(*names, multiple=True, help=f"{help} May be given again.", **more)
+
+
 def output(told: str, metavar: str = "FILE", *, required: bool = True) -> Callable[[Any], Any]:
     """The option that says where the result goes."""
     return single("--output", metavar=metavar, required=required, help=told)
@@ -174,12 +179,14 @@ def refuse_missing(engines: Sequence[str]) -> None:
         usable_engine(name)
 
 
-def refuse_engine_settings(settings: Mapping[str, Mapping[str, str]]) -> None:
-    """For subcommands without an engine: UsageError if a setting of one was given."""
+def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
+    """The same for subcommands without an engine: overrides of the case. UsageError: a setting of an engine was given."""
+    overrides, settings = read_assignments(assignments)
     for engine, texts in settings.items():
         given = "=".join(map(shortened, next(iter(texts.items()))))
         accepted = 'give values of the case, e.g. crank.length="5 in"'
         raise click.UsageError(f"--set {engine}.{given}: engine settings have no meaning here; {accepted}")
+    return overrides
 
 
 def load_all(
