@@ -29,17 +29,11 @@ __all__ = ["GROUPS", "QUICK", "Check", "Conformance", "conform", "job"]
 
 @dataclass(frozen=True)
 class Group:
-    """A group of checks.
+    """A group of checks."""
 
-    Attributes:
-        checks: makes them.
-        runs: about how many runs of the engine it takes, and how many of them an estimate is made of.
-        share: of the time, where that is limited.
-    """
-
-    checks: Callable[[Bench, Elsewhere], Iterator[Check]]
-    runs: tuple[int, int]
-    share: float
+    checks: Callable[[Bench, Elsewhere], Iterator[Check]]  # makes them
+    runs: tuple[int, int]  # about how many runs of the engine it takes, and how many of them an estimate is made of
+    share: float  # of the time, where that is limited
 
 
 #: Groups of checks by name, in the order in which they are told. Runs are those that `reference` takes.

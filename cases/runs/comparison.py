@@ -43,17 +43,12 @@ WORSE: Final = "worse"
 
 @dataclass(frozen=True)
 class Claim:
-    """A number, and how far off it may be: all in its own unit.
+    """A number, and how far off it may be: all in its own unit."""
 
-    Attributes:
-        value: the number.
-        estimate: the engine's estimate of its error.
-        uncertainty: of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the samples leave
-            open, and what the channel may be off by because it has not settled.
-    """
-
-    value: float
-    estimate: float
+    value: float  # the number
+    estimate: float  # the engine's estimate of its error
+    # of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the samples leave open, and what the
+    # channel may be off by because it has not settled
     uncertainty: float
 
     @property
@@ -64,25 +59,15 @@ class Claim:
 
 @dataclass(frozen=True)
 class Difference:
-    """One number of two engines.
+    """One number of two engines."""
 
-    Attributes:
-        case: name of the case.
-        quantity: a number of `cases.measures.Measure`, or "consensus_frequency".
-        half: "pre" or "post".
-        channel: trajectory column; None for the consensus.
-        value: the engine's.
-        other: the one it is held against.
-        relative: (value - other) / |other|; for an extreme over the channel's largest magnitude in the other's cycle.
-    """
-
-    case: str
-    quantity: str
-    half: str
-    channel: str | None
-    value: float
-    other: float
-    relative: float
+    case: str  # name of the case
+    quantity: str  # a number of `cases.measures.Measure`, or "consensus_frequency"
+    half: str  # "pre" or "post"
+    channel: str | None  # trajectory column; None for the consensus
+    value: float  # the engine's
+    other: float  # the one it is held against
+    relative: float  # (value - other) / |other|; for an extreme over the channel's largest magnitude in the other's cycle
 
     @property
     def ratio(self) -> float:

@@ -23,25 +23,15 @@ APART: Final = 0.02
 
 @dataclass(frozen=True)
 class Study:
-    """What came of a grid.
+    """What came of a grid."""
 
-    Attributes:
-        grid: the case and its axes.
-        asked: what was measured.
-        ways: "up", "down" or both.
-        values: of each measure, shape (ways, *grid, measures); nan where it is not to be had.
-        errors: how far off each may be by the engine's own estimate, likewise.
-        statuses: how each point ended, shape (ways, *grid).
-        sentences: why, "" where it settled.
-    """
-
-    grid: Grid
-    asked: Asked
-    ways: tuple[str, ...]
-    values: NDArray[np.float64]
-    errors: NDArray[np.float64]
-    statuses: NDArray[np.object_]
-    sentences: NDArray[np.object_]
+    grid: Grid  # the case and its axes
+    asked: Asked  # what was measured
+    ways: tuple[str, ...]  # "up", "down" or both
+    values: NDArray[np.float64]  # of each measure, shape (ways, *grid, measures); nan where it is not to be had
+    errors: NDArray[np.float64]  # how far off each may be by the engine's own estimate, likewise
+    statuses: NDArray[np.object_]  # how each point ended, shape (ways, *grid)
+    sentences: NDArray[np.object_]  # why, "" where it settled
 
     @property
     def counts(self) -> dict[str, int]:
