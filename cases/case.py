@@ -82,11 +82,7 @@ class Case(Shown):
 
     @property
     def mechanism(self) -> Mechanism:
-        """The scene, where crank and slider are needed.
-
-        Raises:
-            CaseError: it has none.
-        """
+        """The scene, where crank and slider are needed. CaseError: it has none."""
         if isinstance(self.scene, Mechanism):
             return self.scene
         raise CaseError(

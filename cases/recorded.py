@@ -76,11 +76,7 @@ def is_table(name: str) -> bool:
 
 
 def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
-    """A recorded table.
-
-    Raises:
-        CaseError: the file cannot be read, or is no such table.
-    """
+    """A recorded table. CaseError: the file cannot be read, or is no such table."""
     shown, text = path_shown(path), read_text(path, "a recorded table", _LARGEST)
     lines = text.splitlines()
     declared, at = _declarations(shown, lines)

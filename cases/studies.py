@@ -106,11 +106,7 @@ def confirming(workshop: Workshop, *, compute: bool) -> list[StudiedRun]:
 
 
 def run_studies(workshop: Workshop) -> Studies:
-    """All studies, from the store where they are there.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
-    """
+    """All studies, from the store where they are there. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
     failures: list[str] = []
     names, jobs = zip(*_solutions(), strict=True)
     solutions = dict(zip(names, workshop.outcomes(jobs, "studies"), strict=True))

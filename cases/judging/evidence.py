@@ -95,11 +95,7 @@ class _Request:
         self._nothing = scene.evidence(requested)
 
     def run(self) -> Trial:
-        """All runs that the evidence needs.
-
-        Raises:
-            Refusal, SettingError: the engine does not take this scene.
-        """
+        """All runs that the evidence needs. Refusal, SettingError: the engine does not take this scene."""
         scene = self._scene
         stretch, result, failure = self._delivered()
         if failure is not None and (result is None or not self._at_the_end(failure.partial)):

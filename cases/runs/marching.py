@@ -94,11 +94,7 @@ class March:
         self.solve_seconds, self.simulated_seconds = (0.0, 0.0) if begun is None else (begun.solve_seconds, simulation.time)
 
     def __iter__(self) -> Iterator[Cycle]:
-        """Simulate on.
-
-        Raises:
-            EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured.
-        """
+        """Simulate on. EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured."""
         simulation, speed, step, rows = self._simulation, self._crank_speed, self._step, self._begun
         last_passage = simulation.time
         while True:
@@ -122,11 +118,7 @@ class March:
 
 
 def whole_cycles(rows: Trajectory) -> list[Cycle]:
-    """The whole cycles in a trajectory, with all its columns.
-
-    Raises:
-        EngineFailure: the crank turns back, or too fast for the rows recorded.
-    """
+    """The whole cycles in a trajectory, with all its columns. EngineFailure: the crank turns back, or too fast for the rows recorded."""
     columns = dict(rows.columns)
     try:
         cycles = cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)

@@ -44,11 +44,7 @@ class Axis:
 
 
 def axis(text: str) -> Axis:
-    """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes.
-
-    Raises:
-        CaseError: it cannot be read.
-    """
+    """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes. CaseError: it cannot be read."""
     key, sign, values = (part.strip() for part in text.partition("="))
     if not (key and sign and values):
         raise CaseError(_SOURCE, None, shown(text), "is no axis", f"write KEY = VALUES, {_SPEC}")

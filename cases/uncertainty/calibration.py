@@ -57,11 +57,7 @@ class Free:
 
     @classmethod
     def of_text(cls, text: str, case: Case, source: str) -> "Free":
-        """From `KEY` or `KEY = A .. B`.
-
-        Raises:
-            CaseError: no such parameter, or one whose value gives no scale and that has no range.
-        """
+        """From `KEY` or `KEY = A .. B`. CaseError: no such parameter, or one whose value gives no scale and that has no range."""
         key, sign, range_ = (part.strip() for part in text.partition("="))
         parameter = Parameter.of_key(key, source)
         start = parameter.of(case.mechanism)

@@ -80,11 +80,7 @@ class TableModel:
         return found
 
     def simulated(self, scene: Mechanism, settings: ReferenceSettings, rows: int) -> Array:
-        """The columns in the first `rows` rows, shape (C, rows).
-
-        Raises:
-            EngineFailure, Refusal, NoSteadyState: the simulation cannot be had.
-        """
+        """The columns in the first `rows` rows, shape (C, rows). EngineFailure, Refusal, NoSteadyState: the simulation cannot be had."""
         if self.begins:
             time = self._time[:rows]
             step = float(np.median(np.diff(self._time)))

@@ -79,11 +79,7 @@ class Band:
 
 
 def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS), *, compute: bool = True) -> list[Band]:
-    """All bands; without `compute` those of which every point is stored.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
-    """
+    """All bands; without `compute` those of which every point is stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
     uncertain: Mapping[str, str] = {each.key: each.distribution for each in UNPRINTED}
 
     def scattered(run: int, samples: int, *, claims: bool) -> Scatter | None:
