@@ -167,10 +167,9 @@ def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Seq
 
 
 def curve_around(case: Case) -> ResonanceCurve:
-    """The curve over speeds within `NEAR` of the machine's own, without claims; of a machine that a torque drives, of its mean speed.
+    """The curve over speeds within `NEAR` of the machine's own, or of its mean speed where a torque drives it, without claims.
 
-    Raises:
-        CaseError, Refusal, EngineFailure: as `resonance_curve` does; Refusal also of a crank that stands still.
+    Raises as `resonance_curve`; Refusal also of a crank that stands still.
     """
     pace = crank_pace(case.mechanism)
     if pace == 0.0:
@@ -189,13 +188,8 @@ def resonance_curve(
 ) -> ResonanceCurve:
     """The curve of a case's periodic motion.
 
-    Args:
-        case: the machine.
-        varied: what varies.
-        speed: of the crank, prescribed, rad/s; None: that of the case's own drive, unless the speed itself varies.
-        measures: what to measure, names of `PEAKS`; peaks are those of the first.
-        accuracy: relative, for which the model's modes are chosen; None: that of `reference`.
-        claims: whether the error of every point is estimated, which takes a fifth of the time.
+    The crank turns at `speed` (prescribed, rad/s; None: as its own drive says) unless that varies. Modes are chosen for the `accuracy`
+    (relative; None: that of `reference`). `measures` are names of `PEAKS`; with `claims` the error of every point is estimated.
 
     Raises:
         CaseError, Refusal, ImpossibleMechanism: something cannot be.

@@ -8,11 +8,7 @@ from engines import progress
 
 
 class ThisProcess:
-    """The executor without processes. Limits are not kept, and a job that crashes takes the caller along.
-
-    Args:
-        quiet: whether nobody is to be told how far the jobs are.
-    """
+    """The executor without processes. Limits are not kept, and a job that crashes takes the caller along."""
 
     at_once = 1
     limits = Limits()
@@ -23,15 +19,19 @@ class ThisProcess:
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.jobs.job.Executor`."""
         for job in jobs:
-            began = time.monotonic()
             if watch is not None:
                 watch(job, None)
                 progress.listen(lambda how_far, job=job, watch=watch: watch(job, how_far))  # type: ignore[misc]
             try:
-                value = job.function(*job.arguments)
-            except Exception as error:
-                yield Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error, seconds=time.monotonic() - began)
-            else:
-                yield Outcome(job, value, seconds=time.monotonic() - began)
+                yield done(job)
             finally:
                 progress.listen(None)
+
+
+def done(job: Job[V]) -> Outcome[V]:
+    """How a job ends in this process."""
+    began = time.monotonic()
+    try:
+        return Outcome(job, job.function(*job.arguments), seconds=time.monotonic() - began)
+    except Exception as error:
+        return Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error, seconds=time.monotonic() - began)

@@ -170,17 +170,9 @@ class Points:
 
 
 def planned(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int, source: str) -> Points:
-    """Quasi-random points.
+    """Quasi-random points, `samples` of them (a power of two), of distributions as texts by key.
 
-    Args:
-        case: in which all other values are.
-        uncertain: key -> distribution as text.
-        asked: what is measured, and how.
-        samples: number of points, a power of two.
-        source: named in what is wrong with `uncertain`.
-
-    Raises:
-        CaseError: a key, a distribution, a measure or a number of points that cannot be.
+    CaseError, which names `source`: a key, a distribution, a measure or a number of points that cannot be.
     """
     if not uncertain:
         raise CaseError(source, "uncertain", None, "names no parameter", 'write KEY = "uniform A .. B"')
