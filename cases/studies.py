@@ -89,19 +89,10 @@ def work() -> Work:
     return Work(_requests(), [job for _, job in _solutions()])
 
 
-def confirming(workshop: Workshop, *, compute: bool) -> list[StudiedRun]:
-    """Solutions of others that confirm the converged one.
-
-    Args:
-        workshop: where.
-        compute: False: those that are stored, for they take half a minute.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
-    """
+def confirming(workshop: Workshop) -> list[StudiedRun]:
+    """Solutions of others that confirm the converged one; they take half a minute. KeyboardInterrupt: Ctrl-C; what is there is stored."""
     jobs = [_solution("converged", *CONVERGED), *(_solution("confirming", *other) for other in CONFIRMING.items())]
-    outcomes = workshop.outcomes(jobs, "confirmation") if compute else [workshop.stored(job) for job in jobs]
-    converged, *others = [outcome and outcome.value for outcome in outcomes]
+    converged, *others = [outcome.value for outcome in workshop.outcomes(jobs, "confirmation")]
     return [each.against(converged.columns) for each in others if each] if converged else []
 
 
@@ -119,7 +110,7 @@ def run_studies(workshop: Workshop) -> Studies:
     return Studies(
         accuracy=[found["default", name].against(converged.columns) for name in MAIN if ("default", name) in found] if converged else [],
         converged=converged and converged.run,
-        confirming=confirming(workshop, compute=False),
+        confirming=confirming(workshop.as_it_is),
         convergence=convergence or (),
         both_starts=_both_starts(results, failures),
         failures=failures,

@@ -1,6 +1,6 @@
 """The study: every method on every scene of the map, from the store where it is there."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -30,33 +30,23 @@ class Scene:
     failure: str = ""  # why there is no solution, or no confirming one; "" where there are both
 
 
-def study(workshop: Workshop, *, compute: bool = True, among: Iterable[Groups] | None = None) -> tuple[list[Scene], list[Reach]]:
-    """The scenes, and what each method reached on each of them.
+def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[Scene], list[Reach]]:
+    """The scenes, and what each method reached on each of them; what is missing in the workshop is left out.
 
-    Args:
-        workshop: where.
-        compute: False: what is not stored is left out.
-        among: scenes; None: all of the map.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was measured is stored.
+    `among`: scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; what was measured is stored.
     """
     groups = list(grid() if among is None else among)
-    truths = _outcomes(workshop, [_truth_job(each) for each in groups], "solutions to measure against", compute)
-    scenes = [_scene(each, found) for each, found in zip(groups, truths, strict=True) if found is not None]
+    truths = workshop.outcomes([_truth_job(each) for each in groups], "solutions to measure against")
+    scenes = [_scene(each, found) for each, found in zip(groups, truths, strict=True) if not found.missing]
     jobs = [
         _job(each, name, found.value)
         for each, found in zip(groups, truths, strict=True)
-        if found is not None and found.value is not None
+        if found.value is not None
         for name in ENGINES
         if not engine(name).unavailable()
     ]
-    outcomes = [_kept(workshop, outcome) for outcome in _outcomes(workshop, jobs, "methods on scenes", compute) if outcome is not None]
+    outcomes = [_kept(workshop, outcome) for outcome in workshop.outcomes(jobs, "methods on scenes") if not outcome.missing]
     return scenes, [reach for outcome in outcomes for reach in outcome.value or ()]
-
-
-def _outcomes(workshop: Workshop, jobs: Sequence[Job[Any]], title: str, compute: bool) -> Sequence[Outcome[Any] | None]:
-    return workshop.outcomes(jobs, title) if compute else [workshop.stored(job) for job in jobs]
 
 
 def _truth_job(groups: Groups) -> Job[Truth]:

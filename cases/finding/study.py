@@ -8,7 +8,7 @@ from typing import Final
 
 from cases.finding.effects import PUBLISHED, Effect, effects
 from cases.finding.response import Request, Response, respond
-from cases.jobs.job import Job, Outcome
+from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.library.thesis import RUNS, run_case
 from cases.measures import CHANNELS
@@ -76,31 +76,23 @@ class Row:
         return self.apart is not None and abs(self.apart) > 0.01 * math.sqrt(2.0) * self.measured
 
 
-def study(workshop: Workshop, *, compute: bool) -> list[Row]:
-    """All rows, those of the second formulation last.
+def study(workshop: Workshop) -> list[Row]:
+    """All rows, those of the second formulation last, of the runs that are not missing in the workshop; none unless all of the sample are.
 
-    Args:
-        workshop: where.
-        compute: False: of the runs that are stored; no rows unless all of the sample are.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+    KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     others = tuple(run for run in RUNS if run not in SAMPLE)
     begin = dict(zip(RUNS, orbits([run_case(run).mechanism for run in RUNS], workshop), strict=True))
     jobs = dict[tuple[str, int, Way], Job[tuple[Response, ...]]]()
     # the sample first, so that what is there when this is cut off is the same for all effects
     for way, runs in (("", SAMPLE), (SECOND, CONFIRMED_RUNS), ("finer", SAMPLE), ("", others)):
-        for run in runs:
+        for run in (run for run in runs if begin[run].begin is not None):
             known = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id in (PUBLISHED.id, *OF_JOINT)]
             jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for effect in known}
-    if compute:
-        outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
-    else:
-        outcomes = [workshop.stored(job) or Outcome(job) for job in jobs.values()]
+    outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
     broken = (Response(reason="its process did not end well"),) * 3
-    found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if outcome.value or outcome.failure}
-    if any(name not in found for name in jobs if name[1] in SAMPLE and not name[2]):
+    found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if not outcome.missing}
+    if any((effect.id, run, "") not in found for effect in (PUBLISHED, *effects()) for run in SAMPLE):
         return []
     rows = [_row(effect, place, "", found) for effect in (PUBLISHED, *effects()) for place in range(len(effect.strengths))]
     return rows + [_row(effect, MIDDLE, SECOND, found) for effect in effects() if effect.id in OF_JOINT]

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 if TYPE_CHECKING:
     from engines.progress import Progress
 
+#: Failure of a job that is not stored where nothing is computed.
+MISSING: Final = "is not stored"
+
 T = TypeVar("T")
 V = TypeVar("V")
 
@@ -60,6 +63,11 @@ class Outcome(Generic[T]):
     def completed(self) -> bool:
         """Whether there is a value."""
         return not self.failure
+
+    @property
+    def missing(self) -> bool:
+        """Whether nobody computed it, and it is not stored."""
+        return self.failure == MISSING
 
     @property
     def explanation(self) -> str:

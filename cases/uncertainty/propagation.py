@@ -158,10 +158,6 @@ class Points:
         changes = [overrides(scene, dict(zip(self.distributions, point, strict=True))) for point in self.inputs]
         return [job(self.case, changes[first : first + ROW], self.asked) for first in range(0, len(changes), ROW)]
 
-    def are_stored(self, workshop: Workshop) -> bool:
-        """Whether all of them are."""
-        return all(workshop.stored(each) is not None for each in self.jobs)
-
     def scatter(self, workshop: Workshop) -> Scatter:
         """Compute what is not stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
         names, row = self.asked.measures, joined(computed(self.jobs, workshop))

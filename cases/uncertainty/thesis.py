@@ -78,13 +78,14 @@ class Band:
     claims: tuple[float, ...]
 
 
-def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS), *, compute: bool = True) -> list[Band]:
-    """All bands; without `compute` those of which every point is stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
+def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Band]:
+    """All bands of which no point is missing in the workshop. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
     uncertain: Mapping[str, str] = {each.key: each.distribution for each in UNPRINTED}
 
     def scattered(run: int, samples: int, *, claims: bool) -> Scatter | None:
         points = planned(load_case(run_name(run)), uncertain, Asked(measures=MEASURES, claims=claims), samples, "thesis")
-        return points.scatter(workshop) if compute or points.are_stored(workshop) else None
+        outcomes = workshop.outcomes(points.jobs, "points")
+        return None if any(outcome.missing for outcome in outcomes) else points.scatter(workshop)
 
     with_claims = {run: scattered(run, CLAIMED_SAMPLES, claims=True) for run in runs if run in CLAIMED_RUNS}
     claims = {run: claimed(found) for run, found in with_claims.items() if found}

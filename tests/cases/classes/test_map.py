@@ -70,7 +70,7 @@ def test_a_method_that_was_stopped_is_stored_as_such_and_one_that_crashed_is_tri
 
 
 def test_what_is_not_stored_is_left_out(tmp_path: Path) -> None:
-    assert study(Workshop(Store(tmp_path)), compute=False, among=[CENTRE]) == ([], [])
+    assert study(Workshop(Store(tmp_path)).as_it_is, [CENTRE]) == ([], [])
 
 
 def test_the_first_the_next_and_the_factor_are_those_of_the_times() -> None:
