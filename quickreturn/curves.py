@@ -1,5 +1,6 @@
 """Columns of trajectories as curves, engines over each other."""
 
+import io
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -10,14 +11,14 @@ from numpy.typing import NDArray
 
 from quickreturn.solution import UnknownColumn, known_column
 from reference_model.columns import COLUMNS
-from reports.plots.style import FONT_SIZE, SAMPLE, look, picture, tidy
+from reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
 
 #: Shown where no columns are asked for.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
 
 WIDTH: Final = 8.0  # in
 PANEL: Final = 1.9  # in, height
-NOTEBOOK, FILE = 110, 150  # dots per inch
+NOTEBOOK: Final = 110  # dots per inch
 
 #: Unit -> what is shown in its place, and by how much a value is divided for that.
 _SHOWN: Final = {"m": ("mm", 1e-3), "1": ("10⁻⁶", 1e-6)}
@@ -30,11 +31,9 @@ class Drawing(Figure):
     """A figure that a notebook shows by itself; `savefig` writes it to a file."""
 
     def _repr_png_(self) -> bytes:
-        return picture(self, ".png", NOTEBOOK)
-
-    def written(self, ending: str) -> bytes:
-        """The content of a file: .png, .svg or .pdf."""
-        return picture(self, ending, FILE)
+        file = io.BytesIO()
+        self.savefig(file, format="png", dpi=NOTEBOOK)
+        return file.getvalue()
 
 
 def drawing(height: float, width: float = WIDTH) -> Drawing:

@@ -1,5 +1,6 @@
 """Resonance curves as tables and pictures."""
 
+import io
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -50,7 +51,7 @@ class Resonance(Shown):
         real, imaginary = curve.multipliers.T
         columns |= {"multiplier": np.hypot(real, imaginary), "multiplier.real": real, "multiplier.imag": imaginary}
         table = pd.DataFrame(columns)
-        table["stability"] = [_stability(kind) for kind in curve.kinds]
+        table["stability"] = [f"unstable: {kind}" if kind else "stable" for kind in curve.kinds]
         table["special"] = [special.get(at, "") for at in range(len(table))]
         orders = {each.at: each.order for each in curve.peaks}
         table["peak_order"] = pd.array([orders.get(at) for at in range(len(table))], dtype="Int64")
@@ -105,7 +106,9 @@ class Resonance(Shown):
 
     def picture(self, ending: str) -> bytes:
         """The plot as the content of a file."""
-        return self.plot().written(ending)
+        file = io.BytesIO()
+        self.plot().savefig(file, format=ending[1:], dpi=150)
+        return file.getvalue()
 
     def document(self) -> dict[str, Any]:
         """What the JSON document holds of it: special points and peaks, and the points by column."""
@@ -168,7 +171,7 @@ def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
     drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
     lines = [f"the machine runs at {pace / rpm:.5g} rpm{drive}"]
     for height, kind in crossings:
-        lines.append(f"there {name} is about {height:.3g} {unit}, {_stability(kind)}")
+        lines.append(f"there {name} is about {height:.3g} {unit}, {f'unstable: {kind}' if kind else 'stable'}")
     found = [(f"order {each.order}, {each.height:.3g} {unit}", each.value) for each in curve.peaks]
     for what, places in (("peak", found), ("change of stability", [(each.kind, each.value) for each in curve.special])):
         if not places:
@@ -178,10 +181,6 @@ def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
         way = "faster" if abs(value) > abs(pace) else "slower"
         lines.append(f"nearest {what}: {words}, at {value / rpm:.5g} rpm, {100.0 * abs(value / pace - 1.0):.2g} % {way}")
     return lines
-
-
-def _stability(kind: str) -> str:
-    return f"unstable: {kind}" if kind else "stable"
 
 
 def _stretches(curve: ResonanceCurve) -> Iterator[tuple[slice, bool]]:

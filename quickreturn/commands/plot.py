@@ -1,5 +1,6 @@
 """`quickreturn plot`: a picture of cases, or curves of trajectories."""
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -65,6 +66,8 @@ def command(
         solved = trajectories(loaded, engines, settings, accuracy)
         shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
         figure = curves(shown, columns, title=f"{loaded[0].name}: {loaded[0].title}" if len(loaded) == 1 else "")
-    write_file(Path(output), figure.written(Path(output).suffix.lower()))
+    picture = io.BytesIO()
+    figure.savefig(picture, format=Path(output).suffix.lower()[1:], dpi=150)
+    write_file(Path(output), picture.getvalue())
     click.echo(output)
     return 0

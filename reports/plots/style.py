@@ -4,7 +4,6 @@ Pictures are 480 CSS pixels wide: two stand side by side on a screen, one fills 
 below 10, and printed it is 127 mm wide. Engines look as on the page.
 """
 
-import io
 import math
 from collections.abc import Sequence
 from typing import Any, Final
@@ -41,13 +40,6 @@ MARKERS: Final = {
 }  # fmt: skip
 #: Points for a CSS pixel of a line on the page; dashes are in widths of the line.
 SCALE: Final = 0.5
-
-
-def picture(figure: Figure, ending: str, per_inch: int) -> bytes:
-    """A figure as the content of a file; `ending` is ".png", ".svg" or ".pdf"."""
-    file = io.BytesIO()
-    figure.savefig(file, format=ending[1:], dpi=per_inch)
-    return file.getvalue()
 
 
 def look(engine: str) -> dict[str, Any]:
