@@ -70,13 +70,7 @@ def truth(groups: Groups) -> Truth:
 
 
 def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:
-    """An engine on a scene, at each of `LEVELS`, in this process.
-
-    Args:
-        groups: of the scene.
-        name: of the engine.
-        true: the solution to measure against.
-    """
+    """An engine, by its name, on the scene of some groups at each of `LEVELS`, in this process; errors are those against `true`."""
     case = case_of(groups)
     method = methods([name], case)[0]
     unknown = [Reach(case.name, name, level, NOT_REACHED) for level in LEVELS]

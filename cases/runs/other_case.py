@@ -65,10 +65,7 @@ class OtherCases(NamedTuple):
 def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
     """Which cases of the library fit a table better than the given one.
 
-    Args:
-        run: of the table.
-        other: of an engine on the given case, in the same turn or the same state.
-        case: the given one.
+    `run` is that of the table, `other` that of an engine on the given case, in the same turn or the same state.
     """
     shown, right, expected = _of_run(run), _of_run(other), _of_mechanism(case.mechanism)
     names = [name for name in TRAITS if name in shown and name in right and name in expected]
