@@ -89,35 +89,21 @@ class ResonanceCurve:
 
     A point's claim is a rectangle: the curve of a converged model passes through `values` +- `value_errors` and each measure +- its error.
     The converged point is looked for in the plane across the curve, so that the claim holds at folds as it does elsewhere.
-
-    Attributes:
-        case: its name.
-        range: what varies, and between which values.
-        prescribed: whether the crank's speed was prescribed in place of the case's own drive.
-        values: of the varied quantity, SI.
-        arclength: along the curve, in parts of the range and of the motion's size.
-        measures: by name.
-        errors: of these, by name; nan where unknown.
-        value_errors: nan where unknown.
-        multipliers: largest Floquet multiplier, real and imaginary part, shape (k, 2).
-        kinds: "" of a stable point, else "fold", "period doubling" or "torus".
-        special, peaks: in order of arclength.
-        settings: modes and tolerance of the model, and of the finer one.
     """
 
-    case: str
-    range: Range
-    prescribed: bool
-    values: Array
-    arclength: Array
-    measures: dict[str, Array]
-    errors: dict[str, Array]
-    value_errors: Array
-    multipliers: Array
-    kinds: tuple[str, ...]
-    special: tuple[SpecialPoint, ...]
-    peaks: tuple[ResonancePeak, ...]
-    settings: dict[str, float]
+    case: str  # its name
+    range: Range  # what varies, and between which values
+    prescribed: bool  # whether the crank's speed was prescribed in place of the case's own drive
+    values: Array  # of the varied quantity, SI
+    arclength: Array  # along the curve, in parts of the range and of the motion's size
+    measures: dict[str, Array]  # by name
+    errors: dict[str, Array]  # of these, by name; nan where unknown
+    value_errors: Array  # nan where unknown
+    multipliers: Array  # largest Floquet multiplier, real and imaginary part, shape (k, 2)
+    kinds: tuple[str, ...]  # "" of a stable point, else "fold", "period doubling" or "torus"
+    special: tuple[SpecialPoint, ...]  # in order of arclength
+    peaks: tuple[ResonancePeak, ...]  # likewise
+    settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
 
 
 def range_of(key: str, text: str, option: str = "--vary") -> Range:

@@ -104,14 +104,7 @@ class Branch:
 
 
 def branch(family: Family, point: Array, parameter: float, low: float, high: float) -> Branch:
-    """The branch through a fixed point, both ways, until the parameter leaves its range.
-
-    Args:
-        family: the map.
-        point: about the fixed point, shape (m,).
-        parameter: its a, within the range.
-        low: least value of the range.
-        high: its largest.
+    """The branch through a fixed point near a point, shape (m,), both ways, until the parameter leaves its range from `low` to `high`.
 
     Raises:
         CycleBroken, NotConverged: no fixed point is near the one given.

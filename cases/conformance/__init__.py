@@ -104,13 +104,9 @@ def job(engine: str) -> Job[Conformance]:
 
 
 def checks_of(group: str, engine: AnyEngine | str, other: Elsewhere = NOT_TRIED, seconds: float | None = None) -> list[Check]:
-    """The checks of one group. What an engine raises that no engine may ends them.
+    """The checks of one group; engine and seconds as of `conform`, `other`: what came of it in other processes.
 
-    Args:
-        group: name.
-        engine: as of `conform`.
-        other: what came of it in other processes.
-        seconds: wall time that the engine's runs may take; None: as long as they take.
+    What an engine raises that no engine may ends them.
     """
     found = found_engine(engine)
     checks: list[Check] = []

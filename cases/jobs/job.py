@@ -91,22 +91,19 @@ class ExecutorError(Exception):
 
 
 class Executor(Protocol):
-    """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other.
-
-    Attributes:
-        quiet: whether nobody is to be told how far the jobs are.
-        at_once: how many jobs are computed at a time.
-        limits: of a job that has none of its own.
-    """
+    """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other."""
 
     @property
-    def quiet(self) -> bool: ...  # noqa: D102
+    def quiet(self) -> bool:
+        """Whether nobody is to be told how far the jobs are."""
 
     @property
-    def at_once(self) -> int: ...  # noqa: D102
+    def at_once(self) -> int:
+        """How many jobs are computed at a time."""
 
     @property
-    def limits(self) -> Limits: ...  # noqa: D102
+    def limits(self) -> Limits:
+        """Those of a job that has none of its own."""
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """Outcomes as jobs end, in whatever order that is; closing the generator ends those that are at work.

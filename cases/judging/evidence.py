@@ -61,14 +61,9 @@ class Trial:
 def gather(
     engine: str, scene: TrialScene, requested: float, usable: Callable[[str], AnyEngine] = usable_engine, asked: Sequence[float] = ASKED
 ) -> Trial:
-    """The evidence on an engine in a scene.
+    """The evidence on an engine (a name, which `usable` finds) in a scene from the standard start.
 
-    Args:
-        engine: name.
-        scene: what to simulate, from the standard start.
-        requested: error of the tip deflection asked for.
-        usable: finds an engine by its name.
-        asked: see `ASKED`.
+    `requested`: error of the tip deflection asked for; `asked`: see `ASKED`.
     """
     found = Trial(scene.evidence(requested), {}, {})
     try:

@@ -42,23 +42,14 @@ class Motion:
 
 @dataclass(frozen=True)
 class Measure:
-    """A number that a study may ask for.
+    """A number that a study may ask for."""
 
-    Attributes:
-        name: as asked for.
-        unit: SI.
-        meaning: in words.
-        of: takes it.
-        columns: of the cycle that it needs.
-        vibration: whether the first mode must be fitted for it, which takes longest.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    of: Callable[[Motion], Measured]
-    columns: tuple[str, ...] = ()
-    vibration: bool = False
+    name: str  # as asked for
+    unit: str  # SI
+    meaning: str  # in words
+    of: Callable[[Motion], Measured]  # takes it
+    columns: tuple[str, ...] = ()  # of the cycle that it needs
+    vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
 
 
 def measure(name: str) -> Measure:
