@@ -86,7 +86,7 @@ class Studies:
 
 def work() -> Work:
     """All that the studies need, to be computed with other runs; `run_studies` then finds it in the store."""
-    return Work(_requests(), [job for _, job in _solutions()])
+    return Work(_requests(), list(_solutions().values()))
 
 
 def confirming(workshop: Workshop) -> list[StudiedRun]:
@@ -98,13 +98,12 @@ def confirming(workshop: Workshop) -> list[StudiedRun]:
 
 def run_studies(workshop: Workshop) -> Studies:
     """All studies, from the store where they are there. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
-    failures: list[str] = []
-    names, jobs = zip(*_solutions(), strict=True)
-    solutions = dict(zip(names, workshop.outcomes(jobs, "studies"), strict=True))
-    failures += [f"study {outcome.job.name}: {outcome.explanation}" for outcome in solutions.values() if not outcome.completed]
+    jobs = _solutions()
+    solutions = dict(zip(jobs, workshop.outcomes(list(jobs.values()), "studies"), strict=True))
+    failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in solutions.values() if not outcome.completed]
     convergence = solutions.pop(_CONVERGENCE).value
     found = {name: outcome.value for name, outcome in solutions.items() if outcome.value is not None}
-    converged = found.get(("converged", CONVERGED[0]))
+    converged = found.get(_CONVERGED)
     results = carry_out(_requests(), workshop, "another start")
 
     return Studies(
@@ -121,14 +120,15 @@ _CODE: Final = ("cases.studies",)
 
 Name = tuple[str, ...]
 Runs = Mapping[Name, Run]
+_CONVERGED: Final = ("converged", CONVERGED[0])
 _CONVERGENCE: Final = ("convergence", "reference")
 
 
-def _solutions() -> list[tuple[Name, Job[Any]]]:
+def _solutions() -> dict[Name, Job[Any]]:
     """Trajectories of one case, and the convergence of the reference there."""
-    solutions: list[tuple[Name, Job[Any]]] = [(("converged", CONVERGED[0]), _solution("converged", *CONVERGED))]
-    solutions += [(("default", name), _solution("default", name, None)) for name in MAIN]
-    return [*solutions, (_CONVERGENCE, Job("convergence", _convergence, _scene(), "study", ("reference",), _CODE))]
+    solutions: dict[Name, Job[Any]] = {_CONVERGED: _solution("converged", *CONVERGED)}
+    solutions |= {("default", name): _solution("default", name, None) for name in MAIN}
+    return solutions | {_CONVERGENCE: Job("convergence", _convergence, _scene(), "study", ("reference",), _CODE)}
 
 
 def _solution(what: str, name: str, settings: Mapping[str, str] | None) -> Job[StudiedTrajectory]:
@@ -148,9 +148,9 @@ def _trajectory(
     if settings is not None:
         used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
         return _once(chosen, mechanism, duration, output_step, used)
-    result = simulate(chosen, mechanism, standard_start(mechanism), duration, output_step)
-    found = _studied(chosen, mechanism, result.settings, result.trajectory, result.setup_seconds)
-    return replace(found, run=replace(found.run, error_estimate=result.error_estimate, remark=result.remark))
+    made = simulate(chosen, mechanism, standard_start(mechanism), duration, output_step)
+    known = {"error_estimate": made.error_estimate, "remark": made.remark}
+    return _studied(chosen, mechanism, made.settings, made.trajectory, made.setup_seconds, **known)
 
 
 def _once(chosen: AnyEngine, mechanism: Mechanism, duration: float, output_step: float, settings: Settings) -> StudiedTrajectory:
@@ -159,7 +159,7 @@ def _once(chosen: AnyEngine, mechanism: Mechanism, duration: float, output_step:
 
 
 def _studied(
-    chosen: AnyEngine, mechanism: Mechanism, settings: Settings, trajectory: Trajectory, setup_seconds: float
+    chosen: AnyEngine, mechanism: Mechanism, settings: Settings, trajectory: Trajectory, setup_seconds: float, **known: Any
 ) -> StudiedTrajectory:
     run = StudiedRun(
         engine=chosen.name,
@@ -168,6 +168,7 @@ def _studied(
         solve_seconds=trajectory.solve_seconds,
         setup_seconds=setup_seconds,
         right_hand_side_calls=trajectory.statistics.get("right_hand_side_calls"),
+        **known,
     )
     return StudiedTrajectory(run, dict(trajectory.columns))
 

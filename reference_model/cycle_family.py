@@ -41,10 +41,7 @@ class CycleFamily:
         self.scene_at = scene_at
         self.modes = modes
         self.tolerance = tolerance
-        self._built = lru_cache(KEPT)(self._build)
-
-    def _build(self, scene: Mechanism) -> BeamModel:
-        return BeamModel.following(scene, self.modes)
+        self._built = lru_cache(KEPT)(lambda scene: BeamModel.following(scene, modes))
 
     def at(self, value: float) -> tuple[SectionMap, Array]:
         """The cycle's map for a value, and a state at the farthest place with its crank speed."""

@@ -38,14 +38,6 @@ OF_ITSELF: Final = "its estimate is of something else"
 
 
 @dataclass(frozen=True)
-class Truth:
-    """The solution of a scene that errors are measured against, and how far another one is from it."""
-
-    trajectory: Trajectory
-    confirmation: Confirmation
-
-
-@dataclass(frozen=True)
 class Reach:
     """A method on a scene at an error of the tip deflection."""
 
@@ -61,12 +53,15 @@ class Reach:
     remark: str = ""  # the reason in words
 
 
-def truth(groups: Groups) -> Truth:
-    """The truth of a scene. Raises EngineFailure: there is none, as where the slider leaves the follower."""
+def truth(groups: Groups) -> tuple[Trajectory, Confirmation]:
+    """The solution of a scene that errors are measured against, and how far another one is from it.
+
+    EngineFailure: there is none, as where the slider leaves the follower.
+    """
     case = case_of(groups)
     found = truth_of(case)
     kept = replace(found, columns={name: found[name] for name in REQUIRED})
-    return Truth(kept, confirmation_of(case, kept))
+    return kept, confirmation_of(case, kept)
 
 
 def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:

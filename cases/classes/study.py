@@ -4,14 +4,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from cases.benchmark.findings import Confirmation
 from cases.benchmark.measurement import CONFIRMING, TRUTH
 from cases.classes.grid import case_of, grid, name_of
 from cases.classes.groups import Groups
-from cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, Truth, measured, truth
+from cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, measured, truth
 from cases.jobs.isolation import STOPPED
 from cases.jobs.job import Job, Outcome, default_limits
 from cases.jobs.workshop import Workshop
 from engines.registry import MAIN, RIVALS, engine
+from engines.trajectory import Trajectory
 
 ENGINES: Final = (*MAIN, *RIVALS)
 CODE: Final = ("cases.benchmark", "cases.classes.grid", "cases.classes.groups", "cases.classes.measurement")
@@ -39,7 +41,7 @@ def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[li
     truths = workshop.outcomes([_truth_job(each) for each in groups], "solutions to measure against")
     scenes = [_scene(each, found) for each, found in zip(groups, truths, strict=True) if not found.missing]
     jobs = [
-        _job(each, name, found.value)
+        _job(each, name, found.value[0])
         for each, found in zip(groups, truths, strict=True)
         if found.value is not None
         for name in ENGINES
@@ -49,13 +51,13 @@ def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[li
     return scenes, [reach for outcome in outcomes for reach in outcome.value or ()]
 
 
-def _truth_job(groups: Groups) -> Job[Truth]:
+def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Confirmation]]:
     engines = (TRUTH[0], CONFIRMING[0])
     return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, _inputs(groups))
 
 
-def _job(groups: Groups, name: str, true: Truth) -> Job[list[Reach]]:
-    arguments = (groups, name, true.trajectory)
+def _job(groups: Groups, name: str, true: Trajectory) -> Job[list[Reach]]:
+    arguments = (groups, name, true)
     limits = replace(default_limits(), seconds=STOP)
     return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, _inputs(groups), limits)
 
@@ -65,11 +67,11 @@ def _inputs(groups: Groups) -> Any:
     return case.mechanism, case.duration, case.output_step
 
 
-def _scene(groups: Groups, outcome: Outcome[Truth]) -> Scene:
+def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> Scene:
     name = name_of(groups)
     if outcome.value is None:
         return Scene(name, groups, failure=outcome.explanation)
-    confirmation = outcome.value.confirmation
+    _, confirmation = outcome.value
     return Scene(name, groups, confirmation.differences.get("tip_deflection"), confirmation.failure)
 
 

@@ -21,7 +21,7 @@ from cases.reading import case_of
 from cases.recorded import RecordedTable
 from cases.uncertainty.covariance import UNTOLD, best_step, covariance, smooth_part, untold
 from cases.uncertainty.fit import PROBABILITY, Fit, Found
-from cases.uncertainty.parameters import Parameter, interval, overrides
+from cases.uncertainty.parameters import Parameter, distribution, overrides
 from cases.uncertainty.table_model import TableModel
 from engines.base import EngineFailure, NoSteadyState, Refusal
 from engines.own.reference import ReferenceSettings
@@ -62,7 +62,8 @@ class Free:
         parameter = Parameter.of_key(key, source)
         start = parameter.of(case.mechanism)
         if sign:
-            low, high = interval(range_, parameter, source)
+            given = distribution(f"uniform {range_}", parameter, source)
+            low, high = given.first, given.second
             return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high))
         if not math.isfinite(start) or start == 0.0:
             accepted = f'give a range, such as "{key} = 0 {parameter.quantity.unit} .. 1 {parameter.quantity.unit}"'

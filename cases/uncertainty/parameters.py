@@ -149,9 +149,3 @@ def distribution(text: Any, parameter: Parameter, source: str) -> Distribution:
     if parameter.quantity.sign != "any" and first < 0.0:
         raise wrong("holds negative values", f"{parameter.path} must be {parameter.quantity.sign}")
     return Distribution(kind, first, second, text)
-
-
-def interval(text: str, parameter: Parameter, source: str) -> tuple[float, float]:
-    """A range `A .. B` in SI. CaseError: no such range."""
-    found = distribution(f"uniform {text}", parameter, source)
-    return found.first, found.second

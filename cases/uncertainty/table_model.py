@@ -57,7 +57,8 @@ class TableModel:
         self.sizes = np.array([rms(column) for column in self.values])
         self.engine = ReferenceEngine()
         self._time = table.columns["time"]
-        even = case.mechanism.crank.initial_angle + math.copysign(crank_pace(case.mechanism), self._speed(case.mechanism)) * self._time
+        scene = case.mechanism
+        even = scene.crank.initial_angle + math.copysign(crank_pace(scene), scene.crank.drive.initial_speed) * self._time
         self._angle = table.columns.get("crank_angle", even)
 
     @property
@@ -93,10 +94,6 @@ class TableModel:
             raise NoSteadyState("a rigid follower or a soft joint has none that can be searched" if found is None else "it is not stable")
         cycle = periodic_cycle(found, output_step(scene))
         turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
-        way = math.copysign(1.0, self._speed(scene))
+        way = math.copysign(1.0, scene.crank.drive.initial_speed)
         where = np.mod(way * self._angle[:rows] - math.pi, 2.0 * math.pi)
         return np.array([CubicSpline(turned, cycle.channels[name])(where) for name in self.names])
-
-    @staticmethod
-    def _speed(scene: Mechanism) -> float:
-        return scene.crank.drive.initial_speed
