@@ -136,11 +136,10 @@ def about_all() -> list[About]:
     """What all engines say of themselves."""
     from engines.registry import OWN
 
-    rows = []
-    for outcome in asked_of_all(about, (), "engines", OWN):
-        broken = About(name=outcome.job.name, method="unknown", available=False, reason=f"asked about itself, it {outcome.failure}")
-        rows.append(outcome.value or broken)
-    return rows
+    return [
+        each.value or About(name=each.job.name, method="unknown", available=False, reason=f"asked about itself, it {each.failure}")
+        for each in asked_of_all(about, (), "engines", OWN)
+    ]
 
 
 @dataclass(frozen=True)

@@ -161,18 +161,13 @@ def corrected(
 
 
 class _Walk:
-    """From a point along its tangent.
-
-    Attributes:
-        ending: afterwards why it ended; None where the range did, or the branch is closed.
-        closed: afterwards whether it came back to its first point.
-    """
+    """From a point along its tangent."""
 
     def __init__(self, family: Family, low: float, high: float) -> None:
         self._family = family
         self._limits = low, high
-        self.ending: Ending | None = None
-        self.closed = False
+        self.ending: Ending | None = None  # afterwards why it ended; None where the range did, or the branch is closed
+        self.closed = False  # afterwards whether it came back to its first point
 
     def points(self, here: BranchPoint) -> Iterator[BranchPoint]:
         """The points after `here`, with the special ones between them."""

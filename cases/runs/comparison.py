@@ -294,10 +294,8 @@ def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[
 def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | None = None) -> CaseResult:
     """Hold every engine against the reference, or where that cannot be judged against the first one that can, and tables against each.
 
-    Args:
-        case: the case.
-        runs: of engines, all in the steady state or all in the same turn.
-        recorded: runs of recorded tables. Where the engines are in the steady state and the table is not, it has not settled.
+    The runs of engines are all in the steady state or all in the same turn. Where the engines are in the steady state and a recorded
+    table is not, it has not settled.
     """
     judged = {name: run for name, run in runs.items() if not not_judged(run)}
     against = judged.get(REFERENCE) or next(iter(judged.values()), None)

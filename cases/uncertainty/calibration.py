@@ -90,13 +90,9 @@ class Free:
 
 
 def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str = "--free") -> Fit:
-    """Find the parameters with which `reference` comes closest to a table.
+    """The parameters with which `reference` comes closest to a table from the standard start, or of the steady state.
 
-    Args:
-        case: the scene to begin from.
-        table: from the standard start, or of the steady state.
-        free: keys, each alone or with a range: `"tip.center_of_mass = 0 in .. 0.5 in"`.
-        source: named in what is wrong with `free`.
+    `free`: keys, each alone or with a range ("tip.center_of_mass = 0 in .. 0.5 in"); `source` is named in what is wrong with them.
 
     Raises:
         CaseError: keys or table that cannot be.

@@ -34,9 +34,9 @@ class Found:
     @property
     def shown(self) -> tuple[str, ...]:
         """A row for people."""
-        interval_ = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
+        interval = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
         end = " (at an end of its range)" if self.at_end else ""
-        return self.key, f"{self.value:.6g}{end}", self.unit, interval_, f"{self.simulation_error:.1e}", f"{self.start:.6g}"
+        return self.key, f"{self.value:.6g}{end}", self.unit, interval, f"{self.simulation_error:.1e}", f"{self.start:.6g}"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -37,24 +37,18 @@ class TableModel:
 
     A table that begins in the standard start is held against a simulation from there, row by row in time. Any other is held against the
     periodic steady state at equal crank angles.
-
-    Attributes:
-        begins: whether the table begins in the standard start.
-        names: columns that are compared, C of them.
-        values: of the table, SI, shape (C, N).
-        sizes: RMS of each column, shape (C,).
     """
 
     def __init__(self, case: Case, table: RecordedTable) -> None:
         run = recorded_run(table, case)
-        self.begins = run.start == STANDARD
+        self.begins = run.start == STANDARD  # whether the table begins in the standard start
         if not self.begins and run.status == NOT_SETTLED:
             raise CaseError(table.shown, None, None, "neither begins in the standard start nor has settled", run.remark)
         self.names = tuple(name for name in COMPARED if name in table.columns and np.any(table.columns[name]))
         if not self.names:
             raise CaseError(table.shown, None, None, "has no column to fit", f"give some of {', '.join(COMPARED)}")
-        self.values = np.array([table.columns[name] for name in self.names])
-        self.sizes = np.array([rms(column) for column in self.values])
+        self.values = np.array([table.columns[name] for name in self.names])  # SI, shape (C, N)
+        self.sizes = np.array([rms(column) for column in self.values])  # RMS of each column, shape (C,)
         self.engine = ReferenceEngine()
         self._time = table.columns["time"]
         scene = case.mechanism

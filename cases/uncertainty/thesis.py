@@ -84,8 +84,8 @@ def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Band]:
 
     def scattered(run: int, samples: int, *, claims: bool) -> Scatter | None:
         points = planned(load_case(run_name(run)), uncertain, Asked(measures=MEASURES, claims=claims), samples, "thesis")
-        outcomes = workshop.outcomes(points.jobs, "points")
-        return None if any(outcome.missing for outcome in outcomes) else points.scatter(workshop)
+        missing = not workshop.computes and any(each.missing for each in workshop.outcomes(points.jobs, "points"))
+        return None if missing else points.scatter(workshop)
 
     with_claims = {run: scattered(run, CLAIMED_SAMPLES, claims=True) for run in runs if run in CLAIMED_RUNS}
     claims = {run: claimed(found) for run, found in with_claims.items() if found}

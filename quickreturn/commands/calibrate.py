@@ -31,8 +31,7 @@ def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str
     from quickreturn.command_line import GOOD
     from reports.output import check_writable, print_json, write_file
 
-    overrides = options.read_overrides(assignments)
-    loaded = options.load(case, overrides)
+    loaded = options.load(case, options.read_overrides(assignments))
     if output is not None:
         check_writable(Path(output), loaded.source, ".toml")
     found = calibrate(loaded, file, free, limits=options.limits(), quiet=options.quiet())

@@ -127,12 +127,8 @@ engines_for: Final = functools.partial(
 engines: Final = engines_for(default=["reference"], show_default=True, help="Engine, see `quickreturn engines`; may be given again.")
 main_engines: Final = engines_for(help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines.")
 json: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
-accuracy: Final = single(
-    "--accuracy",
-    metavar="REL",
-    read=number(LOWEST, HIGHEST, 1e-3),
-    help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.",
-)
+accuracy_of: Final = functools.partial(single, "--accuracy", metavar="REL", read=number(LOWEST, HIGHEST, 1e-3))
+accuracy: Final = accuracy_of(help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.")
 duration: Final = single(
     "--duration", metavar="S", read=seconds, help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.'
 )

@@ -51,8 +51,7 @@ def command(
     from quickreturn.resonance_curves import Resonance, speed_of
     from reports.output import check_writable, print_json, write_file
 
-    overrides = options.read_overrides(assignments)
-    loaded = options.load(case, overrides)
+    loaded = options.load(case, options.read_overrides(assignments))
     if vary is not None:
         key, _, text = vary.partition("=")
         varied, held = range_of(key.strip(), text.strip()), speed_of(speed)
