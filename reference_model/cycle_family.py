@@ -29,13 +29,7 @@ KEPT: Final = 8
 
 
 class CycleFamily:
-    """A machine's cycle for each value of a quantity.
-
-    Args:
-        scene_at: the machine for a value, SI.
-        modes: of the model.
-        tolerance: of its integration.
-    """
+    """A machine's cycle for each value (SI) of a quantity, by a model with so many modes and an integration to a tolerance."""
 
     def __init__(self, scene_at: Callable[[float], Mechanism], modes: int, tolerance: float) -> None:
         self.scene_at = scene_at
