@@ -57,7 +57,7 @@ class RecordedTable:
     """A table as it was recorded, in SI units."""
 
     name: str  # of the file, safe to print; what the table is called among the engines
-    path: str  # of the file
+    path: str
     # names as in `reference_model.columns` -> values, each of shape (n,); "time" and at least one other
     columns: Mapping[str, Array] = field(repr=False)
     bare: frozenset[str] = frozenset()  # those whose headings have no unit

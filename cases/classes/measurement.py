@@ -41,7 +41,7 @@ OF_ITSELF: Final = "its estimate is of something else"
 class Reach:
     """A method on a scene at an error of the tip deflection."""
 
-    scene: str  # its name
+    scene: str
     engine: str  # the method
     level: float  # the error
     status: str  # `REACHED` by settings of its ladder, or why not

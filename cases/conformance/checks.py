@@ -41,9 +41,9 @@ class Check:
 class Conformance(Shown):
     """What was found of an engine."""
 
-    engine: str  # name
+    engine: str
     conforms: bool | None  # False if a check failed; None if there was nothing to judge by
-    checks: tuple[Check, ...]  # all of them
+    checks: tuple[Check, ...]
 
     def _parts(self) -> Iterator[Cell]:
         yield f"{self.engine}: {self.verdict}"

@@ -43,7 +43,7 @@ class Job(Generic[T]):
     inputs: Any = None  # what determines the result besides engines and code; None: the arguments
     limits: Limits | None = None  # None: those of the executor
     # whether it is one of many short ones, whose processes would take longer to get ready than they compute. A process may do several of
-    # them one after the other. What crashes or hangs there costs its own job and the process
+    # them one after the other. What crashes or hangs there costs its own job and the process.
     brief: bool = False
     points: int = 1  # how much of the whole it is, for the person who waits
 
@@ -52,7 +52,7 @@ class Job(Generic[T]):
 class Outcome(Generic[T]):
     """How a job ended."""
 
-    job: Job[T]  # the job
+    job: Job[T]
     value: T | None = None  # what its function returned; None if it failed
     failure: str = ""  # "" if it completed, else one clause, e.g. "killed by SIGSEGV"
     error: BaseException | None = None  # the exception that it raised, where there is one and it can travel between processes

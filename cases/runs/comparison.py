@@ -45,7 +45,7 @@ WORSE: Final = "worse"
 class Claim:
     """A number, and how far off it may be: all in its own unit."""
 
-    value: float  # the number
+    value: float
     estimate: float  # the engine's estimate of its error
     # of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the samples leave open, and what the
     # channel may be off by because it has not settled
@@ -61,7 +61,7 @@ class Claim:
 class Difference:
     """One number of two engines."""
 
-    case: str  # name of the case
+    case: str
     quantity: str  # a number of `cases.measures.Measure`, or "consensus_frequency"
     half: str  # "pre" or "post"
     channel: str | None  # trajectory column; None for the consensus

@@ -14,7 +14,7 @@ from reports.words import degrees, off_by, quantity
 class CaseLoads:
     """What engines find on a case."""
 
-    case: Case  # the case
+    case: Case
     loads: dict[str, Loads]  # by engine, of those with a cycle that can be used
     models: frozenset[str] = frozenset()  # engines whose discretization is their model, so that a difference is no error of theirs
 

@@ -16,7 +16,7 @@ from reports.findings.runs import run_number
 class MeasuredHalf:
     """One half of the turn that is measured in a recorded table, in one channel."""
 
-    case: str  # name of the case
+    case: str
     run: int | None  # number of the thesis' run that the case is; None for any other
     table: Run  # the recorded table
     measure: Measure  # of it
