@@ -159,6 +159,16 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
     return case, engines
 
 
+def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
+    """The same for subcommands without an engine: overrides of the case. UsageError: a setting of an engine was given."""
+    overrides, settings = read_assignments(assignments)
+    for engine, texts in settings.items():
+        given = "=".join(map(shortened, next(iter(texts.items()))))
+        accepted = 'give values of the case, e.g. crank.length="5 in"'
+        raise click.UsageError(f"--set {engine}.{given}: engine settings have no meaning here; {accepted}")
+    return overrides
+
+
 def _is_engine(section: str) -> bool:
     from cases.case import SECTIONS
     from engines.registry import engine_names
@@ -173,16 +183,6 @@ def refuse_missing(engines: Sequence[str]) -> None:
 
     for name in engines:
         usable_engine(name)
-
-
-def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
-    """The same for subcommands without an engine: overrides of the case. UsageError: a setting of an engine was given."""
-    overrides, settings = read_assignments(assignments)
-    for engine, texts in settings.items():
-        given = "=".join(map(shortened, next(iter(texts.items()))))
-        accepted = 'give values of the case, e.g. crank.length="5 in"'
-        raise click.UsageError(f"--set {engine}.{given}: engine settings have no meaning here; {accepted}")
-    return overrides
 
 
 def load_all(
