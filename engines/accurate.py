@@ -219,18 +219,12 @@ def _of_time(times: NDArray[np.float64], output_step: float) -> str:
 
 @dataclass(frozen=True)
 class Compared(Generic[R]):
-    """What came of the runs of a `Comparison`: trajectories, or whatever else is made of them.
+    """What came of the runs of a `Comparison`: trajectories, or whatever else is made of them."""
 
-    Attributes:
-        run: the run in question, or one with the same error in this part.
-        other: the one that `run` is compared with.
-        factor: error of `other` over that of `run`, not 1.
-        before: the run that `other` is compared with in turn, and the error of that over the one of `other`; None where there is none.
-    """
-
-    run: R
-    other: R
-    factor: float
+    run: R  # the run in question, or one with the same error in this part
+    other: R  # the one that `run` is compared with
+    factor: float  # error of `other` over that of `run`, not 1
+    # the run that `other` is compared with in turn, and the error of that over the one of `other`; None where there is none
     before: tuple[R, float] | None = None
 
     def part(self, difference: Callable[[R, R], float]) -> float:

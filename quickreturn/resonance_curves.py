@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from cases.case import PATHS
+from cases.case import PATHS, si_value
 from cases.errors import CaseError, as_written
 from cases.jobs.display import compilation_told
 from cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
 from cases.shown import Cell, Rows, Shown
-from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.sweeping import ERROR
@@ -64,16 +63,14 @@ class Resonance(Shown):
         """Special points: kind, value of what varies (SI), by how much the model's own may be missed, and the claim."""
         import pandas as pd
 
-        names = ("kind", "value", "tolerance", "error", "reason")
-        return pd.DataFrame([{name: getattr(each, name) for name in names} for each in self.curve.special], columns=names)
+        return pd.DataFrame(map(vars, self.curve.special), columns=["kind", "value", "tolerance", "error", "reason"])
 
     @property
     def peaks(self) -> "pd.DataFrame":
         """Peaks of the first measure: value of what varies (SI), height, order of the harmonic."""
         import pandas as pd
 
-        names = ("value", "height", "order")
-        return pd.DataFrame([{name: getattr(each, name) for name in names} for each in self.curve.peaks], columns=names)
+        return pd.DataFrame(map(vars, self.curve.peaks), columns=["value", "height", "order"])
 
     def plot(self, mark: float | None = None) -> "Drawing":
         """Each measure over what varies: stable parts as lines, unstable ones dashed, special points as marks.
@@ -123,15 +120,15 @@ class Resonance(Shown):
 
     def written(self, ending: str) -> bytes:
         """The table as the content of a file: .csv, .parquet (units in the headings) or .nc."""
-        return self._netcdf() if ending == ".nc" else table_file(self.frame, self.frame.attrs["units"], ending)
-
-    def _netcdf(self) -> bytes:
+        frame = self.frame
+        if ending != ".nc":
+            return table_file(frame, frame.attrs["units"], ending)
         import xarray as xr
 
-        frame = self.frame.assign(peak_order=self.frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
-        dataset = xr.Dataset.from_dataframe(frame).assign_attrs(case=self.curve.case)
-        for name, variable in dataset.data_vars.items():
-            variable.attrs["units"] = self._unit(str(name))
+        whole = frame.assign(peak_order=frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
+        dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.curve.case)
+        for name, unit in frame.attrs["units"].items():
+            dataset[name].attrs["units"] = unit
         return bytes(dataset.to_netcdf(engine="h5netcdf"))
 
     def _unit(self, name: str) -> str:
@@ -225,17 +222,14 @@ def resonance(
         EngineFailure: no periodic motion was found in the range.
     """
     chosen = one_case(case)
-    varied, held = range_of(key, range, "range"), None if speed is None else speed_of(speed, "speed")
+    varied, held = range_of(key, range, "range"), speed_of(speed, "speed")
     with compilation_told(quiet):
         return Resonance(resonance_curve(chosen, varied, held, tuple(measures), checked(accuracy), claims))
 
 
-def speed_of(text: str, option: str = "--speed") -> float:
-    """A crank speed, rad/s. CaseError: it is none, or zero."""
-    try:
-        found = parse_quantity(text, ANGULAR_SPEED)
-    except QuantityError as wrong:
-        raise CaseError(option, SPEED, as_written(text), wrong.problem, wrong.accepted) from None
-    if found == 0.0:
+def speed_of(text: str | None, option: str = "--speed") -> float | None:
+    """A crank speed, rad/s; None of None. CaseError: it is none, or zero."""
+    found = None if text is None else si_value(SPEED, text, option)
+    if text is not None and found == 0.0:
         raise CaseError(option, SPEED, as_written(text), "does not turn the crank", 'give a speed such as "165 rpm"')
     return found

@@ -15,25 +15,16 @@ from typing import Final
 
 @dataclass(frozen=True)
 class Look:
-    """The look of a line and of its marks.
+    """The look of a line and of its marks."""
 
-    Attributes:
-        light: colour on a light ground.
-        dark: colour on a dark ground.
-        width: of the line, CSS pixels.
-        dash: pixels drawn and left out; empty for a solid line.
-        offset: where in the dashes a line begins, pixels.
-        order: of two looks the higher one lies on top.
-        marker: shape of marks: "circle", "square", "diamond", "triangle", "triangle-down", "triangle-left", "triangle-right", "pentagon",
-            "hexagon", "star", "plus" or "cross".
-    """
-
-    light: str
-    dark: str
-    width: float
-    dash: tuple[float, ...] = ()
-    offset: float = 0.0
-    order: int = 0
+    light: str  # colour on a light ground
+    dark: str  # colour on a dark ground
+    width: float  # of the line, CSS pixels
+    dash: tuple[float, ...] = ()  # pixels drawn and left out; empty for a solid line
+    offset: float = 0.0  # where in the dashes a line begins, pixels
+    order: int = 0  # of two looks the higher one lies on top
+    # shape of marks: "circle", "square", "diamond", "triangle", "triangle-down", "triangle-left", "triangle-right", "pentagon",
+    # "hexagon", "star", "plus" or "cross"
     marker: str = "circle"
 
 

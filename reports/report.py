@@ -158,7 +158,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
     if not _studied(cases):
         return {"benchmarks": [table for case in cases if (table := stored(case, workshop))]}
     scenes = [load_case(entry.name) for entry in catalogue(TAG)]
-    studies, matrix = run_studies(workshop), judge_scenes(scenes, workshop, compute=False)
+    studies, matrix = run_studies(workshop), judge_scenes(scenes, workshop.as_it_is)
     own, known = {name: stored(load_case(name), workshop) for name in SCENES}, long_studies.benchmarks()
     of_record = {
         "confirmation": not studies.confirming,
@@ -171,7 +171,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
     return {
         "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
         "benchmarks": [table for name in SCENES if (table := own[name] or known.get(name))],
-        "compiling": compiling(workshop, ENGINES, compute=False) or long_studies.compiling(),
+        "compiling": compiling(workshop.as_it_is, ENGINES) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
         "classes": long_studies.class_map(),
         "finding": long_studies.finding(),

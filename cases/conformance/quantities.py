@@ -66,14 +66,9 @@ def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
 
 
 def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str]) -> str:
-    """Whether the engine follows a change of a scene. Raises as a look of `looked_at` may.
+    """Whether the engine follows a change of a scene, where its motion without the change is right or `wrong`.
 
-    Args:
-        bench: the engine.
-        scene: that is changed.
-        change: of what.
-        wrong: whether its motion is wrong without the change.
-        told: columns whose rows are wrong and were told; those that are found here are added.
+    Columns whose rows are wrong are told of once: `told` grows by those that are found here. Raises as a look of `looked_at` may.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
     if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):

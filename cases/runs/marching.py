@@ -14,7 +14,7 @@ from cases.measures import AVERAGED, CHANNELS, Cycle, Settling, cut_cycles
 from cases.measures.steady_state import GREATEST_NUMBER
 from engines import progress
 from engines.accurate import check_trajectory
-from engines.base import EngineFailure, Simulation
+from engines.base import EngineFailure, Simulation, SteadyState
 from engines.trajectory import Trajectory, join
 from reference_model.mechanism import Mechanism, PrescribedSpeed
 from reference_model.natural_modes import frozen_crank_modes
@@ -95,11 +95,7 @@ class March:
         self.solve_seconds, self.simulated_seconds = (0.0, 0.0) if begun is None else (begun.solve_seconds, simulation.time)
 
     def __iter__(self) -> Iterator[Cycle]:
-        """Simulate on.
-
-        Raises:
-            EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured.
-        """
+        """Simulate on. EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured."""
         simulation, speed, step, rows = self._simulation, self._crank_speed, self._step, self._begun
         last_passage = simulation.time
         while True:
@@ -123,11 +119,7 @@ class March:
 
 
 def whole_cycles(rows: Trajectory) -> list[Cycle]:
-    """The whole cycles in a trajectory, with all its columns.
-
-    Raises:
-        EngineFailure: the crank turns back, or too fast for the rows recorded.
-    """
+    """The whole cycles in a trajectory, with all its columns. EngineFailure: the crank turns back, or too fast for the rows recorded."""
     columns = dict(rows.columns)
     try:
         cycles = cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)
@@ -141,6 +133,11 @@ def whole_cycles(rows: Trajectory) -> list[Cycle]:
             cause = f"the crank takes {turn:.3g} s for a turn, much less than its drive says"
             raise EngineFailure(float(cycle.time[0]), cause, "let it begin at about the speed at which it goes on")
     return cycles
+
+
+def periodic_cycle(found: SteadyState, step: float) -> Cycle:
+    """A whole cycle of a periodic state, recorded every `step` seconds. Raises as `whole_cycles`."""
+    return whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
 
 
 def columns_of(cycle: Cycle) -> Columns:

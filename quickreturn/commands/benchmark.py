@@ -49,9 +49,7 @@ def command(
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
-    loaded = options.load_all(cases, tag, overrides, otherwise=SCENES)
+    loaded = options.load_all(cases, tag, options.read_overrides(assignments), otherwise=SCENES)
     names = engines or ENGINES
     options.refuse_missing(engines)
     _ = [case.mechanism for case in loaded]  # a scene without crank is answered before anything runs

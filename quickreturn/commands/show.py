@@ -31,8 +31,7 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
     from quickreturn.questions import TELLING
     from reports.output import print_json
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
+    overrides = options.read_overrides(assignments)
     if for_others:
         if as_json:
             raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")

@@ -108,8 +108,7 @@ def test_answers_to_mistakes(call: Call, typed: tuple[str, ...], words: tuple[st
 
 
 def test_other_values_replace_what_excludes_them() -> None:
-    scene = qr.case("thesis-24").mechanism
-    held = scene_with(scene, {"crank.prescribed_speed": 10.0, "tip.mass": 0.02})
+    held = scene_with(qr.case("thesis-24"), {"crank.prescribed_speed": 10.0, "tip.mass": 0.02})
     assert not held.crank_is_free
     assert held.crank.drive.initial_speed == 10.0
     assert held.tip_body.mass == 0.02
