@@ -101,6 +101,15 @@ def ratio(check: Check) -> float:
     return abs(check.difference) / check.tolerance
 
 
+def tolerances(results: Sequence[CaseResult]) -> dict[str, list[float]]:
+    """Tolerances relative to the sizes of the numbers, by kind of quantity: how sharp the comparison is."""
+    found: dict[str, list[float]] = {}
+    for each in (check for result in results for check in result.checks):
+        if each.scale:
+            found.setdefault(each.quantity, []).append(each.tolerance / each.scale)
+    return found
+
+
 def check(results: Sequence[CaseResult], record_property: Any) -> None:
     states = {f"{result.case.name}, {name}": run for result in results for name, run in result.runs.items()}
     bad = {name: run.remark for name, run in states.items() if run.status != "settled"}
@@ -108,6 +117,8 @@ def check(results: Sequence[CaseResult], record_property: Any) -> None:
     ratios = {(name, each.engine, each.quantity, each.half, each.channel): ratio(each) for name, each in checks}
     record_property("comparisons", len(ratios))
     record_property("hold", float(np.mean([each <= 1.0 for each in ratios.values()])))
+    record_property("median", float(np.median(list(ratios.values()))))
+    record_property("median tolerance", {name: float(np.median(values)) for name, values in tolerances(results).items()})
     record_property("worst", max(ratios.items(), key=lambda item: item[1]))
     record_property("means over cycles", sum(run.averaged_cycles > 1 for run in states.values()))
     record_property("not settled", bad)
