@@ -52,7 +52,7 @@ class Parameters(NamedTuple):
     gravity_2: float
     low: float  # m, range of l in the table
     high: float
-    coefficients: Cube  # (intervals, 4, length of a row), powers of l - node, highest first
+    coefficients: Cube  # (intervals, powers, length of a row), see `tables.Shapes`
 
 
 class Workspace(NamedTuple):
@@ -73,15 +73,17 @@ workspace_at = reader(WORKSPACE_TYPE)
 @stage
 def interpolate(p: Any, rows: Array, l: float) -> None:
     """The table's row at l, and its first two derivatives."""
-    last = len(p.coefficients) - 1
-    step = (p.high - p.low) / (last + 1)
-    interval = max(0, min(int((l - p.low) / step), last))
-    h = l - p.low - interval * step
+    intervals = len(p.coefficients)
+    step = (p.high - p.low) / intervals
+    interval = max(0, min(int((l - p.low) / step), intervals - 1))
+    u = (l - p.low) / step - interval
     for k in range(rows.shape[1]):
-        c = p.coefficients[interval, :, k]
-        rows[0, k] = ((c[0] * h + c[1]) * h + c[2]) * h + c[3]
-        rows[1, k] = (3.0 * c[0] * h + 2.0 * c[1]) * h + c[2]
-        rows[2, k] = 6.0 * c[0] * h + 2.0 * c[1]
+        value = by_u = half_by_uu = 0.0
+        for power in range(p.coefficients.shape[1]):
+            half_by_uu = half_by_uu * u + by_u
+            by_u = by_u * u + value
+            value = value * u + p.coefficients[interval, power, k]
+        rows[0, k], rows[1, k], rows[2, k] = value, by_u / step, 2.0 * half_by_uu / (step * step)
 
 
 @stage

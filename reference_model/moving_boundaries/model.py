@@ -34,17 +34,17 @@ class MovingBoundariesModel:
     def __init__(self, scene: Mechanism, modes: int, foreshortening: bool) -> None:
         self.scene = scene
         self._shapes = t.shapes_of(scene, modes, foreshortening)
-        self.made_before, self.shapes = self._shapes.seconds, 0 if self._shapes.table is None else modes
-        table, known = self._shapes.table, {**constants(scene), "EI": scene.follower.bending_stiffness}
+        self.made_before, self.shapes = self._shapes.seconds, 0 if scene.follower.is_rigid else modes
+        known = {**constants(scene), "EI": scene.follower.bending_stiffness}
         inertia, moment = follower_inertia(scene)
         self.parameters = Parameters(
             **{name: known[name] for name in Parameters._fields if name in known},
             n=self.shapes,
             inertia=inertia,
             moment=moment,
-            low=0.0 if table is None else float(table.x[0]),
-            high=scene.follower.length if table is None else float(table.x[-1]),
-            coefficients=np.zeros((1, 4, 0)) if table is None else np.ascontiguousarray(table.c.transpose(1, 0, 2)),
+            low=self._shapes.low,
+            high=self._shapes.high,
+            coefficients=self._shapes.coefficients,
         )
         rows, signals = np.zeros((3, self.parameters.coefficients.shape[2])), np.zeros((t.VECTORS + t.MATRICES, 4))
         self.workspace = Workspace(rows, signals, np.zeros(4), np.zeros(2))

@@ -1,14 +1,14 @@
 """What the equations read of the shapes, as functions of the support's place l: integrals over both domains (section 2 of DERIVATION.md).
 
-A row holds vectors of n numbers, one behind the other, and then matrices of n times n. Rows are cubic splines in l. As the equations come
-from the tabulated kinetic and potential energy and their derivatives, energy is kept whatever the spacing.
+A row holds vectors of n numbers, one behind the other, and then matrices of n times n. On each interval of l it is a polynomial. As the
+equations come from the tabulated kinetic and potential energy and their derivatives, energy is kept as well as the polynomials meet.
 """
 
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from reference_model.beam.modes import ModeFamily
 from reference_model.beam.tables import following
@@ -28,6 +28,9 @@ MATRICES: Final = 9
 
 #: Gauss points on each domain beyond twice the number of shapes: products of two modes then are exact to round-off.
 _SPARE_POINTS: Final = 16
+#: Intervals of l over those of the tables of `reference`, and degree of the polynomials: they meet to 1e-9 of the second derivatives.
+COARSER: Final = 2
+_DEGREE: Final = 7
 
 
 class Shapes(NamedTuple):
@@ -35,13 +38,16 @@ class Shapes(NamedTuple):
 
     Attributes:
         family: the modes as functions of the support's place and of arc length; None for a rigid follower.
-        table: rows over the support's place, or None.
+        low, high: m, range of the support's place l.
+        coefficients: of the rows, shape (intervals, degree + 1, length of a row), highest power of the fraction of the interval first.
         reach: m, place of the slider at which it counts as leaving the follower.
         seconds: wall time that parts took which were kept from an earlier model.
     """
 
     family: ModeFamily | None
-    table: CubicSpline | None
+    low: float
+    high: float
+    coefficients: Array
     reach: float
     seconds: float
 
@@ -49,11 +55,14 @@ class Shapes(NamedTuple):
 def shapes_of(mechanism: Mechanism, modes: int, foreshortening: bool) -> Shapes:
     """Modes of the beam supported at l, and the integrals of section 2 over the range of l that the crank reaches."""
     if mechanism.follower.is_rigid:
-        return Shapes(None, None, mechanism.follower.length, 0.0)
+        return Shapes(None, 0.0, mechanism.follower.length, np.zeros((1, 1, 0)), mechanism.follower.length, 0.0)
     (tables, reach), family, seconds = following(mechanism, modes)
-    nodes = np.linspace(family.low, family.high, len(tables.coefficients) + 1)
-    table = CubicSpline(nodes, _rows(mechanism, family, nodes, foreshortening))
-    return Shapes(family, table, reach, seconds)
+    edges = np.linspace(family.low, family.high, len(tables.coefficients) // COARSER + 1)
+    u = 0.5 * (1.0 + chebyshev.chebpts1(_DEGREE + 1))
+    places = edges[:-1, None] + np.diff(edges)[:, None] * u
+    rows = _rows(mechanism, family, places.ravel(), foreshortening).reshape(*places.shape, -1)
+    coefficients = np.ascontiguousarray(np.linalg.inv(np.vander(u)) @ rows)
+    return Shapes(family, family.low, family.high, coefficients, reach, seconds)
 
 
 def _rows(mechanism: Mechanism, family: ModeFamily, nodes: Array, foreshortening: bool) -> Array:
@@ -106,11 +115,10 @@ def _rows(mechanism: Mechanism, family: ModeFamily, nodes: Array, foreshortening
     x = x[:, :, 0]
     carried = product(masses, moves, moves_l)
     rotated = product(of_points, moves, moves)
-    hanging = pulled = shortened = np.zeros_like(rotated)
+    hanging = pulled = np.zeros_like(rotated)
     if foreshortening:
         rotated = rotated - pull(0.5 * rhoA * (L**2 - x**2) + m * (L + e), m * e * (L + e))
         hanging, pulled = pull(rhoA * (L - x) + m, m * e), pull(np.ones_like(x), 0.0)
-        shortened = pull(1.0 * (x < nodes[:, None]), 0.0)
     dx = np.pad(dx, ((0, 0), (0, 1)))
     vectors = (
         family.squares_at(nodes),
@@ -126,6 +134,6 @@ def _rows(mechanism: Mechanism, family: ModeFamily, nodes: Array, foreshortening
         rotated,
         hanging,
         pulled,
-        shortened,
+        pull(1.0 * (x < nodes[:, None]), 0.0),
     )
     return np.concatenate([*vectors, *(each.reshape(len(nodes), -1) for each in matrices)], axis=1)
