@@ -119,6 +119,7 @@ def _rows(mechanism: Mechanism, family: ModeFamily, nodes: Array, foreshortening
     if foreshortening:
         rotated = rotated - pull(0.5 * rhoA * (L**2 - x**2) + m * (L + e), m * e * (L + e))
         hanging, pulled = pull(rhoA * (L - x) + m, m * e), pull(np.ones_like(x), 0.0)
+    shortened = pull(1.0 * (x < nodes[:, None]), 0.0)
     dx = np.pad(dx, ((0, 0), (0, 1)))
     vectors = (
         family.squares_at(nodes),
@@ -134,6 +135,6 @@ def _rows(mechanism: Mechanism, family: ModeFamily, nodes: Array, foreshortening
         rotated,
         hanging,
         pulled,
-        pull(1.0 * (x < nodes[:, None]), 0.0),
+        shortened,
     )
     return np.concatenate([*vectors, *(each.reshape(len(nodes), -1) for each in matrices)], axis=1)
