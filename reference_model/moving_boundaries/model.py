@@ -11,6 +11,7 @@ from reference_model.motion.equations import evaluate
 from reference_model.moving_boundaries import tables as t
 from reference_model.moving_boundaries.equations import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, Workspace, kernel
 from reference_model.moving_boundaries.observables import observables
+from reference_model.periodic import eigenvalues
 from reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
 
 Array = NDArray[np.float64]
@@ -87,14 +88,32 @@ class MovingBoundariesModel:
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
-        follower, n, frequency = self.scene.follower, self.shapes, characteristic_frequency(self.parameters)
-        size = deflection_scale(self.scene) * np.sqrt((follower.mass_per_length or 1.0) * follower.length)
-        speed = 0.1 * max(abs(float(y[n + 1])), 1.0)
-        scales = np.array([0.1, *[size] * n, speed, *[size * frequency] * n])
-        return dop853(self.equations, y, output_step, intervals, scales * tolerance, self._shapes.reach, first_step)
+        return dop853(self.equations, y, output_step, intervals, self._scales(y, tolerance), self._shapes.reach, first_step)
+
+    def multipliers(self, crank_speed: float, tolerance: float = 1e-9) -> NDArray[np.complex128]:
+        """Eigenvalues of the monodromy matrix (equation 5.4), largest modulus first, shape (2 n,): what a turn makes of disturbances.
+
+        Args:
+            crank_speed: rad/s.
+            tolerance: of the integration.
+        """
+        straight, free = self.straight_state(np.pi, crank_speed), np.r_[1 : self.shapes + 1, self.shapes + 2 : 2 * self.shapes + 2]
+        scales = self._scales(straight, tolerance)
+        sizes, starts = scales[free] / tolerance, np.tile(straight, (1 + len(free), 1))
+        starts[1:, free] = np.diag(sizes)
+        turn = 2.0 * np.pi / abs(crank_speed)
+        ends = np.array([dop853(self.equations, y, turn, 1, scales, np.inf).states[-1, free] for y in starts])
+        return eigenvalues((ends[1:] - ends[0]).T / sizes[:, None])
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`."""
         left = [(self.rate(y), self.workspace.signals.copy(), self.workspace.facts.copy()) for y in np.ascontiguousarray(states)]
         _, signals, facts = map(np.array, zip(*left, strict=True))
         return observables(self.scene, self._shapes, states, signals, facts)
+
+    def _scales(self, y: Array, tolerance: float) -> Array:
+        """Absolute local error of the states that are controlled; sizes as `reference_model.model.BeamModel` has them."""
+        follower, n, frequency = self.scene.follower, self.shapes, characteristic_frequency(self.parameters)
+        size = deflection_scale(self.scene) * np.sqrt((follower.mass_per_length or 1.0) * follower.length)
+        speed = 0.1 * max(abs(float(y[n + 1])), 1.0)
+        return tolerance * np.array([0.1, *[size] * n, speed, *[size * frequency] * n])
