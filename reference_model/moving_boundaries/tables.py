@@ -17,20 +17,20 @@ from reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-#: Vectors in a row, in this order: omega_i^2, b, a, W(L) and W'(0) (equations 2.5 to 2.8).
+#: Vectors in a row, in this order: omega_i^2, b, a, W(L) and W'(0) (equations 2.3, 2.5 and 2.6).
 SQUARES, TURNING, WEIGHT, END, BASE = range(5)
 VECTORS: Final = 5
-#: Matrices behind them (equations 2.5 to 2.11).
+#: Matrices behind them: B, D, D^l, D^ll, C, R, H, P and S (equations 2.5 to 2.9).
 CARRIED, DRAG, DRAG_CARRIED, DRAG_CARRIED_TWICE, CARRIED_TWICE, ROTATED, HANGING, PULLED, SHORTENED = range(9)
 #: The first of those whose signals are kept, which are symmetric, and the number of all.
 SYMMETRIC: Final = CARRIED_TWICE
 MATRICES: Final = 9
 
 #: Gauss points on each domain beyond twice the number of shapes: products of two modes then are exact to round-off.
-_SPARE_POINTS: Final = 16
+SPARE_POINTS: Final = 16
 #: Intervals of l over those of the tables of `reference`, and degree of the polynomials: they meet to 1e-9 of the second derivatives.
 COARSER: Final = 2
-_DEGREE: Final = 7
+DEGREE: Final = 7
 
 
 class Shapes(NamedTuple):
@@ -58,83 +58,88 @@ def shapes_of(mechanism: Mechanism, modes: int, foreshortening: bool) -> Shapes:
         return Shapes(None, 0.0, mechanism.follower.length, np.zeros((1, 1, 0)), mechanism.follower.length, 0.0)
     (tables, reach), family, seconds = following(mechanism, modes)
     edges = np.linspace(family.low, family.high, len(tables.coefficients) // COARSER + 1)
-    u = 0.5 * (1.0 + chebyshev.chebpts1(_DEGREE + 1))
+    u = 0.5 * (1.0 + chebyshev.chebpts1(DEGREE + 1))
     places = edges[:-1, None] + np.diff(edges)[:, None] * u
     rows = _rows(mechanism, family, places.ravel(), foreshortening).reshape(*places.shape, -1)
     coefficients = np.ascontiguousarray(np.linalg.inv(np.vander(u)) @ rows)
     return Shapes(family, family.low, family.high, coefficients, reach, seconds)
 
 
-def _rows(mechanism: Mechanism, family: ModeFamily, nodes: Array, foreshortening: bool) -> Array:
+class _Fields(NamedTuple):
+    """Fields for places l (k,) at p points of both domains, of which the last is L; those of n shapes have the shape (k, p, n).
+
+    Attributes:
+        x, dx: arc lengths and their shares of the length, m, (k, p); the domains' ends have no share.
+        V, V_l, slope, slope_l: deflection across the tangent at P, slope across the line, and their derivatives by l.
+        base, base_l: slope at P across the line, (k, 1, n).
+    """
+
+    x: Array
+    dx: Array
+    V: Array
+    V_l: Array
+    slope: Array
+    slope_l: Array
+    base: Array
+    base_l: Array
+
+
+def _fields(family: ModeFamily, places: Array) -> _Fields:
+    """Equation 2.3, for places l (k,)."""
+    gauss, weights = np.polynomial.legendre.leggauss(2 * family.squares.shape[1] + SPARE_POINTS)
+    u, to_points = np.append(0.5 * (gauss + 1.0), 1.0), 0.5 * integrals_to_points(gauss, weights)
+    l, V, V_l, parts = places[:, None], 0.0, 0.0, []
+    for span, (start, length) in enumerate(((0.0 * l, l), (l, family.length - l))):
+        psi, psi_l, _, _ = family.shapes_at(places, u, span)
+        V, V_l = (
+            before + length[:, :, None] * np.einsum("jp,kjn->kpn", to_points, angle[:, :-1]) for before, angle in ((V, psi), (V_l, psi_l))
+        )
+        parts.append((start + length * u, 0.5 * length * np.append(weights, 0.0), V, V_l, psi, psi_l))
+        V, V_l = V[:, -1:], V_l[:, -1:]
+    _, _, at_l, at_l_l, angle, _ = (part[:, -1:] for part in parts[0])
+    base = -at_l / l[:, :, None]
+    base_l = -(at_l_l + angle + base) / l[:, :, None]
+    x, dx, V, V_l, psi, psi_l = (np.concatenate(pair, axis=1) for pair in zip(*parts, strict=True))
+    return _Fields(x, dx, V, V_l, psi + base, psi_l + base_l, base, base_l)
+
+
+def _rows(mechanism: Mechanism, family: ModeFamily, places: Array, foreshortening: bool) -> Array:
     """Rows for places l (k,), shape (k, VECTORS n + MATRICES n^2)."""
     rhoA, L, tip = mechanism.follower.mass_per_length, mechanism.follower.length, mechanism.tip_body
     m, e = tip.mass, tip.center_of_mass
-    n = family.squares.shape[1]
-    gauss, weights = np.polynomial.legendre.leggauss(2 * n + _SPARE_POINTS)
-    u = np.append(0.5 * (gauss + 1.0), 1.0)
-    to_points = 0.5 * integrals_to_points(gauss, weights)
+    x, dx, V, V_l, slope, slope_l, base, base_l = _fields(family, places)
 
-    l = nodes[:, None, None]
-    lengths = (l, L - l)
-    psi, psi_l, across, across_l = [], [], [0.0 * l], [0.0 * l]  # across the base tangent: integrals of psi from 0
-    for span in range(2):
-        angle, angle_l, _, _ = family.shapes_at(nodes, u, span)
-        psi.append(angle)
-        psi_l.append(angle_l)
-        for parts, integrand in ((across, angle), (across_l, angle_l)):
-            parts.append(parts[-1][:, -1:] + lengths[span] * np.einsum("jp,kjn->kpn", to_points, integrand[:, :-1]))
-    base = -across[1][:, -1:] / l  # (2.3)
-    base_l = -(across_l[1][:, -1:] + psi[0][:, -1:] + base) / l
-    x = np.concatenate([l * u[:-1, None], l + (L - l) * u[:-1, None], 0.0 * l + L], axis=1)
-    dx = 0.5 * np.concatenate([lengths[0][:, :, 0] * weights, lengths[1][:, :, 0] * weights], axis=1)
+    def motion(w: Array, turn: Array, of_base: Array) -> Array:
+        """Displacements of the points and of the tip's centre, turning of the tip and of the base block; (k, p + 3, n)."""
+        return np.concatenate([w, w[:, -1:] + e * turn[:, -1:], turn[:, -1:], of_base], axis=1)
 
-    def along(spans: list[Array]) -> Array:
-        """At the Gauss points of both domains, and at L."""
-        return np.concatenate([spans[-2][:, :-1], spans[-1]], axis=1)
+    one = np.ones_like(x)[:, :, None]
+    moves, moves_l = motion(V + x[:, :, None] * base, slope, base), motion(V_l + x[:, :, None] * base_l, slope_l, base_l)
+    rigid = motion(x[:, :, None], one, one[:, :1])
+    masses = np.concatenate([rhoA * dx, np.tile([m, tip.inertia, mechanism.base.inertia], (len(places), 1))], axis=1)
+    moved = masses.copy()
+    moved[:, -2:] = 0.0  # what turns has no place
 
-    V, V_l, slope, slope_l = (along(parts) for parts in (across, across_l, psi, psi_l))
-    W, W_l, slope, slope_l = V + x * base, V_l + x * base_l, slope + base, slope_l + base_l
-    # displacements of the points and the tip's centre, then the turning of tip and base block
-    moves, moves_l, rigid = (
-        np.concatenate([w[:, :-1], w[:, -1:] + e * d[:, -1:], d[:, -1:], at_base], axis=1)
-        for w, d, at_base in ((W, slope, base), (W_l, slope_l, base_l), (x, 1.0 + 0.0 * x, 1.0 + 0.0 * l))
-    )
-    of_points = np.pad(rhoA * dx, ((0, 0), (0, 3)))
-    of_points[:, -3] = m
-    masses = of_points.copy()
-    masses[:, -2:] = tip.inertia, mechanism.base.inertia
+    def product(weights: Array, first: Array, second: Array) -> Array:
+        return np.einsum("kp,kpi,kpj->kij", weights, first, second, optimize=True)
 
-    def product(weight: Array, one: Array, other: Array) -> Array:
-        return np.einsum("kp,kpi,kpj->kij", weight, one, other, optimize=True)
+    def tightened(tension: Array, at_end: float = 0.0) -> Array:
+        """Of a tension along the points (k, p), and of a moment per slope at the end."""
+        weights = tension * dx
+        weights[:, -1] = at_end
+        return product(weights, slope, slope)
 
-    def pull(per_length: Array, at_end: float) -> Array:
-        """Of an axial force on each point, and a moment per slope at the end."""
-        ends = np.full((len(nodes), 1), at_end)
-        return product(np.concatenate([per_length[:, : dx.shape[1]] * dx, ends], axis=1), slope, slope)
-
-    x = x[:, :, 0]
-    carried = product(masses, moves, moves_l)
-    rotated = product(of_points, moves, moves)
+    carried, rotated = product(masses, moves, moves_l), product(moved, moves, moves)
     hanging = pulled = np.zeros_like(rotated)
     if foreshortening:
-        rotated = rotated - pull(0.5 * rhoA * (L**2 - x**2) + m * (L + e), m * e * (L + e))
-        hanging, pulled = pull(rhoA * (L - x) + m, m * e), pull(np.ones_like(x), 0.0)
-    shortened = pull(1.0 * (x < nodes[:, None]), 0.0)
-    dx = np.pad(dx, ((0, 0), (0, 1)))
-    vectors = (
-        family.squares_at(nodes),
-        product(masses, rigid, moves)[:, 0],
-        np.einsum("kp,kpi->ki", of_points, moves),
-        W[:, -1],
-        base[:, 0],
-    )
+        rotated -= tightened(0.5 * rhoA * (L**2 - x**2) + m * (L + e), m * e * (L + e))
+        hanging, pulled = tightened(rhoA * (L - x) + m, m * e), tightened(np.ones_like(x))
+    end = V[:, -1] + L * base[:, 0]
+    vectors = (family.squares_at(places), product(masses, rigid, moves)[:, 0], np.einsum("kp,kpi->ki", moved, moves), end, base[:, 0])
     matrices = (
-        0.5 * (carried - carried.transpose(0, 2, 1)),  # antisymmetric as the modes stay normalised
-        *(product(dx, one, other) for one, other in ((V, V), (V, V_l), (V_l, V_l))),
-        product(masses, moves_l, moves_l),
-        rotated,
-        hanging,
-        pulled,
-        shortened,
+        0.5 * (carried - carried.transpose(0, 2, 1)),  # what the tabulated modes lack of (2.5)
+        *(product(dx, V, V), product(dx, V, V_l), product(dx, V_l, V_l)),
+        *(product(masses, moves_l, moves_l), rotated, hanging, pulled),
+        tightened(1.0 * (x < places[:, None])),
     )
-    return np.concatenate([*vectors, *(each.reshape(len(nodes), -1) for each in matrices)], axis=1)
+    return np.concatenate([*vectors, *(each.reshape(len(places), -1) for each in matrices)], axis=1)
