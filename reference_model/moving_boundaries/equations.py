@@ -151,7 +151,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
     acting = share(q1, p.force_begin, p.force_span, p.force_ramp) if p.force_1 != 0.0 or p.force_2 != 0.0 else 0.0
     f1, f2 = acting * (cosine * p.force_1 + sine * p.force_2), acting * (cosine * p.force_2 - sine * p.force_1)
 
-    # accelerations of the amplitudes (equations 3.5 and 3.6)
+    # accelerations of the amplitudes (equations 3.5 and 3.6, by the energies of equations 3.1 to 3.4)
     interpolate(p, rows, l)
     row, row_l = rows[0], rows[1]
     base_rate = turn + dot(row, t.BASE, eta_rate) + l_rate * dot(row_l, t.BASE, eta)

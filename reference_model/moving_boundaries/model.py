@@ -60,7 +60,7 @@ class MovingBoundariesModel:
     def bent_state(
         self, crank_angle: float, crank_speed: float, slider: tuple[float, float], x: Array, angle: Array, angle_rate: Array
     ) -> Array:
-        """State vector closest to a given shape; see `reference_model.model.BeamModel.bent_state`. The slider's place is the line's."""
+        """State vector closest to a given shape; see `reference_model.model.BeamModel.bent_state`. Rates are those of equation 2.4."""
         y, n = self.straight_state(crank_angle, crank_speed), self.shapes
         line = rigid_motion(self.scene, np.array(crank_angle), crank_speed)
         assert self._shapes.family is not None

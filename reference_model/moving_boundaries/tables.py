@@ -53,7 +53,7 @@ class Shapes(NamedTuple):
 
 
 def shapes_of(mechanism: Mechanism, modes: int, foreshortening: bool) -> Shapes:
-    """Modes of the beam supported at l, and the integrals of section 2 over the range of l that the crank reaches."""
+    """Modes of the beam supported at l (equation 2.2), and their integrals, over the range of l that the crank reaches."""
     if mechanism.follower.is_rigid:
         return Shapes(None, 0.0, mechanism.follower.length, np.zeros((1, 1, 0)), mechanism.follower.length, 0.0)
     (tables, reach), family, seconds = following(mechanism, modes)
@@ -121,6 +121,7 @@ def _rows(mechanism: Mechanism, family: ModeFamily, places: Array, foreshortenin
     moved[:, -2:] = 0.0  # what turns has no place
 
     def product(weights: Array, first: Array, second: Array) -> Array:
+        """Equation 2.1, with the masses for weights."""
         return np.einsum("kp,kpi,kpj->kij", weights, first, second, optimize=True)
 
     def tightened(tension: Array, at_end: float = 0.0) -> Array:
