@@ -75,8 +75,8 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         return MovingBoundariesSettings(tolerance=min(max(accuracy * TOLERANCE_PER_ERROR, TIGHTEST), LOOSEST))
 
     def ladder(self, mechanism: Mechanism) -> tuple[MovingBoundariesSettings, ...]:
-        """One to four modes, with and without foreshortening: what is wrong with this model is not its integration."""
-        return tuple(MovingBoundariesSettings(modes=modes, foreshortening=short) for short in (False, True) for modes in (1, 2, 3, 4))
+        """Numbers of modes: what is wrong with this model is not its integration."""
+        return tuple(MovingBoundariesSettings(modes=modes) for modes in (1, 2, 3, 4, 6))
 
     def comparisons(self, settings: MovingBoundariesSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """A hundredth of the tolerance, or a hundred times one that is too tight for that."""
@@ -85,9 +85,7 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
             times, factor = 1.0 / TIGHTER, 1.0 / PART_OF_TIGHTER
         return (Comparison(settings, settings.replaced(tolerance=times * settings.tolerance), factor),)
 
-    def finer(
-        self, settings: MovingBoundariesSettings, excess: tuple[float, ...], output_step: float
-    ) -> MovingBoundariesSettings | None:
+    def finer(self, settings: MovingBoundariesSettings, excess: tuple[float, ...], output_step: float) -> MovingBoundariesSettings | None:
         """A tenth of the tolerance."""
         return settings.replaced(tolerance=0.1 * settings.tolerance) if settings.tolerance > 10.0 * TIGHTEST else None
 

@@ -43,7 +43,9 @@ class OwnSimulation(Simulation):
     `largest_spurious_power` (W).
     """
 
-    def __init__(self, model: BeamModel | ThesisModel | MovingBoundariesModel, state: Array, tolerance: float, setup_seconds: float) -> None:
+    def __init__(
+        self, model: BeamModel | ThesisModel | MovingBoundariesModel, state: Array, tolerance: float, setup_seconds: float
+    ) -> None:
         self.setup_seconds = setup_seconds
         self.time = 0.0
         self.model = model
