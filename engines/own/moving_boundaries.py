@@ -53,8 +53,8 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         if isinstance(drive := mechanism.crank.drive, TorqueDrive):
             speed = drive.torque / drive.damping if drive.damping else drive.initial_speed
             raise Refusal(
-                f"crank.torque: {drive.torque:.6g} N*m is not modelled by engine {self.name}, whose frame turns with a crank of known speed;"
-                f' accepted: crank.prescribed_speed, such as the mean speed "{speed:.6g} rad/s"'
+                f"crank.torque: {drive.torque:.6g} N*m is not modelled by engine {self.name}, whose frame turns with a crank of known"
+                f' speed; accepted: crank.prescribed_speed, such as the mean speed "{speed:.6g} rad/s"'
             )
         super().check(mechanism)
 

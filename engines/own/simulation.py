@@ -91,6 +91,7 @@ class OwnSimulation(Simulation):
     def _of_joint(self, joint: dict[str, Array], states: Array, output_step: float) -> dict[str, float]:
         if not joint:
             return {}
+        assert isinstance(self.model, BeamModel)
         statistics = {
             "degrees_of_freedom": float(self.model.degrees_of_freedom),
             "largest_gap_rate": float(np.max(np.abs(joint["gap_rate"]), initial=0.0)),

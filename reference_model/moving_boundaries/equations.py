@@ -71,12 +71,12 @@ workspace_at = reader(WORKSPACE_TYPE)
 
 
 @stage
-def interpolate(p: Any, rows: Array, l: float) -> None:
+def interpolate(p: Any, rows: Array, distance: float) -> None:
     """The table's row at l, and its first two derivatives."""
     intervals = len(p.coefficients)
     step = (p.high - p.low) / intervals
-    interval = max(0, min(int((l - p.low) / step), intervals - 1))
-    u = (l - p.low) / step - interval
+    interval = max(0, min(int((distance - p.low) / step), intervals - 1))
+    u = (distance - p.low) / step - interval
     for k in range(rows.shape[1]):
         value = by_u = half_by_uu = 0.0
         for power in range(p.coefficients.shape[1]):
@@ -97,7 +97,7 @@ def dot(row: Array, kind: int, x: Array) -> float:
 
 @stage
 def form(row: Array, kind: int, x: Array, y: Array) -> float:
-    """x times a matrix of the table times y."""
+    """A matrix of the table between x and y."""
     n, total = len(x), 0.0
     for i in range(n):
         for j in range(n):
@@ -137,22 +137,22 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
 
     # the line from P to C (equations 1.1 and 1.2), gravity and the force on the tip along and across it
     v1, v2 = p.LA * math.cos(q1) - p.d, p.LA * math.sin(q1)
-    l, theta = math.hypot(v1, v2), math.pi + math.atan2(-v2, -v1)
-    if not (p.low <= l <= p.high and abs(q1) < 1e9):
+    distance, theta = math.hypot(v1, v2), math.pi + math.atan2(-v2, -v1)
+    if not (p.low <= distance <= p.high and abs(q1) < 1e9):
         for k in range(2 * n + 4):
             out[k] = math.nan
         return 0
-    turn_by_q1, l_by_q1 = p.LA * math.cos(q1 - theta) / l, -p.LA * math.sin(q1 - theta)
+    turn_by_q1, l_by_q1 = p.LA * math.cos(q1 - theta) / distance, -p.LA * math.sin(q1 - theta)
     turn, l_rate = turn_by_q1 * q1_rate, l_by_q1 * q1_rate
-    l_acceleration = l * turn * turn - l * turn_by_q1 * q1_rate * q1_rate
-    turn_rate = (l_by_q1 * q1_rate * q1_rate - 2.0 * l_rate * turn) / l
+    l_acceleration = distance * turn * turn - distance * turn_by_q1 * q1_rate * q1_rate
+    turn_rate = (l_by_q1 * q1_rate * q1_rate - 2.0 * l_rate * turn) / distance
     cosine, sine = math.cos(theta), math.sin(theta)
     g1, g2 = cosine * p.gravity_1 + sine * p.gravity_2, cosine * p.gravity_2 - sine * p.gravity_1
     acting = share(q1, p.force_begin, p.force_span, p.force_ramp) if p.force_1 != 0.0 or p.force_2 != 0.0 else 0.0
     f1, f2 = acting * (cosine * p.force_1 + sine * p.force_2), acting * (cosine * p.force_2 - sine * p.force_1)
 
     # accelerations of the amplitudes (equations 3.5 and 3.6, by the energies of equations 3.1 to 3.4)
-    interpolate(p, rows, l)
+    interpolate(p, rows, distance)
     row, row_l = rows[0], rows[1]
     base_rate = turn + dot(row, t.BASE, eta_rate) + l_rate * dot(row_l, t.BASE, eta)
     for i in range(n):
@@ -190,8 +190,8 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
 
     # force of the slider and torque of the drive (equations 4.4 and 4.5)
     weight = p.crank_moment * (math.cos(q1) * p.gravity_2 - math.sin(q1) * p.gravity_1)
-    facts[FORCE], facts[TORQUE] = moment / l, moment * turn_by_q1 + along * l_by_q1 - weight
-    w.slider[0] = l + signals[t.VECTORS + t.SHORTENED, VALUE]
+    facts[FORCE], facts[TORQUE] = moment / distance, moment * turn_by_q1 + along * l_by_q1 - weight
+    w.slider[0] = distance + signals[t.VECTORS + t.SHORTENED, VALUE]
     w.slider[1] = math.sqrt(row[t.SQUARES * n + n - 1]) if n else 0.0
 
     # dissipation, and the work of the drive and of the force on the tip (equations 5.2 and 5.3)

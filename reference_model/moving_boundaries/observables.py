@@ -25,13 +25,14 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         mechanism: the scene.
         shapes: of its beam.
         states: (k, 2 n + 4).
-        signals, facts: what the equations leave of each state in their workspace, (k, *its shape there).
+        signals: what the equations leave of each state in their workspace, (k, *its shape there).
+        facts: likewise.
     """
     n = states.shape[1] // 2 - 2
     q1, q1_rate = states[:, 0], states[:, n + 1]
     line = rigid_motion(mechanism, q1, q1_rate)
     follower, tip, moment = mechanism.follower, mechanism.tip_body, follower_inertia(mechanism)[1]
-    L, l, gravity = follower.length, line.slider_position, complex(*mechanism.gravity)
+    L, distance, gravity = follower.length, line.slider_position, complex(*mechanism.gravity)
     unit, crank = np.exp(1j * line.follower_angle), np.exp(1j * q1)
 
     def seen(straight: float, short: int, across: int) -> Array:
@@ -41,17 +42,14 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     # the tip's place and the follower's first moment (equation 6.1)
     end, mass = seen(L, t.PULLED, t.END), seen(moment, t.HANGING, t.WEIGHT)
     place, base = mechanism.pivot_distance + unit * end[:, 0], signals[:, t.BASE, VALUE]
-    deflection, slope, curvature = _fields(shapes, l, states[:, 1 : n + 1], base)
     places = L * np.arange(1, PLACES + 1) / (PLACES + 1)
-    slopes = _at(slope, l, L, np.column_stack([l, np.full_like(l, L)]))
-    bend = _at(curvature, l, L, np.column_stack([l, np.tile([*follower.strain_gauges, *places], (len(l), 1))]))
-    across = _at(deflection, l, L, np.column_stack([l, np.tile(places, (len(l), 1))])) + base[:, None] * np.column_stack(
-        [l, np.tile(places, (len(l), 1))]
-    )
+    shown = np.column_stack([distance, np.tile([*follower.strain_gauges, *places, L], (len(q1), 1))])
+    across_base, slope, bend = _fields(shapes, distance, L, states[:, 1 : n + 1], shown)
+    across, slope = across_base + base[:, None] * shown, slope + base[:, None]
 
     # forces of the slider and of the bearings (equations 6.3 and 6.4)
     weighs, tool = follower.mass + tip.mass, tip_force(tip, q1)
-    of_slider = facts[:, FORCE] * (1j - slopes[:, 0]) * unit
+    of_slider = facts[:, FORCE] * (1j - slope[:, 0]) * unit
     at_pivot = unit * _acceleration(line, mass) - of_slider - weighs * gravity - (tool[0] + 1j * tool[1])
     at_crank = of_slider - mechanism.crank_moment * q1_rate**2 * crank - mechanism.crank_mass * gravity
     height = weighs * mechanism.pivot_distance + unit * mass[:, 0] + mechanism.crank_moment * crank
@@ -59,11 +57,11 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "crank_angle": q1,
         "crank_speed": q1_rate,
         "follower_angle": line.follower_angle + base,
-        "slider_position": l + signals[:, t.VECTORS + t.SHORTENED, VALUE],
+        "slider_position": distance + signals[:, t.VECTORS + t.SHORTENED, VALUE],
         "tip_x": place.real,
         "tip_y": place.imag,
         "tip_deflection": (np.exp(-1j * base) * end[:, 0]).imag,
-        "tip_acceleration": (np.exp(-1j * slopes[:, 1]) * _acceleration(line, end)).imag,
+        "tip_acceleration": (np.exp(-1j * slope[:, -1]) * _acceleration(line, end)).imag,
         **{f"strain_{k}": 0.5 * follower.thickness * bend[:, k] for k in (1, 2, 3)},
         "slider_force": facts[:, FORCE],
         "crank_torque": facts[:, TORQUE],
@@ -77,33 +75,31 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "pivot_force_y": at_pivot.imag,
         "crank_force_x": at_crank.real,
         "crank_force_y": at_crank.imag,
-        **dict(zip(SHAPE, (np.cos(base)[:, None] * across[:, 1:] - np.sin(base)[:, None] * places).T, strict=True)),
+        **dict(zip(SHAPE, (np.cos(base)[:, None] * across[:, 4:-1] - np.sin(base)[:, None] * places).T, strict=True)),
     }
     if n:
         moments = follower.bending_stiffness * bend
-        found |= {**dict(zip(MOMENTS, moments[:, 4:].T, strict=True)), "moment_slider": moments[:, 0]}
+        found |= {**dict(zip(MOMENTS, moments[:, 4:-1].T, strict=True)), "moment_slider": moments[:, 0]}
     return {name: np.ascontiguousarray(values) for name, values in found.items()}
 
 
-def _fields(shapes: t.Shapes, l: Array, eta: Array, base: Array) -> tuple[Array, Array, Array]:
-    """Deflection across the base tangent, slope and curvature as Legendre series over both domains, each (k, 2, degree)."""
+def _fields(shapes: t.Shapes, distance: Array, L: float, eta: Array, x: Array) -> tuple[Array, Array, Array]:
+    """Deflection across the tangent at P, slope relative to it and curvature at arc lengths x (k, m), each (k, m)."""
     if shapes.family is None:
-        return (np.zeros((len(l), 2, 1)),) * 3
-    lengths = np.stack([l, shapes.family.length - l], axis=1)[:, :, None]
-    angle = np.einsum("ksdn,kn->ksd", shapes.family.series_at(l), eta)
+        return (np.zeros_like(x),) * 3
+    lengths = np.stack([distance, L - distance], axis=1)[:, :, None]
+    angle = np.einsum("ksdn,kn->ksd", shapes.family.series_at(distance), eta)  # Legendre coefficients on both domains
     deflection = legendre.legint(angle, lbnd=-1, axis=2) * (0.5 * lengths)
     deflection[:, 1, 0] += deflection[:, 0].sum(axis=1)
-    curvature = legendre.legder(angle, axis=2) * (2.0 / lengths)
-    angle[:, :, 0] += base[:, None]
-    return deflection, angle, curvature
+    inboard, start = x <= distance[:, None], distance[:, None]
+    place = np.where(inboard, 2.0 * x / start - 1.0, 2.0 * (x - start) / (L - start) - 1.0)
+    polynomials = legendre.legvander(place, angle.shape[2])
 
+    def at(series: Array) -> Array:
+        chosen = np.where(inboard[:, :, None], series[:, :1], series[:, 1:])
+        return np.asarray(np.einsum("kmd,kmd->km", polynomials[:, :, : series.shape[2]], chosen))
 
-def _at(series: Array, l: Array, L: float, x: Array) -> Array:
-    """Legendre series over both domains (k, 2, degree) at arc lengths x (k, m), shape (k, m)."""
-    inboard, l = x <= l[:, None], l[:, None]
-    place = np.where(inboard, 2.0 * x / l - 1.0, 2.0 * (x - l) / (L - l) - 1.0)
-    chosen = np.where(inboard[:, :, None], series[:, :1], series[:, 1:])
-    return np.asarray(np.einsum("kmd,kmd->km", legendre.legvander(place, series.shape[2] - 1), chosen))
+    return at(deflection), at(angle), at(legendre.legder(angle, axis=2) * (2.0 / lengths))
 
 
 def _acceleration(line: RigidMotion, z: Array) -> NDArray[Any]:

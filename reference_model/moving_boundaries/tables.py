@@ -88,17 +88,18 @@ def _fields(family: ModeFamily, places: Array) -> _Fields:
     """Equation 2.3, for places l (k,)."""
     gauss, weights = np.polynomial.legendre.leggauss(2 * family.squares.shape[1] + SPARE_POINTS)
     u, to_points = np.append(0.5 * (gauss + 1.0), 1.0), 0.5 * integrals_to_points(gauss, weights)
-    l, V, V_l, parts = places[:, None], 0.0, 0.0, []
-    for span, (start, length) in enumerate(((0.0 * l, l), (l, family.length - l))):
+    distance, parts = places[:, None], list[tuple[Array, ...]]()
+    V = V_l = np.zeros((len(places), 1, family.squares.shape[1]))
+    for span, (start, length) in enumerate(((0.0 * distance, distance), (distance, family.length - distance))):
         psi, psi_l, _, _ = family.shapes_at(places, u, span)
         V, V_l = (
-            before + length[:, :, None] * np.einsum("jp,kjn->kpn", to_points, angle[:, :-1]) for before, angle in ((V, psi), (V_l, psi_l))
+            before[:, -1:] + length[:, :, None] * np.einsum("jp,kjn->kpn", to_points, angle[:, :-1])
+            for before, angle in ((V, psi), (V_l, psi_l))
         )
         parts.append((start + length * u, 0.5 * length * np.append(weights, 0.0), V, V_l, psi, psi_l))
-        V, V_l = V[:, -1:], V_l[:, -1:]
     _, _, at_l, at_l_l, angle, _ = (part[:, -1:] for part in parts[0])
-    base = -at_l / l[:, :, None]
-    base_l = -(at_l_l + angle + base) / l[:, :, None]
+    base = -at_l / distance[:, :, None]
+    base_l = -(at_l_l + angle + base) / distance[:, :, None]
     x, dx, V, V_l, psi, psi_l = (np.concatenate(pair, axis=1) for pair in zip(*parts, strict=True))
     return _Fields(x, dx, V, V_l, psi + base, psi_l + base_l, base, base_l)
 
@@ -134,13 +135,13 @@ def _rows(mechanism: Mechanism, family: ModeFamily, places: Array, foreshortenin
     hanging = pulled = np.zeros_like(rotated)
     if foreshortening:
         rotated -= tightened(0.5 * rhoA * (L**2 - x**2) + m * (L + e), m * e * (L + e))
-        hanging, pulled = tightened(rhoA * (L - x) + m, m * e), tightened(np.ones_like(x))
+        hanging, pulled = tightened(rhoA * (L - x) + m, m * e), tightened(0.0 * x + 1.0)
     end = V[:, -1] + L * base[:, 0]
     vectors = (family.squares_at(places), product(masses, rigid, moves)[:, 0], np.einsum("kp,kpi->ki", moved, moves), end, base[:, 0])
     matrices = (
         0.5 * (carried - carried.transpose(0, 2, 1)),  # what the tabulated modes lack of (2.5)
         *(product(dx, V, V), product(dx, V, V_l), product(dx, V_l, V_l)),
         *(product(masses, moves_l, moves_l), rotated, hanging, pulled),
-        tightened(1.0 * (x < places[:, None])),
+        tightened((x < places[:, None]).astype(np.float64)),
     )
     return np.concatenate([*vectors, *(each.reshape(len(places), -1) for each in matrices)], axis=1)

@@ -52,7 +52,7 @@ def test_every_column_is_that_of_exact_geometry_at_low_speed() -> None:
     assert set(expected.columns) == set(found.columns)
     for column in set(found.columns) - {"time", "constraint_gap", "gravity_energy", "crank_speed"}:
         shown = column.startswith(("strain_", "moment_", "shape_", "dissipated_"))
-        assert relative_error(found[column], expected[column]) < (0.05 if shown else 1e-3), column
+        assert relative_error(found[column], expected[column]) < (0.1 if shown else 1e-3), column
 
 
 def test_bends_that_are_not_small_are_beyond_it() -> None:

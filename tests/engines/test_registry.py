@@ -83,7 +83,8 @@ def test_missing_library_disables_its_own_engine_only(monkeypatch: pytest.Monkey
 
 
 def test_what_estimates_are_of() -> None:
-    # how far the models of `thesis` and `moving-boundaries` are off no run of their own can show; of `nodal-load` coarser and finer runs break down
+    # how far the models of `thesis` and `moving-boundaries` are off no run of their own can show; of `nodal-load` coarser and finer
+    # runs break down
     found = {name: engine(name).estimates for name in (*MAIN, *registry.RIVALS)}
     others = {"thesis": "integration", "nodal-load": "unverified", "moving-boundaries": "integration"}
     assert found == {**dict.fromkeys((*MAIN, *registry.RIVALS), "total"), **others}

@@ -46,12 +46,13 @@ def monodromy(
         tension = 0.5 * beam.mass_per_length * (L**2 - x**2) + m * (L + e)
         moved = moved - slope.T @ ((tension * dx)[:, None] * slope) - m * e * (L + e) * np.outer(end_slope, end_slope)
     h, n = 2.0 * math.pi / crank_speed / steps, len(mass)
-    u, v = np.eye(2 * n)[:n], np.eye(2 * n)[n:]
+    u: Array = np.eye(2 * n)[:n]
+    v: Array = np.eye(2 * n)[n:]
     for step in range(steps):
         line = rigid_motion(mechanism, np.array(math.pi + crank_speed * (step + 0.5) * h), crank_speed)
         (at,) = shapes(line.slider_position[None], 0)
         force = bending - float(line.follower_speed) ** 2 * moved + stiffness * np.outer(at, at)
         before = v
-        v = np.linalg.solve(mass + 0.25 * h * h * force, mass @ v - h * force @ u - 0.25 * h * h * force @ v)
+        v = np.asarray(np.linalg.solve(mass + 0.25 * h * h * force, mass @ v - h * force @ u - 0.25 * h * h * force @ v), dtype=float)
         u = u + 0.5 * h * (before + v)
     return np.vstack([u, v])

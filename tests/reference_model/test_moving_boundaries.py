@@ -47,7 +47,7 @@ def some_state(model: MovingBoundariesModel, seed: int, size: float) -> Array:
     return y
 
 
-def lagrange(model: MovingBoundariesModel) -> Callable[[Array, Array], tuple[Array, float, float]]:
+def lagrange(model: MovingBoundariesModel) -> Callable[[Array, Array], tuple[Any, float, float]]:
     """Accelerations, slider force and torque by Lagrange's equations for (3.1) to (3.4), theta and l being coordinates like the others.
 
     Returns:
@@ -55,10 +55,10 @@ def lagrange(model: MovingBoundariesModel) -> Callable[[Array, Array], tuple[Arr
     """
     p, n = model.parameters, model.shapes
     x, v, a = (sp.symbols(f"{name}:{n + 2}") for name in "xva")
-    theta, l, turn, slide = x[n], x[n + 1], v[n], v[n + 1]
+    theta, distance, turn, slide = x[n], x[n + 1], v[n], v[n + 1]
     entries = [sp.symbols(f"r{order}_:{p.coefficients.shape[2]}") for order in range(3)]
     place = sp.Symbol("place")
-    row = [value + by_l * (l - place) + by_ll * (l - place) ** 2 / 2 for value, by_l, by_ll in zip(*entries, strict=True)]
+    row = [value + by_l * (distance - place) + by_ll * (distance - place) ** 2 / 2 for value, by_l, by_ll in zip(*entries, strict=True)]
     eta, rate = sp.Matrix(x[:n]), sp.Matrix(v[:n])
 
     def after(quantity: Any) -> Any:
@@ -89,11 +89,11 @@ def lagrange(model: MovingBoundariesModel) -> Callable[[Array, Array], tuple[Arr
     equations = [after(sp.diff(lagrangian, dq)) - sp.diff(lagrangian, q) + sp.diff(dissipation, dq) for q, dq in zip(x, v, strict=True)]
     evaluate = sp.lambdify([a, v, x, *entries, place, force], equations, "math", cse=True)
 
-    def solved(y: Array, tool: Array) -> tuple[Array, float, float]:
+    def solved(y: Array, tool: Array) -> tuple[Any, float, float]:
         line = rigid_motion(model.scene, np.array(y[0]), y[n + 1])
         rows = model.workspace.rows.copy()  # of the state evaluated last
 
-        def at(acceleration: Array) -> Array:
+        def at(acceleration: Any) -> Array:
             return np.array(
                 evaluate(
                     [*acceleration, line.follower_acceleration, line.slider_acceleration],
@@ -144,7 +144,7 @@ def test_kinetic_energy_is_that_of_the_places(foreshortening: bool) -> None:
     L, tip, e = scene.follower.length, scene.tip_body, scene.tip_body.center_of_mass
     x, h = np.linspace(0.0, L, 4001), 1e-5
 
-    def places(y: Array, after: float) -> tuple[Array, complex, Array]:
+    def places(y: Array, after: float) -> tuple[Any, Any, Any]:
         """Of the points and of the tip's centre, and what base block and tip are turned by."""
         q1, eta = y[0] + after * y[7], y[1:7] + after * y[8:14]
         line = rigid_motion(scene, np.array(q1), 0.0)
@@ -170,7 +170,8 @@ def test_kinetic_energy_is_that_of_the_places(foreshortening: bool) -> None:
         straight = model.straight_state(bent[0], bent[7])
         bent[4:7] = bent[11:14] = 0.0
         other = 2.0 * straight - bent
-        found, expected = (0.5 * (energy(bent) + energy(other)) - energy(straight) for energy in (of_model, of_places))
+        found = 0.5 * (of_model(bent) + of_model(other)) - of_model(straight)
+        expected = 0.5 * (of_places(bent) + of_places(other)) - of_places(straight)
         assert found == pytest.approx(expected, rel=0.0, abs=1e-5 * 0.5 * float(np.sum(bent[8:11] ** 2)))  # parts cancel
         assert of_model(bent) - of_model(other) == pytest.approx(of_places(bent) - of_places(other), rel=1e-5)  # of first order
 
@@ -187,9 +188,9 @@ def test_frozen_crank_vibrates_as_the_natural_modes() -> None:
             bent[1 + i] = 1.0
             stiffness[:, i] = force - model.rate(bent)[8:14]
         found = np.sqrt(np.sort(np.linalg.eigvals(stiffness).real)) / (2.0 * math.pi)
-        l = float(rigid_motion(model.scene, np.array(angle), 0.0).slider_position)
-        np.testing.assert_allclose(found, supported_modes(model.scene, l, 6).frequencies, rtol=5e-5)
-        np.testing.assert_allclose(found[:2], supported_modes(model.scene, l, 2).frequencies, rtol=1e-8)
+        distance = float(rigid_motion(model.scene, np.array(angle), 0.0).slider_position)
+        np.testing.assert_allclose(found, supported_modes(model.scene, distance, 6).frequencies, rtol=5e-5)
+        np.testing.assert_allclose(found[:2], supported_modes(model.scene, distance, 2).frequencies, rtol=1e-8)
 
 
 def test_rigid_follower_is_the_closed_form() -> None:
