@@ -15,7 +15,7 @@ from reference_model.natural_modes import frozen_crank_modes
 if TYPE_CHECKING:
     from reference_model.moving_boundaries.model import MovingBoundariesModel
 
-#: Tolerance for an error of the tip deflection against the model's own equations (`engines/LADDERS.md`, section 6).
+#: Tolerance for an error of the tip deflection against the model's own equations (`reference_model/RIVALS.md`, section 4).
 TOLERANCE_PER_ERROR: Final = 1e-4
 #: Factor between the tolerances of two runs that are compared, and at most this part of its error is left with the tighter one.
 TIGHTER: Final = 0.01
