@@ -75,8 +75,8 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         return MovingBoundariesSettings(tolerance=min(max(accuracy * TOLERANCE_PER_ERROR, TIGHTEST), LOOSEST))
 
     def ladder(self, mechanism: Mechanism) -> tuple[MovingBoundariesSettings, ...]:
-        """Numbers of modes: what is wrong with this model is not its integration."""
-        return tuple(MovingBoundariesSettings(modes=modes) for modes in (1, 2, 3, 4, 6))
+        """Numbers of modes: what is wrong with this model is not its integration. Of a crank that it refuses one rung tells."""
+        return tuple(MovingBoundariesSettings(modes=modes) for modes in ((2,) if mechanism.crank_is_free else (1, 2, 3, 4, 6)))
 
     def comparisons(self, settings: MovingBoundariesSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """A hundredth of the tolerance, or a hundred times one that is too tight for that."""
