@@ -123,7 +123,7 @@ def follow(rows: Array, signals: Array, l_rate: float, l_acceleration: float, et
         s[ACCELERATION] += 0.5 * l_rate * l_rate * form(rows[2], kind, eta, eta)
 
 
-def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
+def _right_hand_side(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
     """dy/dt of a state, written to `rate`, all by address; forces are left in the workspace whatever the last argument says.
 
     Returns:
@@ -207,5 +207,5 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
 @cache
 def kernel() -> int:
     """Address of the equations of motion, compiled or loaded from the disk at the first call."""
-    compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
+    compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_right_hand_side)
     return int(compiled_kernel.address)
