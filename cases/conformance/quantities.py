@@ -75,6 +75,8 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         return "refused: a driven crank is not modelled"
     context = changed(scene, change.context)
     before, after = Motion(context, change.duration), Motion(changed(context, change.values), change.duration)
+    if after.scene == before.scene:
+        return "the scene has it already"
     try:
         bench.solver(scene).check(after.scene)
         runs = [bench.run(motion) for motion in (before, after)]

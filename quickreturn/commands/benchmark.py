@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 @click.command(name="benchmark")
 @options.cases
 @options.tag
-@options.engines_for(help="Engine to measure; may be given again. Default: all eight of ours.")
+@options.engines_for(help="Engine to measure; may be given again. Default: all nine of ours.")
 @options.single(
     "--repetitions",
     metavar="N",
@@ -37,7 +37,7 @@ def command(
 ) -> int:
     """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
 
-    Without a CASE: the scenes that the report compares methods on. The report shows a measurement of all eight engines in which none was
+    Without a CASE: the scenes that the report compares methods on. The report shows a measurement of all nine engines in which none was
     left out. They share one process: the time limit stands for the sum of all of them.
 
     Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;

@@ -29,6 +29,7 @@ KINDS: Final = {
     "multiplier": "constraint force",
     "stiff-spring": "stiff spring",
     "nodal-load": "force on nodes",
+    "moving-boundaries": "two moving spans",
 }
 
 

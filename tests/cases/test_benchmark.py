@@ -99,8 +99,9 @@ def test_the_worst_gauge_stands_for_strain() -> None:
 
 
 def test_every_rival_has_a_ladder_from_coarse_to_fine() -> None:
-    for method in methods(("reference", *RIVALS), load_case("thesis-24")):
-        free = [method.engine.describe(load_case("thesis-24").mechanism, settings).degrees_of_freedom for settings in method.ladder]
+    case = load_case("thesis-24", {"crank.prescribed_speed": "16.6 rad/s"})  # which all of them take
+    for method in methods(("reference", *RIVALS), case):
+        free = [method.engine.describe(case.mechanism, settings).degrees_of_freedom for settings in method.ladder]
         assert len(free) >= 5, method.name
         assert free == sorted(free), method.name
 
