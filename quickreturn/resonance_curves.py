@@ -1,7 +1,6 @@
 """Resonance curves as tables and pictures."""
 
 import io
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final
@@ -89,7 +88,7 @@ class Resonance(Shown):
         panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
         shown = curve.values / curve.range.size
         for axes, (name, heights) in zip(panels, curve.measures.items(), strict=True):
-            for part, unstable in _stretches(curve):
+            for part, unstable in curve.stretches():
                 axes.plot(shown[part], heights[part], color="#0072B2", linewidth=1.1, linestyle="--" if unstable else "-")
             for kind in dict.fromkeys(each.kind for each in curve.special):
                 at = [each.at for each in curve.special if each.kind == kind]
@@ -160,41 +159,6 @@ class Resonance(Shown):
     def _of_range(self, value: float | None, digits: str = ".6g") -> str:
         """A value in the unit in which the range was given."""
         return "unknown" if value is None or math.isnan(value) else f"{value / self.curve.range.size:{digits}}"
-
-
-def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
-    """What a curve of speeds says of a machine that runs at `pace` (rad/s): its own motion, and what is nearest, in lines."""
-    name, (low, high) = next(iter(curve.measures)), sorted((curve.range.low, curve.range.high))
-    crossings = [
-        (height, kind)
-        for value, other, height, kind in zip(curve.values, curve.values[1:], curve.measures[name], curve.kinds, strict=False)
-        if min(value, other) <= pace < max(value, other)
-    ]
-    rpm, unit = curve.range.size, COLUMNS[PEAKS[name]].unit
-    drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
-    lines = [f"the machine runs at {pace / rpm:.5g} rpm{drive}"]
-    for height, kind in crossings:
-        lines.append(f"there {name} is about {height:.3g} {unit}, {f'unstable: {kind}' if kind else 'stable'}")
-    found = [(f"order {each.order}, {each.height:.3g} {unit}", each.value) for each in curve.peaks]
-    for what, places in (("peak", found), ("change of stability", [(each.kind, each.value) for each in curve.special])):
-        if not places:
-            lines.append(f"no {what} between {low / rpm:.4g} and {high / rpm:.4g} rpm")
-            continue
-        words, value = min(places, key=lambda each: abs(each[1] - pace))
-        way = "faster" if abs(value) > abs(pace) else "slower"
-        lines.append(f"nearest {what}: {words}, at {value / rpm:.5g} rpm, {100.0 * abs(value / pace - 1.0):.2g} % {way}")
-    return lines
-
-
-def _stretches(curve: ResonanceCurve) -> Iterator[tuple[slice, bool]]:
-    """Stretches of the curve, and whether they are unstable; special points belong to both stretches that they part."""
-    special = {each.at for each in curve.special}
-    unstable = [bool(curve.kinds[at + 1 if at in special else at]) for at in range(len(curve.kinds) - 1)]
-    begin = 0
-    for state, group in itertools.groupby(unstable):
-        end = begin + len(list(group))
-        yield slice(begin, end + 1), state
-        begin = end
 
 
 def resonance(

@@ -50,8 +50,7 @@ def command(
 
     Exit code 3: no periodic motion was found in the range.
     """
-    from cases.jobs.job import Job
-    from cases.resonance_curve import SPEED, USUAL, checked_scenes, range_of, resonance_curve
+    from cases.resonance_curve import SPEED, USUAL, job, range_of
     from quickreturn.command_line import GOOD
     from quickreturn.questions import value_of
     from quickreturn.resonance_curves import Resonance, speed_of
@@ -67,17 +66,12 @@ def command(
         varied, held = range_of(SPEED, speed, "--speed"), None
     else:
         raise click.UsageError("Missing option '--speed'; give a range such as \"60 rpm .. 300 rpm\"")
-    asked = tuple(measures) or (USUAL,)
-    checked_scenes(loaded, varied, held, asked)
+    asked = job(loaded, varied, held, measures or (USUAL,), accuracy, claims)
     for file, endings in ((output, (*TABLES, *PICTURES)), (plot, PICTURES)):
         if file is not None:
             check_writable(Path(file), "" if loaded.source == "library" else case, *endings)
     workshop = options.opened_workshop([loaded], ["reference"])
-    arguments = (loaded, varied, held, asked, accuracy, claims)
-    inputs = (loaded.scene, *arguments[1:])
-    code = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes")
-    job = Job(f"{loaded.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), code, inputs)
-    found = Resonance(value_of(workshop.outcomes([job], "resonance curve")[0]))
+    found = Resonance(value_of(workshop.outcomes([asked], "resonance curve")[0]))
     for file in (each for each in (output, plot) if each is not None):
         ending = Path(file).suffix.lower()
         write_file(Path(file), found.picture(ending) if ending in PICTURES else found.written(ending))
