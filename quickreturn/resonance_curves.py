@@ -1,9 +1,8 @@
 """Resonance curves as tables and pictures."""
 
-import io
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,9 +22,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from quickreturn.curves import Drawing
-
-#: Marks of special points in pictures.
-MARKS: Final = {"fold": "o", "period doubling": "s", "torus": "D", "slider left": "X", "lost": "x"}
 
 
 class Resonance(Shown):
@@ -81,36 +77,11 @@ class Resonance(Shown):
             mark: a value of what varies (SI) at which a machine runs; None: none.
         """
         from quickreturn.curves import PANEL, drawing
-        from reports.plots.style import FONT_SIZE, tidy
+        from reports.plots.resonance import draw
 
-        curve = self.curve
-        figure = drawing(0.9 + 1.4 * PANEL * len(curve.measures))
-        panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
-        shown = curve.values / curve.range.size
-        for axes, (name, heights) in zip(panels, curve.measures.items(), strict=True):
-            for part, unstable in curve.stretches():
-                axes.plot(shown[part], heights[part], color="#0072B2", linewidth=1.1, linestyle="--" if unstable else "-")
-            for kind in dict.fromkeys(each.kind for each in curve.special):
-                at = [each.at for each in curve.special if each.kind == kind]
-                axes.plot(shown[at], heights[at], MARKS[kind], markersize=4.0, color="#D55E00", label=kind)
-            for peak in curve.peaks if name == next(iter(curve.measures)) else ():
-                place = (peak.value / curve.range.size, peak.height)
-                axes.annotate(f"{peak.order}", place, (0, 3), textcoords="offset points", ha="center", fontsize=FONT_SIZE)
-            if mark is not None:
-                axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
-            axes.set_yscale("log")
-            tidy(axes, f"{name} [{self._unit(name)}]")
-        panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
-        if panels[0].get_legend_handles_labels()[0]:
-            panels[0].legend(fontsize=FONT_SIZE, frameon=False)
-        figure.suptitle(f"{curve.case}: dashed is unstable, numbers are orders of the harmonic", fontsize=FONT_SIZE + 1.0)
+        figure = drawing(0.9 + 1.4 * PANEL * len(self.curve.measures))
+        draw(figure, self.curve, mark)
         return figure
-
-    def picture(self, ending: str) -> bytes:
-        """The plot as the content of a file."""
-        file = io.BytesIO()
-        self.plot().savefig(file, format=ending[1:], dpi=150)
-        return file.getvalue()
 
     def document(self) -> dict[str, Any]:
         """What the JSON document holds of it: special points and peaks, and the points by column."""

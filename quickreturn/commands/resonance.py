@@ -55,6 +55,7 @@ def command(
     from quickreturn.questions import value_of
     from quickreturn.resonance_curves import Resonance, speed_of
     from reports.output import check_writable, print_json, write_file
+    from reports.plots.style import picture
 
     overrides, settings = options.read_assignments(assignments)
     options.refuse_engine_settings(settings)
@@ -74,7 +75,7 @@ def command(
     found = Resonance(value_of(workshop.outcomes([asked], "resonance curve")[0]))
     for file in (each for each in (output, plot) if each is not None):
         ending = Path(file).suffix.lower()
-        write_file(Path(file), found.picture(ending) if ending in PICTURES else found.written(ending))
+        write_file(Path(file), picture(found.plot(), ending) if ending in PICTURES else found.written(ending))
     if as_json:
         print_json({"case": loaded.name, "output": output, **found.document()})
     else:

@@ -118,5 +118,6 @@ def curves_around(cases: Sequence[Case], workshop: Workshop) -> list[Around]:
     asked = jobs_around(cases)
     jobs = {name: job for name, job in asked.items() if isinstance(job, Job)}
     ended = dict(zip(jobs, workshop.outcomes([*jobs.values()], "resonance curves"), strict=True))
-    curves = {name: (outcome.value, outcome.explanation) for name, outcome in ended.items()}
+    # a search for periodic motions has no instant at which it fails
+    curves = {name: (outcome.value, outcome.explanation.removeprefix("failed at t = 0 s: ")) for name, outcome in ended.items()}
     return [Around(case, *curves.get(case.name, (None, str(asked[case.name])))) for case in cases]
