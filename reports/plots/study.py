@@ -29,8 +29,8 @@ from reports.plots.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, lo
 LINES: Final = 6
 #: Ratio of the values from which on their axis is logarithmic.
 DECADE: Final = 10.0
-#: Colours of a map: at least so many, at most twice as many.
-COLOURS: Final = 8
+#: Colours of a map, about: a logarithmic scale has at least so many.
+COLOURS: Final = 10
 #: Steps of a logarithmic scale within a decade, from coarse to fine.
 STEPS: Final = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0), tuple(1.0 + 0.5 * k for k in range(18)))
 #: How a point ended that did not settle -> its hatch in maps and its mark on lines.
@@ -161,7 +161,7 @@ def _levels(values: Array) -> Array:
     """Round bounds of the steps of colour."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     if not _wide(values):
-        return np.asarray(MaxNLocator(COLOURS + 4).tick_values(low, high))
+        return np.asarray(MaxNLocator(COLOURS + 2).tick_values(low, high))
     for steps in STEPS:
         powers = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
         bounds = np.unique(np.outer(powers, steps))
