@@ -32,7 +32,7 @@ DECADE: Final = 10.0
 #: Colours of a map, about: a logarithmic scale has at least so many.
 COLOURS: Final = 10
 #: Steps of a logarithmic scale within a decade, from coarse to fine.
-STEPS: Final = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0), tuple(1.0 + 0.5 * k for k in range(18)))
+STEPS: Final = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
 #: How a point ended that did not settle -> its hatch in maps and its mark on lines.
 ENDINGS: Final = {
     UNSTABLE.format("period doubling"): ("////", "o"),

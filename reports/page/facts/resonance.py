@@ -31,18 +31,16 @@ def plot(around: Around) -> Plot:
     """Stable parts as a line, unstable ones dashed, peaks and folds with their orders, and where the machine runs."""
     curve, series = around.known, []
     for name, wanted in (("stable", False), ("unstable", True)):
-        x: list[float | None] = []
-        y: list[float | None] = []
-        text: list[str] = []
+        points: list[tuple[float | None, float | None, str]] = []
         for part, unstable in curve.stretches():
-            if unstable is not wanted:
-                continue
-            for at in range(*part.indices(len(curve.kinds))):
-                x.append(_RPM * float(curve.values[at]))
-                y.append(float(around.heights[at]))
-                text.append(_told(x[-1], y[-1], f"multiplier {number(math.hypot(*curve.multipliers[at]), '.3g')}"))
-            x, y, text = [*x, None], [*y, None], [*text, ""]
-        if x:
+            if unstable is wanted:
+                for at in range(*part.indices(len(curve.kinds))):
+                    speed, height = _RPM * float(curve.values[at]), float(around.heights[at])
+                    multiplier = number(math.hypot(*curve.multipliers[at]), ".3g")
+                    points.append((speed, height, _told(speed, height, f"multiplier {multiplier}")))
+                points.append((None, None, ""))
+        if points:
+            x, y, text = zip(*points, strict=True)
             series.append(Series(name, name, x, y, text, marked=False))
     rows = list(remarkable(around))
     for name in dict.fromkeys(row["point"] for row in sorted(rows, key=lambda row: (row["point"] == OWN, row["point"] != PEAK))):
@@ -62,9 +60,7 @@ def plot(around: Around) -> Plot:
     return Plot("resonance_curve.csv", "crank speed [rpm]", "largest tip acceleration in a turn [m/s²]", series, "y", here=here)
 
 
-def _told(speed: float | None, height: float | None, about: str) -> str:
-    assert speed is not None
-    assert height is not None
+def _told(speed: float, height: float, about: str) -> str:
     return f"{number(speed, '.5g')} rpm, {number(height, '.4g')} m/s²; {about}"
 
 
