@@ -98,7 +98,7 @@ def _wide(values: Array) -> bool:
 def _lines(panel: Axes, found: Study, along: int, measure: int, statuses: Sequence[str]) -> list[Artist]:
     """A measure over a key, a line for each way and each value of the other key; what the legend says."""
     x, lines = _scaled(found.grid.axes[along])[0], list(_each_line(found, along))
-    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, len(lines)))
+    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.75, len(lines)))
     handles: list[Artist] = []
     for (label, place), colour, dash in zip(lines, colours, itertools.cycle(("-", "--", "-.", ":"))):
         values = found.values[(*place, measure)]
