@@ -1,5 +1,6 @@
 """The periodic motion of a machine over one of its quantities: curve, stability, special points and peaks, each with its error claim."""
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from scipy.signal import find_peaks
 from cases.case import PATHS, Case, si_value
 from cases.document import document_of
 from cases.errors import CaseError, as_written, nearest_or_all
+from cases.jobs.job import Job
 from cases.loads.peak import Peak, peak_of
 from cases.loads.resonance import resonance
 from cases.sweep.grid import OF_START
@@ -48,6 +50,8 @@ FOLD_TOLERANCE: Final = 1e-6
 MULTIPLIER_TOLERANCE: Final = 1e-3
 #: Part of its own speed within which the curve around a machine goes.
 NEAR: Final = 0.15
+#: What a curve depends on besides what the simulation does.
+CODE: Final = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes", "cases.document")
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,18 @@ class ResonanceCurve:
     peaks: tuple[ResonancePeak, ...]  # likewise
     settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
 
+    def kind_after(self, at: int) -> str:
+        """How the motion is unstable between a point and the next one, "" where it is stable."""
+        return self.kinds[at + 1 if any(each.at == at for each in self.special) else at]
+
+    def stretches(self) -> Iterator[tuple[slice, bool]]:
+        """Stretches of the curve, and whether they are unstable; special points belong to both stretches that they part."""
+        unstable, begin = [bool(self.kind_after(at)) for at in range(len(self.kinds) - 1)], 0
+        for state, group in itertools.groupby(unstable):
+            end = begin + len(list(group))
+            yield slice(begin, end + 1), state
+            begin = end
+
 
 def range_of(key: str, text: str, option: str = "--vary") -> Range:
     """The range that "a .. b" describes. CaseError: it cannot be."""
@@ -152,7 +168,7 @@ def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Seq
     return scene_at
 
 
-def curve_around(case: Case) -> ResonanceCurve:
+def job_around(case: Case) -> Job[ResonanceCurve]:
     """The curve over speeds within `NEAR` of the machine's own, or of its mean speed where a torque drives it, without claims.
 
     Raises as `resonance_curve`; Refusal also of a crank that stands still.
@@ -161,7 +177,22 @@ def curve_around(case: Case) -> ResonanceCurve:
     if pace == 0.0:
         raise Refusal("a resonance curve needs a crank that turns; give a speed, or a torque and damping")
     low, high = sorted(((1.0 - NEAR) * pace, (1.0 + NEAR) * pace))
-    return resonance_curve(case, Range(SPEED, low, high, "rpm", math.pi / 30.0), claims=False)
+    return job(case, Range(SPEED, low, high, "rpm", math.pi / 30.0), claims=False)
+
+
+def job(
+    case: Case,
+    varied: Range,
+    speed: float | None = None,
+    measures: Sequence[str] = (USUAL,),
+    accuracy: float | None = None,
+    claims: bool = True,
+) -> Job[ResonanceCurve]:
+    """`resonance_curve` as a job. Raises what is known beforehand: CaseError, Refusal, ImpossibleMechanism."""
+    checked_scenes(case, varied, speed, measures)
+    arguments = (case, varied, speed, tuple(measures), accuracy, claims)
+    inputs = (case.scene, *arguments[1:])
+    return Job(f"{case.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), CODE, inputs)
 
 
 def resonance_curve(

@@ -1,10 +1,8 @@
 """Resonance curves as tables and pictures."""
 
-import io
-import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,9 +21,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from quickreturn.curves import Drawing
-
-#: Marks of special points in pictures.
-MARKS: Final = {"fold": "o", "period doubling": "s", "torus": "D", "slider left": "X", "lost": "x"}
 
 
 class Resonance(Shown):
@@ -79,36 +74,11 @@ class Resonance(Shown):
             mark: a value of what varies (SI) at which a machine runs; None: none.
         """
         from quickreturn.curves import PANEL, drawing
-        from reports.plots.style import FONT_SIZE, tidy
+        from reports.plots.resonance import draw
 
-        curve = self.curve
-        figure = drawing(0.9 + 1.4 * PANEL * len(curve.measures))
-        panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
-        shown = curve.values / curve.range.size
-        for axes, (name, heights) in zip(panels, curve.measures.items(), strict=True):
-            for part, unstable in _stretches(curve):
-                axes.plot(shown[part], heights[part], color="#0072B2", linewidth=1.1, linestyle="--" if unstable else "-")
-            for kind in dict.fromkeys(each.kind for each in curve.special):
-                at = [each.at for each in curve.special if each.kind == kind]
-                axes.plot(shown[at], heights[at], MARKS[kind], markersize=4.0, color="#D55E00", label=kind)
-            for peak in curve.peaks if name == next(iter(curve.measures)) else ():
-                place = (peak.value / curve.range.size, peak.height)
-                axes.annotate(f"{peak.order}", place, (0, 3), textcoords="offset points", ha="center", fontsize=FONT_SIZE)
-            if mark is not None:
-                axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
-            axes.set_yscale("log")
-            tidy(axes, f"{name} [{self._unit(name)}]")
-        panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
-        if panels[0].get_legend_handles_labels()[0]:
-            panels[0].legend(fontsize=FONT_SIZE, frameon=False)
-        figure.suptitle(f"{curve.case}: dashed is unstable, numbers are orders of the harmonic", fontsize=FONT_SIZE + 1.0)
+        figure = drawing(0.9 + 1.4 * PANEL * len(self.curve.measures))
+        draw(figure, self.curve, mark)
         return figure
-
-    def picture(self, ending: str) -> bytes:
-        """The plot as the content of a file."""
-        file = io.BytesIO()
-        self.plot().savefig(file, format=ending[1:], dpi=150)
-        return file.getvalue()
 
     def document(self) -> dict[str, Any]:
         """What the JSON document holds of it: special points and peaks, and the points by column."""
@@ -157,41 +127,6 @@ class Resonance(Shown):
     def _of_range(self, value: float | None, digits: str = ".6g") -> str:
         """A value in the unit in which the range was given."""
         return "unknown" if value is None or math.isnan(value) else f"{value / self.curve.range.size:{digits}}"
-
-
-def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
-    """What a curve of speeds says of a machine that runs at `pace` (rad/s): its own motion, and what is nearest, in lines."""
-    name, (low, high) = next(iter(curve.measures)), sorted((curve.range.low, curve.range.high))
-    crossings = [
-        (height, kind)
-        for value, other, height, kind in zip(curve.values, curve.values[1:], curve.measures[name], curve.kinds, strict=False)
-        if min(value, other) <= pace < max(value, other)
-    ]
-    rpm, unit = curve.range.size, COLUMNS[PEAKS[name]].unit
-    drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
-    lines = [f"the machine runs at {pace / rpm:.5g} rpm{drive}"]
-    for height, kind in crossings:
-        lines.append(f"there {name} is about {height:.3g} {unit}, {f'unstable: {kind}' if kind else 'stable'}")
-    found = [(f"order {each.order}, {each.height:.3g} {unit}", each.value) for each in curve.peaks]
-    for what, places in (("peak", found), ("change of stability", [(each.kind, each.value) for each in curve.special])):
-        if not places:
-            lines.append(f"no {what} between {low / rpm:.4g} and {high / rpm:.4g} rpm")
-            continue
-        words, value = min(places, key=lambda each: abs(each[1] - pace))
-        way = "faster" if abs(value) > abs(pace) else "slower"
-        lines.append(f"nearest {what}: {words}, at {value / rpm:.5g} rpm, {100.0 * abs(value / pace - 1.0):.2g} % {way}")
-    return lines
-
-
-def _stretches(curve: ResonanceCurve) -> Iterator[tuple[slice, bool]]:
-    """Stretches of the curve, and whether they are unstable; special points belong to both stretches that they part."""
-    special = {each.at for each in curve.special}
-    unstable = [bool(curve.kinds[at + 1 if at in special else at]) for at in range(len(curve.kinds) - 1)]
-    begin = 0
-    for state, group in itertools.groupby(unstable):
-        end = begin + len(list(group))
-        yield slice(begin, end + 1), state
-        begin = end
 
 
 def resonance(

@@ -81,6 +81,18 @@ EFFECTS: Final = {
     "gravity": Look(*_OLIVE, 3.0, marker="cross"),
     "drive": Look(*_SKY, 3.0, marker="plus"),
 }
+#: Looks of a resonance curve: its parts, its special points and peaks, and the machine on it.
+RESONANCE: Final = {
+    "stable": Look(*_BLUE, 3.4, order=1),
+    "unstable": Look(*_VERMILION, 3.0, (6.0, 4.0), order=2),
+    "peak": Look(*_PURPLE, 2.4, order=3, marker="triangle"),
+    "fold": Look(*_WINE, 2.4, order=4, marker="diamond"),
+    "period doubling": Look(*_TEAL, 2.4, order=5, marker="square"),
+    "torus": Look(*_OLIVE, 2.4, order=6, marker="pentagon"),
+    "slider left": Look(*_BROWN, 2.4, order=7, marker="cross"),
+    "lost": Look(*_NAVY, 2.4, order=8, marker="plus"),
+    "your machine": Look(*_INK, 2.4, order=9, marker="star"),
+}
 #: Looks of all other names.
 _OTHERS: Final = (
     Look(*_SKY, 2.4, (9.0, 3.0), order=9, marker="hexagon"),
@@ -98,7 +110,8 @@ def looks(names: Iterable[str]) -> dict[str, Look]:
     of these names has. With more than five unknown names looks are given again.
     """
     asked = list(dict.fromkeys(names))
-    found = {name: known for name in asked if (known := ENGINES.get(name) or SIGNALS.get(name) or EFFECTS.get(name))}
+    known = ENGINES | SIGNALS | EFFECTS | RESONANCE
+    found = {name: known[name] for name in asked if name in known}
     for name in sorted(set(asked) - set(found)):
         taken = list(found.values())
         found[name] = min(_in_turn(name), key=taken.count)

@@ -18,7 +18,9 @@ TABLES: Final = (".csv", ".nc", ".parquet")
 @options.single("--vary", metavar="RANGE", help='Another key that varies instead: tip.mass="0 g .. 100 g".')
 @options.several("--measure", "measures", metavar="NAME", help="Measure, such as peak.strain_2.")
 @options.accuracy
-@click.option("--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save a fifth of the time.")
+@click.option(
+    "--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save a third of the time or more."
+)
 @options.case_assignments
 @options.output(f"Where the table goes, {', '.join(TABLES)}; or a picture, {', '.join(PICTURES)}.", required=False)
 @options.single("--plot", metavar="FILE", help="Where a picture goes besides.")
@@ -44,12 +46,12 @@ def command(
 
     Exit code 3: no periodic motion was found in the range.
     """
-    from cases.jobs.job import Job
-    from cases.resonance_curve import SPEED, USUAL, checked_scenes, range_of, resonance_curve
+    from cases.resonance_curve import SPEED, USUAL, job, range_of
     from quickreturn.command_line import GOOD
     from quickreturn.questions import value_of
     from quickreturn.resonance_curves import Resonance, speed_of
     from reports.output import check_writable, print_json, write_file
+    from reports.plots.style import picture
 
     loaded = options.load(case, options.read_overrides(assignments))
     if vary is not None:
@@ -59,20 +61,15 @@ def command(
         varied, held = range_of(SPEED, speed, "--speed"), None
     else:
         raise click.UsageError("Missing option '--speed'; give a range such as \"60 rpm .. 300 rpm\"")
-    asked = tuple(measures) or (USUAL,)
-    checked_scenes(loaded, varied, held, asked)
+    asked = job(loaded, varied, held, measures or (USUAL,), accuracy, claims)
     for file, endings in ((output, (*TABLES, *PICTURES)), (plot, PICTURES)):
         if file is not None:
             check_writable(Path(file), loaded.source, *endings)
     workshop = options.opened_workshop([loaded], ["reference"])
-    arguments = (loaded, varied, held, asked, accuracy, claims)
-    inputs = (loaded.scene, *arguments[1:])
-    code = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes", "cases.document")
-    job = Job(f"{loaded.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), code, inputs)
-    found = Resonance(value_of(workshop.outcomes([job], "resonance curve")[0]))
+    found = Resonance(value_of(workshop.outcomes([asked], "resonance curve")[0]))
     for file in (each for each in (output, plot) if each is not None):
         ending = Path(file).suffix.lower()
-        write_file(Path(file), found.picture(ending) if ending in PICTURES else found.written(ending))
+        write_file(Path(file), picture(found.plot(), ending) if ending in PICTURES else found.written(ending))
     if as_json:
         print_json({"case": loaded.name, "output": output, **found.document()})
     else:

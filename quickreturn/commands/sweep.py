@@ -7,6 +7,7 @@ from typing import Final
 import click
 
 from quickreturn.commands import options
+from quickreturn.commands.plot import ENDINGS as PICTURES
 
 ENDINGS: Final = (".nc", ".csv", ".parquet")
 
@@ -35,6 +36,7 @@ class _WithMeasures(click.Command):
 @options.single("--path", metavar="WAY", default="up", help="Way through each row: up (default), down or both.")
 @click.option("--claims/--no-claims", default=True, help="Estimate the error of every number (default), or save half of the time.")
 @options.output("What came of every point: a .nc, .csv or .parquet file.")
+@options.single("--plot", metavar="FILE", help="Where a picture goes besides: lines over one key, a heat map over two.")
 @options.of_workshop
 @options.json
 def command(
@@ -47,6 +49,7 @@ def command(
     path: str,
     claims: bool,
     output: str,
+    plot: str | None,
     as_json: bool,
 ) -> int:
     """Measure the settled motion of every machine of a grid.
@@ -72,10 +75,22 @@ def command(
     texts = {name: value for given in settings.values() for name, value in given.items()}
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
+    if plot is not None:
+        from reports.plots.study import LINES, drawable
+
+        check_writable(Path(plot), "" if loaded.source == "library" else case, *PICTURES)
+        if not drawable(varied):
+            accepted = f"a picture needs a key with finite numbers in order, and at most one more, with such or up to {LINES} values"
+            raise click.UsageError(f"--plot: {accepted}; leave --plot out, or vary less")
     workshop = options.opened_workshop([loaded], engines)
     found = computed(loaded, varied, measures or USUAL, engines[0], accuracy, texts, claims, path, workshop)
     dataset = dataset_of(found)
     write_file(Path(output), written(dataset, Path(output).suffix.lower()))
+    if plot is not None:
+        from reports.plots.study import draw
+        from reports.plots.style import picture
+
+        write_file(Path(plot), picture(draw(found), Path(plot).suffix.lower()))
     if as_json:
         print_json({"case": loaded.name, "points": found.statuses.size, "statuses": found.counts, "output": output})
     else:

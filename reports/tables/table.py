@@ -30,6 +30,7 @@ SHOWN: Final = {
     "kN/m": ("N/m", 1e-3),
     "MPa": ("Pa", 1e-6),
     "°": ("rad", 180.0 / math.pi),
+    "rpm": ("rad/s", 30.0 / math.pi),
 }
 #: Letters of a text that is kept on one line.
 LONGEST_LINE: Final = 26
