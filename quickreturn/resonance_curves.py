@@ -149,7 +149,7 @@ def resonance(
         speed: at which the crank is held where something else varies, such as "165 rpm"; None: the case's own drive.
         measures: what to measure, "peak.COLUMN"; peaks are those of the first.
         accuracy: relative, of the model that is followed; None: that of `reference`.
-        claims: whether the error of every point is estimated, which takes a fifth of the time.
+        claims: whether the error of every point is estimated, which takes a third of the time or more.
         quiet: whether nothing is told on standard error.
 
     Raises:

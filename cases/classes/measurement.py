@@ -21,7 +21,7 @@ from engines.trajectory import REQUIRED, Trajectory
 LEVELS: Final = ALL_LEVELS[:2]
 #: Processor time (s) that a method's ladder may take, and an answer to an error. No run is begun that would end later if it took as long
 #: as the one before.
-LIMIT: Final = 10.0
+LIMIT: Final = 5.0
 #: Repetitions of a run at most, and of an answer that takes less than this (s); the least time counts.
 REPETITIONS: Final = 3
 BRIEF: Final = 1.0
