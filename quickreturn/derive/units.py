@@ -1,0 +1,29 @@
+"""Units of a description: read by pint, and checked by measuring everything in other units of mass, length and time."""
+
+from functools import lru_cache
+
+import pint
+
+_REGISTRY = pint.UnitRegistry()
+_BASE = ("[mass]", "[length]", "[time]")
+
+
+class DescriptionError(ValueError):
+    """A mistake in the description of a system, or a state that it cannot take, in one sentence."""
+
+
+@lru_cache(maxsize=512)
+def in_si(unit: str) -> tuple[float, tuple[float, ...]]:
+    """The value of a unit in SI, and its exponents of mass, length and time; an angle has none.
+
+    Raises:
+        DescriptionError: pint does not know the unit, or it is not mechanical.
+    """
+    try:
+        found = _REGISTRY.Quantity(1.0, unit or "1").to_base_units()
+    except (pint.errors.PintError, AssertionError, TypeError, AttributeError) as error:
+        raise DescriptionError(f"unit {unit!r} is not known; write it as in 'kg*m^2' or 'lbf*in*s/rad'") from error
+    dimension = {name: float(power) for name, power in found.dimensionality.items()}
+    if other := set(dimension) - set(_BASE):
+        raise DescriptionError(f"unit {unit!r} is not mechanical: it contains {', '.join(sorted(other))}")
+    return float(found.magnitude), tuple(dimension.get(name, 0.0) for name in _BASE)
