@@ -55,3 +55,48 @@ def one_cubic(system: System, s: ca.SX, p, **common) -> tuple[Beam, ca.SX, ca.SX
 
     beam = Beam(system, edges=[0, p.length], deflection=deflection, bending_stiffness=p.bending_stiffness, **common)
     return beam, beam.place(s), beam.slope(s)
+
+
+def one_cubic_bent(system: System, s: ca.SX, p, **common) -> tuple[Beam, ca.SX, ca.SX]:
+    """The same cubic as the angle of the tangent: places without approximation."""
+    w, slope = system.coordinate("tip_deflection", "m"), system.coordinate("tip_slope", "rad")
+    now = system.freeze(s)
+
+    def tangent(x):
+        u = x / p.length
+        return 6 * (u - u**2) / p.length * w + (3 * u**2 - 2 * u) * slope
+
+    beam = Beam(system, edges=[0, now, p.length], tangent=tangent, bending_stiffness=p.bending_stiffness, points=7, **common)
+    kappa = ca.jtimes(tangent(now), now, 1)
+    return beam, beam.slider(0, s - now, kappa), beam.end_slope(0)
+
+
+def following(tables) -> Follower:
+    """Natural modes of the follower supported at the slider, which they follow, from tables in s."""
+
+    def follower(system: System, s: ca.SX, p, **common) -> tuple[Beam, ca.SX, ca.SX]:
+        now, n = system.freeze(s), tables.modes
+        eta = system.amplitudes("eta", n, "kg**0.5*m", size=1e-3)
+        table = system.table(s, tables.low, tables.step, tables.coefficients)
+        psi = ca.reshape(table.function("1/(kg**0.5*m)", *tables.psi), -1, n)
+        beam = Beam(
+            system, edges=[0, now, p.length], tangent=lambda x: ca.mtimes(psi, eta), points=tables.points, **common
+        )
+        system.energy("bending", 0.5 * ca.dot(table.function("1/s**2", *tables.squares), eta**2))
+        kappa = ca.dot(table.function("1/(kg**0.5*m**2)", tables.curvature), eta)
+        return beam, beam.slider(0, s - now, kappa), beam.end_slope(0)
+
+    return follower
+
+
+class Modes:
+    """Where the columns of the project's tables of shapes that follow are."""
+
+    def __init__(self, t, n):
+        self.low, self.step, self.coefficients, self.modes, self.points = t.low, t.step, t.coefficients, n, t.G
+        import numpy as np
+        N = t.cells * t.S
+        blocks = np.arange(t.kinds * n * N).reshape(t.kinds, n, t.cells, t.S)[:, :, :, : t.G + 1]
+        self.psi = [block.ravel().tolist() for block in blocks]
+        extras = t.kinds * n * N + np.arange(5 * n).reshape(5, n)
+        self.squares, self.curvature = extras[:2].tolist(), extras[2].tolist()

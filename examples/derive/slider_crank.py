@@ -36,7 +36,7 @@ def slider_crank(consistent: bool = False) -> System:
     section, mass = p.rod_side**2, p.density * p.rod_side**2
     bending = p.modulus * section * p.rod_side**2 / 12 * (1 if consistent else (3.1415927 / pi) ** 4)
     rod = Beam(
-        system, "rod", turned(phi1, p.crank_length), phi2, [0, L], points=12,
+        system, "rod", origin=turned(phi1, p.crank_length), angle=phi2, edges=[0, L], points=12,
         deflection=deflection, stretch=lengthening, foreshortening=False,
         mass_per_length=mass, bending_stiffness=bending, axial_stiffness=p.modulus * section,
     )  # fmt: skip

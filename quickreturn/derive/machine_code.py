@@ -13,33 +13,35 @@ from quickreturn.derive.units import DescriptionError
 
 Array = NDArray[np.float64]
 
+_COMPARED: Final = "{r}c = fcmp %s double {a}, %s\n{r} = uitofp i1 {r}c to double"
 #: LLVM's instructions for one of CasADi's, `a` and `b` its operands and `r` its result.
-_COMPARED: Final = "{r}c = fcmp %s double {a}, {b}\n{r} = uitofp i1 {r}c to double"
 _TEMPLATES: Final = {
-    ca.OP_ASSIGN: "{r} = fadd double {a}, -0.0",
-    ca.OP_ADD: "{r} = fadd contract double {a}, {b}",
-    ca.OP_SUB: "{r} = fsub contract double {a}, {b}",
-    ca.OP_MUL: "{r} = fmul contract double {a}, {b}",
-    ca.OP_DIV: "{r} = fdiv double {a}, {b}",
-    ca.OP_NEG: "{r} = fneg double {a}",
-    ca.OP_INV: "{r} = fdiv double 1.0, {a}",
-    ca.OP_SQ: "{r} = fmul contract double {a}, {a}",
-    ca.OP_TWICE: "{r} = fadd double {a}, {a}",
-    ca.OP_LT: _COMPARED % "olt",
-    ca.OP_LE: _COMPARED % "ole",
-    ca.OP_EQ: _COMPARED % "oeq",
-    ca.OP_NE: _COMPARED % "une",
-    ca.OP_NOT: "{r}c = fcmp oeq double {a}, 0.0\n{r} = uitofp i1 {r}c to double",
-    ca.OP_AND: "{r} = fmul double {a}, {b}",
-    ca.OP_IF_ELSE_ZERO: "{r}c = fcmp une double {a}, 0.0\n{r} = select i1 {r}c, double {b}, double 0.0",
-    ca.OP_SIGN: "{r}p = fcmp ogt double {a}, 0.0\n{r}n = fcmp olt double {a}, 0.0\n{r}u = uitofp i1 {r}p to double\n"
-    "{r}v = uitofp i1 {r}n to double\n{r} = fsub double {r}u, {r}v",
+    "assign": "{r} = fadd double {a}, -0.0",
+    "add": "{r} = fadd contract double {a}, {b}",
+    "sub": "{r} = fsub contract double {a}, {b}",
+    "mul": "{r} = fmul contract double {a}, {b}",
+    "div": "{r} = fdiv double {a}, {b}",
+    "neg": "{r} = fneg double {a}",
+    "inv": "{r} = fdiv double 1.0, {a}",
+    "sq": "{r} = fmul contract double {a}, {a}",
+    "twice": "{r} = fadd double {a}, {a}",
+    "lt": _COMPARED % ("olt", "{b}"),
+    "le": _COMPARED % ("ole", "{b}"),
+    "eq": _COMPARED % ("oeq", "{b}"),
+    "ne": _COMPARED % ("une", "{b}"),
+    "not": _COMPARED % ("oeq", "0.0"),
+    "and": "{r} = fmul double {a}, {b}",
+    "if_else_zero": "{r}c = fcmp une double {a}, 0.0\n{r} = select i1 {r}c, double {b}, double 0.0",
+    "sign": "{r}z = fcmp oeq double {a}, 0.0\n{r}s = call double @copysign(double 1.0, double {a})\n"
+    "{r} = select i1 {r}z, double 0.0, double {r}s",
+    "constpow": "{r} = call double @pow(double {a}, double {b})",
 }
-_ONE_ARGUMENT: Final = "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp log sqrt fabs floor ceil erf log1p expm1".split()
-_FUNCTIONS: Final = {getattr(ca, f"OP_{name.upper()}"): (name, 1) for name in _ONE_ARGUMENT} | {
-    getattr(ca, f"OP_{name.upper()}"): (name, 2) for name in ("fmin", "fmax", "atan2", "pow", "fmod", "copysign", "hypot")
-}
-_FUNCTIONS[ca.OP_CONSTPOW] = ("pow", 2)
+_ONE: Final = "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp log sqrt fabs floor ceil erf log1p expm1"
+_TWO: Final = "fmin fmax atan2 pow fmod copysign hypot"
+_FUNCTIONS: Final = {name: "double {a}" for name in _ONE.split()} | {name: "double {a}, double {b}" for name in _TWO.split()}
+_CALLS: Final = {name: "{r} = call double @" + name + f"({arguments})" for name, arguments in _FUNCTIONS.items()}
+#: By CasADi's number of the operation.
+_LINES: Final = {getattr(ca, f"OP_{name.upper()}"): line for name, line in (_TEMPLATES | _CALLS).items()}
 
 #: Largest difference between machine code and interpreter, relative to an output or to a thousandth of the largest: fused operations.
 AGREEMENT: Final = 1e-9
@@ -55,14 +57,12 @@ class MachineCode:
     """
 
     def __init__(self, inputs: ca.SX, outputs: ca.SX, names: Sequence[str]) -> None:
-        self.names = list(names)
-        self.interpreter = ca.Function("equations", [inputs], [ca.densify(ca.cse(outputs))])
+        self.names, self.interpreter = list(names), ca.Function("equations", [inputs], [ca.densify(ca.cse(outputs))])
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
-        module = llvm.parse_assembly(_assembly(self.interpreter))
-        features = llvm.get_host_cpu_features().flatten()
-        machine = llvm.Target.from_default_triple().create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=2)
-        self._engine = llvm.create_mcjit_compiler(module, machine)
+        host = {"cpu": llvm.get_host_cpu_name(), "features": llvm.get_host_cpu_features().flatten()}
+        machine = llvm.Target.from_default_triple().create_target_machine(**host, opt=3)
+        self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(_assembly(self.interpreter)), machine)
         self._engine.finalize_object()
         self._call = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(self._engine.get_function_address("equations"))
         self._in, self._out = np.zeros(inputs.numel()), np.zeros(len(self.names))
@@ -75,24 +75,31 @@ class MachineCode:
         return self._out.copy()
 
     def check(self, x: Array) -> None:
-        """Compare machine code and interpreter once.
+        """Compare machine code and interpreter at one point.
 
         Raises:
             DescriptionError: an output is not a number, or the two differ.
         """
         found, expected = self(x), np.array(self.interpreter(x)).ravel()
-        for name, value in zip(self.names, expected, strict=True):
-            if not np.isfinite(value):
-                raise DescriptionError(f"{name} is {value} at the start; look for a root of a negative number or a division by zero there")
+        refuse_nan(self.names, expected)
         excess = np.abs(found - expected) - AGREEMENT * np.maximum(np.abs(expected), 1e-3 * np.max(np.abs(expected)))
         worst = int(np.argmax(excess))
         if not excess[worst] <= 0.0:
             raise DescriptionError(f"machine code gives {found[worst]} for {self.names[worst]}, the interpreter {expected[worst]}")
 
 
+def refuse_nan(names: Sequence[str], values: Array) -> None:
+    """Refuse values that are no numbers, by the name of the first."""
+    for name, value in zip(names, values, strict=True):
+        if not np.isfinite(value):
+            raise DescriptionError(f"{name} is {value} at the start; look for a root of a negative number or a division by zero there")
+
+
 def _assembly(function: Any) -> str:
     """LLVM's text of a CasADi function of one dense vector."""
-    lines, held = ["define void @equations(ptr %in, ptr %out) {"], {}
+    lines = [f"declare double @{name}({arguments.format(a='', b='')})" for name, arguments in _FUNCTIONS.items()]
+    lines.append("define void @equations(ptr %in, ptr %out) {")
+    held: dict[int, str] = {}
     for k in range(function.n_instructions()):
         operation, r = function.instruction_id(k), f"%r{k}"
         inputs, outputs = function.instruction_input(k), function.instruction_output(k)
@@ -103,15 +110,9 @@ def _assembly(function: Any) -> str:
             r = f"0x{np.float64(function.instruction_constant(k)).view(np.uint64):016X}"
         elif operation == ca.OP_INPUT:
             lines += [f"%p{k} = getelementptr double, ptr %in, i64 {inputs[1]}", f"{r} = load double, ptr %p{k}"]
-        elif operation in _FUNCTIONS:
-            name, count = _FUNCTIONS[operation]
-            arguments = ", ".join(f"double {held[i]}" for i in inputs[:count])
-            lines.append(f"{r} = call double @{name}({arguments})")
-        elif operation in _TEMPLATES:
-            a, b = (held[inputs[0]], held[inputs[-1]])
-            lines.append(_TEMPLATES[operation].format(r=r, a=a, b=b))
+        elif operation in _LINES:
+            lines.append(_LINES[operation].format(r=r, a=held[inputs[0]], b=held[inputs[-1]]))
         else:
             raise DescriptionError(f"operation {operation} of CasADi is not translated to machine code; write it with other functions")
         held[outputs[0]] = r
-    declared = [f"declare double @{name}({', '.join(['double'] * count)})" for name, count in dict.fromkeys(_FUNCTIONS.values())]
-    return "\n".join([*declared, *lines, "ret void", "}"])
+    return "\n".join([*lines, "ret void", "}"])

@@ -1,7 +1,7 @@
 """Numbers from derived equations: start, simulation, named outputs."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Final
 
 import casadi as ca
 import numpy as np
@@ -11,15 +11,16 @@ from scipy.integrate import solve_ivp
 
 from quickreturn.derive.checks import check_inertia, check_units
 from quickreturn.derive.equations import Equations, Form
-from quickreturn.derive.machine_code import MachineCode
-from quickreturn.derive.system import System
+from quickreturn.derive.machine_code import MachineCode, refuse_nan
+from quickreturn.derive.system import System, column
 from quickreturn.derive.units import DescriptionError, in_si
 
 Array = NDArray[np.float64]
+#: Names of parameters, or of coordinates and rates, to values.
 Values = Mapping[str, float]
 
 #: A loop counts as closed when its gap, over the size of the numbers in it, is below this after Newton's method.
-CLOSED = 1e-9
+CLOSED: Final = 1e-8
 
 
 class Model:
@@ -27,7 +28,7 @@ class Model:
 
     Args:
         system: as described.
-        form: "projection" on the free speeds or with "multipliers", see `Equations`.
+        form: "projection" on the free speeds, or with "multipliers", see `Equations`.
         feedback: 1/s, see `Equations`.
 
     Raises:
@@ -37,56 +38,57 @@ class Model:
     def __init__(self, system: System, form: Form = "projection", feedback: float = 100.0) -> None:
         check_units(system)
         self.system, self.equations = system, Equations(system, form, feedback)
-        e = self.equations
+        e, n = self.equations, len(system.coordinates)
         self.parameters = {name: value for name, (_, value, _) in system.parameters.items()}
-        self._constants = ca.vertcat(*(symbol for symbol, _, _ in system.parameters.values()))
-        rows = ca.vertcat(*(table.row for table in system.tables))
-        self.inputs = ca.vertcat(system.time, e.state, self._constants, rows)
-        names = [*(c.rate_name for c in system.coordinates), *(f"rate of {system.coordinates[k].rate_name}" for k in e.free)]
-        self._rates = MachineCode(self.inputs, e.state_rates, [*names, "dissipated power", "power"])
-        self._outputs = MachineCode(self.inputs, ca.vertcat(*(each for each, _ in e.outputs.values())), list(e.outputs))
+        self.constants = column(*(symbol for symbol, _, _ in system.parameters.values()))
+        self.inputs = column(system.time, e.state, self.constants, *(table.row for table in system.tables))
+        speeds = [system.coordinates[k].rate_name for k in e.free]
+        names = [*(c.rate_name for c in system.coordinates), *(f"rate of {name}" for name in speeds), "dissipated power", "power"]
+        self._rates = MachineCode(self.inputs, e.rates, names)
+        results = column(*(expression for expression, _ in e.outputs.values()))
+        self._outputs = ca.Function("outputs", [self.inputs], [ca.densify(ca.cse(results))])
+        self._matrices = ca.Function("matrices", [self.inputs], [e.gap, e.G, e.M[:n, :n]])
         self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
 
-    def with_parameters(self, values: Values | None) -> Array:
+    def values(self, changed: Values | None) -> Array:
         """Values of all parameters, SI, some of them changed."""
-        if unknown := set(values or {}) - set(self.parameters):
-            raise DescriptionError(f"{sorted(unknown)[0]!r} is no parameter of {self.system.name!r}; there are {', '.join(self.parameters)}")
-        return np.array(list((self.parameters | dict(values or {})).values()), dtype=np.float64)
+        self._refuse_unknown(changed or {}, "parameter", self.parameters)
+        return np.array(list((self.parameters | dict(changed or {})).values()), dtype=np.float64)
 
-    def start(self, values: Values, parameters: Values | None = None, time: float = 0.0) -> Array:
-        """State with given coordinates and rates, by name in their units; the others are zero, or as the loops give them.
+    def start(self, values: Values, parameters: Values | None = None) -> Array:
+        """State at time 0 of given coordinates and rates, by name in their units; the others are zero, or as the loops give them.
 
-        A coordinate that a loop gives is found by Newton's method from its guess, unless a value is given: then it is kept.
+        A coordinate that a loop gives is found by Newton's method from its guess, unless a value is given: then that is kept.
 
         Raises:
             DescriptionError: an unknown name, or a loop that does not close.
         """
-        e, each = self.equations, self.system.coordinates
-        names = {name for c in each for name in (c.name, c.rate_name)}
-        if unknown := set(values) - names:
-            raise DescriptionError(f"{sorted(unknown)[0]!r} is no coordinate or rate of {self.system.name!r}; there are {', '.join(sorted(names))}")
+        each, p = self.system.coordinates, self.values(parameters)
+        self._refuse_unknown(values, "coordinate or rate", [name for c in each for name in (c.name, c.rate_name)])
         q = np.array([values[c.name] * in_si(c.unit)[0] if c.name in values else c.guess for c in each])
         v = np.array([values.get(c.rate_name, 0.0) * in_si(c.unit)[0] for c in each])
         given = [k for loop in self.system.loops for k in loop.gives]
-        seek, turn = ([k for k in given if name(each[k]) not in values] for name in (lambda c: c.name, lambda c: c.rate_name))
-        p = self.with_parameters(parameters)
-        loops = ca.Function("loops", [self.inputs], [e.gap, e.G])
+        seek = [k for k in given if each[k].name not in values]
         for _ in range(50):
-            gap, G = (np.array(found) for found in loops(self._input(time, self._state(q, v), p)))
-            gap = gap.ravel()
+            gap, G, _ = self._loops(q, p)
             step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
             q[seek] += step
             if np.max(np.abs(step), initial=0.0) < 1e-14:
                 break
-        self._refuse_open(gap, np.abs(G[:, :-1]) @ np.maximum(np.abs(q), 1e-3))
-        if turn:
-            v[turn] = 0.0
-            v[turn] = np.linalg.lstsq(G[:, turn], -G[:, :-1] @ v - G[:, -1], rcond=None)[0]
+        sizes = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
+        for loop, left, size in zip((loop for loop in self.system.loops for _ in range(loop.gap.numel())), gap, sizes, strict=True):
+            if not abs(left) <= CLOSED * size:
+                raise DescriptionError(
+                    f"loop {loop.name!r} of {self.system.name!r} cannot close at the start: {abs(left):.3g} {loop.unit} remain; change the"
+                    " start, the lengths, or the guess of the coordinates that the loop gives"
+                )
+        if turn := [k for k in given if each[k].rate_name not in values]:
+            v[turn] = np.linalg.lstsq(G[:, turn], -G @ np.append(v, 1.0), rcond=None)[0]
         return self._state(q, v)
 
     def simulate(
         self,
-        start: Values | Array,
+        start: Values,
         duration: float,
         step: float,
         *,
@@ -97,7 +99,7 @@ class Model:
         """Named outputs on a uniform grid of time; their units are in `attrs["units"]`.
 
         Args:
-            start: coordinates and rates at time 0 by name, or a state.
+            start: coordinates and rates at time 0 by name, see `start`.
             duration: s.
             step: s, of the output.
             tolerance: local error relative to each coordinate and rate, and to the coordinate's `size`.
@@ -107,55 +109,52 @@ class Model:
         Raises:
             DescriptionError: a start that cannot be, or an integration that gets stuck; it says when.
         """
-        y = self.start(start, parameters) if isinstance(start, Mapping) else start
-        p = self.with_parameters(parameters)
+        y, p = self.start(start, parameters), self.values(parameters)
         self.check(y, p)
-        times = np.linspace(0.0, duration, round(duration / step) + 1)
-        size = np.array([c.size for c in self.system.coordinates])
-        absolute = np.concatenate([size, size[self.equations.free], [np.inf, np.inf]]) * tolerance
-        try:
-            found = solve_ivp(self.rate_at, (0.0, duration), y, method, times, args=(p,), rtol=max(tolerance, 3e-14), atol=absolute)
-        except DescriptionError as error:
-            raise DescriptionError(f"{self.system.name!r} cannot go on: {error}") from error
+        times, limits = np.linspace(0.0, duration, round(duration / step) + 1), {"rtol": tolerance, "atol": tolerance * self.error_sizes()}
+        found = solve_ivp(self.rates, (0.0, duration), y, method, times, args=(p,), **limits)
         if not found.success:
             reached = found.t[-1] if len(found.t) else 0.0
             raise DescriptionError(f"the integration of {self.system.name!r} gets stuck after {reached:g} s: {found.message}")
         return self.observe(found.t, found.y.T, p)
 
     def check(self, y: Array, p: Array) -> None:
-        """Refuse a state in which an acceleration is not determined, or an output not a number."""
-        x = self._input(0.0, y, p)
-        check_inertia(self.system, self.equations, ca.Function("inertia", [self.inputs], [self.equations.M, self.equations.G]), x)
+        """Refuse a state in which an acceleration is not determined, or an output not a number; compare code and interpreter."""
+        _, G, M = self._loops(y[: len(self.system.coordinates)], p)
+        check_inertia(self.system, M, G[:, :-1])
+        x = self.input(0.0, y, p)
         self._rates.check(x)
-        self._outputs.check(x)
+        refuse_nan(list(self.equations.outputs), np.array(self._outputs(x)).ravel())
 
-    def rate_at(self, time: float, y: Array, p: Array) -> Array:
+    def error_sizes(self) -> Array:
+        """What the errors of a state are relative to where it is small; the integrals of power are not controlled."""
+        size = np.array([c.size for c in self.system.coordinates])
+        return np.concatenate([size, size[self.equations.free], [np.inf, np.inf]])
+
+    def rates(self, time: float, y: Array, p: Array) -> Array:
         """dy/dt of a state."""
-        return self._rates(self._input(time, y, p))
+        return self._rates(self.input(time, y, p))
 
     def observe(self, times: Array, states: Array, p: Array) -> pd.DataFrame:
         """Outputs of states (k, size of the state), in their units."""
-        rows = np.array([self._outputs(self._input(t, y, p)) for t, y in zip(times, states, strict=True)])
-        factors = np.array([in_si(unit)[0] for _, unit in self.equations.outputs.values()])
-        frame = pd.DataFrame(np.column_stack([times, rows / factors]), columns=list(self.units))
+        rows = np.array(self._outputs(np.column_stack([self.input(t, y, p) for t, y in zip(times, states, strict=True)]))).T
+        frame = pd.DataFrame(np.column_stack([times, rows]), columns=list(self.units)) / [in_si(unit)[0] for unit in self.units.values()]
         frame.attrs["units"] = self.units
         return frame
+
+    def input(self, time: float, y: Array, p: Array) -> Array:
+        """Values of all symbols of the equations."""
+        return np.concatenate([[time], y, p, *(table.at(y[table.index]) for table in self.system.tables)])
 
     def _state(self, q: Array, v: Array) -> Array:
         return np.concatenate([q, v[self.equations.free], [0.0, 0.0]])
 
-    def _input(self, time: float, y: Array, p: Array) -> Array:
-        rows = [table.at(y[table.index]) for table in self.system.tables]
-        return np.concatenate([[time], y, p, *rows])
+    def _loops(self, q: Array, p: Array) -> tuple[Array, Array, Array]:
+        """Gaps, their Jacobian and the mass matrix at time 0."""
+        gap, G, M = (np.array(each) for each in self._matrices(self.input(0.0, self._state(q, 0.0 * q), p)))
+        return gap.ravel(), G, M
 
-    def _refuse_open(self, gap: Array, size: Array) -> None:
-        row = 0
-        for loop in self.system.loops:
-            rows = slice(row, row + loop.gap.numel())
-            row = rows.stop
-            left = np.abs(gap[rows])
-            if not np.all(left <= CLOSED * np.maximum(size[rows], 1e-12)):
-                raise DescriptionError(
-                    f"loop {loop.name!r} of {self.system.name!r} cannot close at the start: {np.max(left):.3g} {loop.unit} remain; change the"
-                    " start, the lengths, or the guess of the coordinates that the loop gives"
-                )
+    def _refuse_unknown(self, names: Values, what: str, known: object) -> None:
+        for name in names:
+            if name not in list(known):  # type: ignore[call-overload]
+                raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(known)}")  # type: ignore[arg-type]

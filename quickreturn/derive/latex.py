@@ -1,0 +1,60 @@
+"""The equations of a small system in LaTeX, simplified by sympy."""
+
+import casadi as ca
+import sympy as sp
+
+from quickreturn.derive.equations import Equations
+from quickreturn.derive.system import System, column
+from quickreturn.derive.units import DescriptionError
+
+#: Instructions beyond which nobody reads the equations, and sympy takes minutes.
+_LONGEST = 1500
+
+
+def latex(system: System) -> str:
+    """One equation for each coordinate, M q'' = Q + G^T force, and one for each loop.
+
+    Raises:
+        DescriptionError: the system is too large.
+    """
+    e, n = Equations(system, "multipliers"), len(system.coordinates)
+    a, force = e.a, column(*(loop.force for loop in system.loops))
+    left = ca.mtimes(e.M[:n, :n], a)
+    right = e.Q[:n] + ca.mtimes(e.G[:, :n].T, force)
+    names = [(system.time, "t")] + [(symbol, name) for name, (symbol, _, _) in system.parameters.items()]
+    for c in system.coordinates:
+        base = sp.latex(sp.Symbol(c.name))
+        names += [(c.q, base), (c.v, rf"\dot{{{base}}}"), (c.a, rf"\ddot{{{base}}}")]
+    names += [(each, each.name()) for each in ca.vertsplit(force)]
+    symbols = [sp.Symbol(name, real=True) for _, name in names]
+    function = ca.Function("equations", [ca.vertcat(*(symbol for symbol, _ in names))], [ca.densify(ca.vertcat(left, right, e.gap))])
+    if function.n_instructions() > _LONGEST:
+        raise DescriptionError(f"the equations of {system.name!r} take {function.n_instructions()} instructions; LaTeX is for {_LONGEST} at most")
+    found = [sp.simplify(each) for each in _translated(function, symbols)]
+    lines = [rf"{sp.latex(sp.collect(sp.expand(one), symbols))} &= {sp.latex(other)}" for one, other in zip(found[:n], found[n : 2 * n], strict=True)]
+    return " \\\\\n".join([*lines, *(f"{sp.latex(gap)} &= 0" for gap in found[2 * n :])])
+
+
+def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr]:
+    """A CasADi function's outputs in sympy, by its list of instructions."""
+    binary = {ca.OP_ADD: lambda a, b: a + b, ca.OP_SUB: lambda a, b: a - b, ca.OP_MUL: lambda a, b: a * b, ca.OP_DIV: lambda a, b: a / b}
+    unary = {ca.OP_NEG: lambda a: -a, ca.OP_SQ: lambda a: a**2, ca.OP_TWICE: lambda a: 2 * a, ca.OP_INV: lambda a: 1 / a, ca.OP_ASSIGN: lambda a: a}
+    unary |= {getattr(ca, f"OP_{name.upper()}"): getattr(sp, name) for name in ("sin", "cos", "tan", "sqrt", "exp", "tanh", "atan")}
+    binary |= {ca.OP_POW: sp.Pow, ca.OP_CONSTPOW: sp.Pow, ca.OP_ATAN2: sp.atan2}
+    held: dict[int, sp.Expr] = {}
+    outputs = [sp.Integer(0)] * function.numel_out()
+    for k in range(function.n_instructions()):
+        operation, inputs, out = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+        if operation == ca.OP_OUTPUT:
+            outputs[out[1]] = held[inputs[0]]
+        elif operation == ca.OP_INPUT:
+            held[out[0]] = symbols[inputs[1]]
+        elif operation == ca.OP_CONST:
+            held[out[0]] = sp.nsimplify(function.instruction_constant(k), rational=True)
+        elif operation in unary:
+            held[out[0]] = unary[operation](held[inputs[0]])
+        elif operation in binary:
+            held[out[0]] = binary[operation](held[inputs[0]], held[inputs[1]])
+        else:
+            raise DescriptionError(f"operation {operation} of CasADi has no LaTeX here")
+    return outputs
