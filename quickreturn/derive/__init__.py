@@ -7,8 +7,23 @@ moves them. Nothing here knows a particular mechanism.
 """
 
 from quickreturn.derive.beam import Beam
+from quickreturn.derive.latex import latex
 from quickreturn.derive.model import Model
+from quickreturn.derive.sensitivity import sensitivities
+from quickreturn.derive.statics import Linear, Statics, natural_frequencies
 from quickreturn.derive.system import System, turned, vector
 from quickreturn.derive.units import DescriptionError
 
-__all__ = ["Beam", "DescriptionError", "Model", "System", "turned", "vector"]
+__all__ = [
+    "Beam",
+    "DescriptionError",
+    "Linear",
+    "Model",
+    "Statics",
+    "System",
+    "latex",
+    "natural_frequencies",
+    "sensitivities",
+    "turned",
+    "vector",
+]

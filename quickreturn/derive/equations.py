@@ -15,7 +15,7 @@ from typing import Any, Literal
 import casadi as ca
 
 from quickreturn.derive.system import Points, System, column, turned
-from quickreturn.derive.units import DescriptionError
+from quickreturn.derive.units import DescriptionError, per
 
 Form = Literal["projection", "multipliers"]
 
@@ -80,8 +80,8 @@ class Equations:
         lost, done = ca.SX.sym("dissipated"), ca.SX.sym("work")
         self.state = column(self.q, self.v[self.free], lost, done)
         self.rates = column(q_rate, self.acceleration[self.free], heat, work + driven)
-        shown = {c.name: (c.q, c.unit) for c in each} | {c.rate_name: (c.v, _per(c.unit, "s")) for c in each}
-        shown |= {force.name(): (force, _per("J", loop.unit)) for loop in loops for force in ca.vertsplit(loop.force)}
+        shown = {c.name: (c.q, c.unit) for c in each} | {c.rate_name: (c.v, per(c.unit, "s")) for c in each}
+        shown |= {force.name(): (force, per("J", loop.unit)) for loop in loops for force in ca.vertsplit(loop.force)}
         shown |= {name: (e, unit) for (name, (_, unit)), e in zip(system.outputs.items(), results, strict=True)}
         energies = {"kinetic_energy": kinetic, "potential_energy": potential, "dissipated_energy": lost, "work": done}
         energies["energy_balance"] = kinetic + potential + lost - done
@@ -123,7 +123,8 @@ class Equations:
         M, Q = self.M[:n, :n], self.Q[:n]
         acceleration = B @ _solved(_symmetric(B.T @ (M @ B)), B.T @ (Q - M @ c0)) + c0
         velocity = B @ self.v[free] + c
-        return acceleration, inverse.T @ (M @ acceleration - Q)[given], velocity, velocity + back
+        force = inverse.T @ (M @ acceleration - Q)[given] if given else ca.SX(0, 1)
+        return acceleration, force, velocity, velocity + back
 
     def _with_multipliers(self, feedback: float) -> tuple[ca.SX, ca.SX]:
         """With the loops' forces as unknowns; the mass matrix may be singular where loops hold what has no inertia."""
@@ -161,8 +162,3 @@ def _symmetric(M: ca.SX) -> ca.SX:
 def _replaced(expressions: list[ca.SX], old: ca.SX, new: ca.SX) -> list[Any]:
     return list(ca.substitute(expressions, [old], [ca.densify(new)]))
 
-
-def _per(unit: str, other: str) -> str:
-    """The unit of a quotient."""
-    first, second = (f"({each})" if set(each) & set("*/ ") else each for each in (unit, other))
-    return f"{first}/{second}"

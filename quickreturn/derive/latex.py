@@ -9,6 +9,8 @@ from quickreturn.derive.units import DescriptionError
 
 #: Instructions beyond which nobody reads the equations, and sympy takes minutes.
 _LONGEST = 1500
+#: Numbers that are no fractions with less are written as decimals.
+_LARGEST_DENOMINATOR = 16
 
 
 def latex(system: System) -> str:
@@ -19,20 +21,26 @@ def latex(system: System) -> str:
     """
     e, n = Equations(system, "multipliers"), len(system.coordinates)
     a, force = e.a, column(*(loop.force for loop in system.loops))
-    left = ca.mtimes(e.M[:n, :n], a)
-    right = e.Q[:n] + ca.mtimes(e.G[:, :n].T, force)
-    names = [(system.time, "t")] + [(symbol, name) for name, (symbol, _, _) in system.parameters.items()]
+    balance = column(e.M[:n, :n] @ a, e.Q[:n] + e.G[:, :n].T @ force, e.gap)
+    names = [(system.time, "t"), *((symbol, _written(name)) for name, (symbol, _, _) in system.parameters.items())]
     for c in system.coordinates:
-        base = sp.latex(sp.Symbol(c.name))
-        names += [(c.q, base), (c.v, rf"\dot{{{base}}}"), (c.a, rf"\ddot{{{base}}}")]
-    names += [(each, each.name()) for each in ca.vertsplit(force)]
+        names += [(symbol, form % _written(c.name)) for symbol, form in ((c.q, "%s"), (c.v, r"\dot{%s}"), (c.a, r"\ddot{%s}"))]
+    names += [(each, _written(each.name())) for each in ca.vertsplit(force)]
     symbols = [sp.Symbol(name, real=True) for _, name in names]
-    function = ca.Function("equations", [ca.vertcat(*(symbol for symbol, _ in names))], [ca.densify(ca.vertcat(left, right, e.gap))])
+    function = ca.Function("equations", [ca.vertcat(*(symbol for symbol, _ in names))], [ca.densify(balance)])
     if function.n_instructions() > _LONGEST:
         raise DescriptionError(f"the equations of {system.name!r} take {function.n_instructions()} instructions; LaTeX is for {_LONGEST} at most")
     found = [sp.simplify(each) for each in _translated(function, symbols)]
-    lines = [rf"{sp.latex(sp.collect(sp.expand(one), symbols))} &= {sp.latex(other)}" for one, other in zip(found[:n], found[n : 2 * n], strict=True)]
+    accelerations = [symbols[k] for k, (_, name) in enumerate(names) if name.startswith(r"\ddot")]
+    left, right = [sp.collect(sp.expand(each), accelerations) for each in found[:n]], found[n : 2 * n]
+    lines = [f"{sp.latex(one)} &= {sp.latex(other)}" for one, other in zip(left, right, strict=True)]
     return " \\\\\n".join([*lines, *(f"{sp.latex(gap)} &= 0" for gap in found[2 * n :])])
+
+
+def _written(name: str) -> str:
+    """Greek and single letters as sympy writes them, words upright."""
+    found = sp.latex(sp.Symbol(name))
+    return found if "\\" in found or len(name.split("_")[0]) == 1 else rf"\mathrm{{{name.replace('_', ' ').replace(' ', '~')}}}"
 
 
 def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr]:
@@ -50,7 +58,9 @@ def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr
         elif operation == ca.OP_INPUT:
             held[out[0]] = symbols[inputs[1]]
         elif operation == ca.OP_CONST:
-            held[out[0]] = sp.nsimplify(function.instruction_constant(k), rational=True)
+            value = function.instruction_constant(k)
+            exact = sp.nsimplify(value, rational=True)
+            held[out[0]] = exact if exact.q <= _LARGEST_DENOMINATOR else sp.Float(value)
         elif operation in unary:
             held[out[0]] = unary[operation](held[inputs[0]])
         elif operation in binary:

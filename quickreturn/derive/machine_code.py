@@ -43,7 +43,8 @@ _CALLS: Final = {name: "{r} = call double @" + name + f"({arguments})" for name,
 #: By CasADi's number of the operation.
 _LINES: Final = {getattr(ca, f"OP_{name.upper()}"): line for name, line in (_TEMPLATES | _CALLS).items()}
 
-#: Largest difference between machine code and interpreter, relative to an output or to a thousandth of the largest: fused operations.
+#: Largest difference between machine code and interpreter, relative to an output, to a thousandth of the largest, or to a thousandth in SI:
+#: fused operations round otherwise, and where all forces vanish only that is left.
 AGREEMENT: Final = 1e-9
 
 
@@ -82,7 +83,7 @@ class MachineCode:
         """
         found, expected = self(x), np.array(self.interpreter(x)).ravel()
         refuse_nan(self.names, expected)
-        excess = np.abs(found - expected) - AGREEMENT * np.maximum(np.abs(expected), 1e-3 * np.max(np.abs(expected)))
+        excess = np.abs(found - expected) - AGREEMENT * np.maximum(np.abs(expected), 1e-3 * max(1.0, np.max(np.abs(expected))))
         worst = int(np.argmax(excess))
         if not excess[worst] <= 0.0:
             raise DescriptionError(f"machine code gives {found[worst]} for {self.names[worst]}, the interpreter {expected[worst]}")

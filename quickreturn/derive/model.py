@@ -1,6 +1,6 @@
 """Numbers from derived equations: start, simulation, named outputs."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 import casadi as ca
@@ -39,7 +39,7 @@ class Model:
         check_units(system)
         self.system, self.equations = system, Equations(system, form, feedback)
         e, n = self.equations, len(system.coordinates)
-        self.parameters = {name: value for name, (_, value, _) in system.parameters.items()}
+        self.parameters = {name: value / in_si(unit)[0] for name, (_, value, unit) in system.parameters.items()}
         self.constants = column(*(symbol for symbol, _, _ in system.parameters.values()))
         self.inputs = column(system.time, e.state, self.constants, *(table.row for table in system.tables))
         speeds = [system.coordinates[k].rate_name for k in e.free]
@@ -51,9 +51,10 @@ class Model:
         self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
 
     def values(self, changed: Values | None) -> Array:
-        """Values of all parameters, SI, some of them changed."""
+        """Values of all parameters in SI, some of them changed in their units."""
         self._refuse_unknown(changed or {}, "parameter", self.parameters)
-        return np.array(list((self.parameters | dict(changed or {})).values()), dtype=np.float64)
+        values = self.parameters | dict(changed or {})
+        return np.array([values[name] * in_si(unit)[0] for name, (_, _, unit) in self.system.parameters.items()])
 
     def start(self, values: Values, parameters: Values | None = None) -> Array:
         """State at time 0 of given coordinates and rates, by name in their units; the others are zero, or as the loops give them.
@@ -73,6 +74,8 @@ class Model:
             gap, G, _ = self._loops(q, p)
             step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
             q[seek] += step
+            for table in self.system.tables:
+                q[table.index] = np.clip(q[table.index], table.low, table.high)
             if np.max(np.abs(step), initial=0.0) < 1e-14:
                 break
         sizes = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
@@ -104,7 +107,7 @@ class Model:
             step: s, of the output.
             tolerance: local error relative to each coordinate and rate, and to the coordinate's `size`.
             method: of scipy's `solve_ivp`: "DOP853", or "Radau" where stiff.
-            parameters: changed values, SI.
+            parameters: changed values, in their units.
 
         Raises:
             DescriptionError: a start that cannot be, or an integration that gets stuck; it says when.
@@ -114,8 +117,10 @@ class Model:
         times, limits = np.linspace(0.0, duration, round(duration / step) + 1), {"rtol": tolerance, "atol": tolerance * self.error_sizes()}
         found = solve_ivp(self.rates, (0.0, duration), y, method, times, args=(p,), **limits)
         if not found.success:
-            reached = found.t[-1] if len(found.t) else 0.0
-            raise DescriptionError(f"the integration of {self.system.name!r} gets stuck after {reached:g} s: {found.message}")
+            at = found.t[-1] if len(found.t) else 0.0
+            ends = [c.name for c in (self.system.coordinates[t.index] for t in self.system.tables)]
+            cause = f" ({', '.join(ends)} may have left its table)" if ends else ""
+            raise DescriptionError(f"the integration of {self.system.name!r} gets stuck after {at:g} s{cause}: {found.message}")
         return self.observe(found.t, found.y.T, p)
 
     def check(self, y: Array, p: Array) -> None:
@@ -154,7 +159,8 @@ class Model:
         gap, G, M = (np.array(each) for each in self._matrices(self.input(0.0, self._state(q, 0.0 * q), p)))
         return gap.ravel(), G, M
 
-    def _refuse_unknown(self, names: Values, what: str, known: object) -> None:
+    def _refuse_unknown(self, names: Values, what: str, known: Iterable[str]) -> None:
+        there = list(known)
         for name in names:
-            if name not in list(known):  # type: ignore[call-overload]
-                raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(known)}")  # type: ignore[arg-type]
+            if name not in there:
+                raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(there)}")

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from quickreturn.derive.machine_code import MachineCode
 from quickreturn.derive.model import Model, Values
-from quickreturn.derive.units import DescriptionError, in_si
+from quickreturn.derive.units import DescriptionError, in_si, per
 
 
 def sensitivities(
@@ -31,7 +31,7 @@ def sensitivities(
         duration: s.
         step: s, of the output.
         tolerance: see `Model.simulate`.
-        parameters: changed values, SI.
+        parameters: changed values, in their units.
 
     Returns:
         Columns "OUTPUT by PARAMETER", units in `attrs["units"]`.
@@ -68,7 +68,7 @@ def sensitivities(
     for name in to:
         for output, (_, unit) in e.outputs.items():
             names.append(f"{output} by {name}")
-            units.append(f"({unit})/({system.parameters[name][2]})")
+            units.append(per(unit, system.parameters[name][2]))
     factors = [in_si(unit)[0] for unit in units[1:]]
     frame = pd.DataFrame(np.column_stack([found.t, values / factors]), columns=names)
     frame.attrs["units"] = dict(zip(names, units, strict=True))

@@ -35,7 +35,7 @@ class Statics:
     Args:
         model: of the system.
         hold: names of coordinates that do not move.
-        parameters: changed values, SI.
+        parameters: changed values, in their units.
     """
 
     def __init__(self, model: Model, hold: Sequence[str] = (), parameters: Values | None = None) -> None:
@@ -68,12 +68,15 @@ class Statics:
         for _ in range(100):
             balance, gap, G, _, _, K = self._at(q, force)
             J = np.block([[-K[np.ix_(moving, moving)], G[:, moving].T], [G[:, moving], np.zeros((len(gap), len(gap)))]])
-            step = np.linalg.lstsq(J, -np.concatenate([balance[moving], gap]), rcond=None)[0]
+            lacking = np.concatenate([balance[moving], gap])
+            step = np.linalg.lstsq(J, -lacking, rcond=None)[0]
+            if np.linalg.norm(J @ step + lacking) > 1e-6 * np.linalg.norm(lacking) + 1e-12 * np.linalg.norm(J):
+                break  # no motion balances the forces
             q[moving] += step[: len(moving)]
             force += step[len(moving) :]
             if np.all(np.abs(step[: len(moving)]) < 1e-12 * np.maximum(np.abs(q[moving]), 1.0)):
                 return {c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates[:n])}
-        raise DescriptionError(f"no equilibrium of {system.name!r} is found from this start; give one that is nearer")
+        raise DescriptionError(f"no equilibrium of {system.name!r} is found from this start; give one that is nearer, or a spring")
 
     def linearised(self, at: Values) -> Linear:
         """Small motions about a configuration at rest, whose other coordinates the loops give."""
@@ -91,3 +94,15 @@ class Statics:
         constants = self._model.values(self._parameters)
         found = self._evaluate(np.concatenate([[0.0], q, q, np.zeros(len(q)), force, constants, *rows]))
         return [np.array(each).ravel() if k < 2 else np.array(each) for k, each in enumerate(found)]
+
+
+def natural_frequencies(model: Model, at: Values, hold: Sequence[str] = (), parameters: Values | None = None) -> Array:
+    """Undamped natural frequencies (Hz, ascending) of small vibrations about a configuration at rest; below zero: unstable.
+
+    Args:
+        model: of the system.
+        at: coordinates by name; the others are zero, or as the loops give them.
+        hold: names of coordinates that do not move.
+        parameters: changed values, in their units.
+    """
+    return Statics(model, hold, parameters).linearised(at).frequencies()

@@ -7,8 +7,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.derive.units import DescriptionError
-
 Array = NDArray[np.float64]
 
 
@@ -50,13 +48,9 @@ class Table:
         return found
 
     def at(self, s: float, slope: bool = False) -> Array:
-        """The row at a place, or its derivative by s.
-
-        Raises:
-            DescriptionError: the place is outside the table.
-        """
+        """The row at a place, or its derivative by s; outside the table no number, which makes an integrator take shorter steps."""
         if not self.low <= s <= self.high:
-            raise DescriptionError(f"a table that ends at {self.low:g} and {self.high:g} is asked for {s:g}")
+            return np.full(self.row.numel(), np.nan)
         k = min(int((s - self.low) / self.step), len(self.coefficients) - 1)
         h = s - self.low - k * self.step
         powers = np.array([3.0 * h * h, 2.0 * h, 1.0, 0.0] if slope else [h**3, h * h, h, 1.0])

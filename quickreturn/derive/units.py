@@ -27,3 +27,9 @@ def in_si(unit: str) -> tuple[float, tuple[float, ...]]:
     if other := sorted(set(dimension) - set(_BASE)):
         raise DescriptionError(f"unit {unit!r} is not mechanical: it contains {other[0]}; use units of mass, length, time and angle")
     return float(found.magnitude), tuple(dimension.get(name, 0.0) for name in _BASE)
+
+
+def per(unit: str, other: str) -> str:
+    """The unit of a quotient."""
+    first, second = (f"({each})" if set(each) & set("*/ ") else each for each in (unit, other))
+    return f"{first}/{second}"
