@@ -6,7 +6,12 @@ A `System` is described by its coordinates, bodies, beams, loads and loops; a `M
 moves them. Nothing here knows a particular mechanism.
 """
 
-from quickreturn.derive.beam import Beam
+try:
+    import casadi as _casadi  # noqa: F401
+except ImportError as error:
+    raise ImportError("quickreturn.derive needs CasADi and sympy: pip install 'quickreturn[derive]'") from error
+
+from quickreturn.derive.beam import Beam, natural_shapes
 from quickreturn.derive.latex import latex
 from quickreturn.derive.model import Model
 from quickreturn.derive.sensitivity import sensitivities
@@ -23,6 +28,7 @@ __all__ = [
     "System",
     "latex",
     "natural_frequencies",
+    "natural_shapes",
     "sensitivities",
     "turned",
     "vector",

@@ -1,16 +1,20 @@
 """A slender flexible beam in a frame that moves, as mass points at Gauss abscissae (thesis, section 4.2)."""
 
 from collections.abc import Callable, Sequence
+from functools import partial, reduce
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.polynomial import legendre
+from numpy.polynomial import Polynomial, legendre
+from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 from quickreturn.derive.system import System, column, turned
 from quickreturn.derive.units import DescriptionError
 
+Array = NDArray[np.float64]
 #: A quantity along the beam: arc lengths (m, a column) to values, a column.
 Field = Callable[[ca.SX], ca.SX]
 
@@ -110,10 +114,11 @@ class Beam:
         if self._tangent:
             psi = self._tangent(s)
             return _Line(s, psi, self._integral(ca.cos(psi), lengths), self._integral(ca.sin(psi), lengths), lengths)
-        slope = _derivative(self._deflection, s)
+        deflection = self._deflection or (lambda s: 0.0 * s)
+        slope = _derivative(deflection, s)
         x = s + (self._stretch(s) if self._stretch else 0.0)
         x -= self._integral(0.5 * slope**2, lengths) if self._shortens else 0.0
-        return _Line(s, slope, x, self._deflection(s), lengths)
+        return _Line(s, slope, x, deflection(s), lengths)
 
     def _integral(self, f: ca.SX, lengths: list[ca.SX]) -> ca.SX:
         """From the begin to every point and end, of the polynomial through the points of each cell."""
@@ -130,3 +135,24 @@ def _derivative(field: Any, s: ca.SX) -> ca.SX:
     """The derivative of a field by the arc length."""
     at = ca.SX.sym("s", s.numel())
     return ca.substitute(ca.jtimes(field(at), at, ca.SX.ones(s.numel())), at, s)
+
+
+def natural_shapes(supports: str, count: int) -> list[Field]:
+    """Deflections of the first natural modes of a uniform beam as functions of x/L, by Ritz's method in polynomials.
+
+    Args:
+        supports: of begin and end, each free, pinned or clamped, as in "clamped-free"; motions of the rigid beam come first.
+        count: how many.
+    """
+    begin, end = ({"free": 0, "pinned": 1, "clamped": 2}[each] for each in supports.split("-"))
+    held = Polynomial([0.0, 1.0]) ** begin * Polynomial([1.0, -1.0]) ** end
+    basis = [held * legendre.Legendre.basis(k, domain=[0.0, 1.0]).convert(kind=Polynomial) for k in range(count + 8)]
+    gauss, weights = legendre.leggauss(count + 12)
+    value, curvature = (np.array([each.deriv(order)(0.5 * gauss + 0.5) for each in basis]) for order in (0, 2))
+    _, vectors = eigh(curvature * weights @ curvature.T, value * weights @ value.T)
+    powers = np.array([np.pad(each.coef, (0, begin + end + len(basis) - len(each.coef))) for each in basis])
+    return [partial(_polynomial, vectors[:, k] @ powers) for k in range(count)]
+
+
+def _polynomial(coefficients: Array, u: ca.SX) -> ca.SX:
+    return reduce(lambda found, c: found * u + float(c), coefficients[::-1], 0.0 * u)

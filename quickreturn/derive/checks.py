@@ -55,9 +55,10 @@ def check_inertia(system: System, M: NDArray[np.float64], G: NDArray[np.float64]
         _, singular, directions = np.linalg.svd(columns / sizes)
         worst = int(np.argmax(np.abs(directions[-1]))) if singular[-1] < _SINGULAR else -1
     if worst >= 0:
+        name = system.coordinates[worst].name
         raise DescriptionError(
-            f"coordinate {system.coordinates[worst].name!r} of {system.name!r} has no inertia, and no loop holds it; give a body whose place or"
-            " angle follows it, or a loop that determines it"
+            f"coordinate {name!r} of {system.name!r} has no inertia, and no loop holds it; give a body whose place or angle follows it, or"
+            " a loop that determines it"
         )
 
 

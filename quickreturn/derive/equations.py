@@ -68,8 +68,8 @@ class Equations:
         if form == "projection":
             if len(self._given) != gap.numel() or len(set(self._given)) != gap.numel():
                 raise DescriptionError(
-                    f"the loops of {system.name!r} have {gap.numel()} rows and give {[each[k].name for k in self._given]}: projection needs as"
-                    " many coordinates, each once; name them by gives=[...], or take the form 'multipliers'"
+                    f"the loops of {system.name!r} have {gap.numel()} rows and give {[each[k].name for k in self._given]}: projection needs"
+                    " as many coordinates, each once; name them by gives=[...], or take the form 'multipliers'"
                 )
             self.free = [k for k in range(n) if k not in self._given]
             self.acceleration, self.force, velocity, q_rate = self._projected(feedback)
@@ -161,4 +161,3 @@ def _symmetric(M: ca.SX) -> ca.SX:
 
 def _replaced(expressions: list[ca.SX], old: ca.SX, new: ca.SX) -> list[Any]:
     return list(ca.substitute(expressions, [old], [ca.densify(new)]))
-

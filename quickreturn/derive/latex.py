@@ -29,7 +29,9 @@ def latex(system: System) -> str:
     symbols = [sp.Symbol(name, real=True) for _, name in names]
     function = ca.Function("equations", [ca.vertcat(*(symbol for symbol, _ in names))], [ca.densify(balance)])
     if function.n_instructions() > _LONGEST:
-        raise DescriptionError(f"the equations of {system.name!r} take {function.n_instructions()} instructions; LaTeX is for {_LONGEST} at most")
+        raise DescriptionError(
+            f"the equations of {system.name!r} take {function.n_instructions()} instructions; LaTeX is for {_LONGEST} at most"
+        )
     found = [sp.simplify(each) for each in _translated(function, symbols)]
     accelerations = [symbols[k] for k, (_, name) in enumerate(names) if name.startswith(r"\ddot")]
     left, right = [sp.collect(sp.expand(each), accelerations) for each in found[:n]], found[n : 2 * n]
@@ -46,7 +48,13 @@ def _written(name: str) -> str:
 def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr]:
     """A CasADi function's outputs in sympy, by its list of instructions."""
     binary = {ca.OP_ADD: lambda a, b: a + b, ca.OP_SUB: lambda a, b: a - b, ca.OP_MUL: lambda a, b: a * b, ca.OP_DIV: lambda a, b: a / b}
-    unary = {ca.OP_NEG: lambda a: -a, ca.OP_SQ: lambda a: a**2, ca.OP_TWICE: lambda a: 2 * a, ca.OP_INV: lambda a: 1 / a, ca.OP_ASSIGN: lambda a: a}
+    unary = {
+        ca.OP_NEG: lambda a: -a,
+        ca.OP_SQ: lambda a: a**2,
+        ca.OP_TWICE: lambda a: 2 * a,
+        ca.OP_INV: lambda a: 1 / a,
+        ca.OP_ASSIGN: lambda a: a,
+    }
     unary |= {getattr(ca, f"OP_{name.upper()}"): getattr(sp, name) for name in ("sin", "cos", "tan", "sqrt", "exp", "tanh", "atan")}
     binary |= {ca.OP_POW: sp.Pow, ca.OP_CONSTPOW: sp.Pow, ca.OP_ATAN2: sp.atan2}
     held: dict[int, sp.Expr] = {}

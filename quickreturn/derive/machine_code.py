@@ -38,7 +38,7 @@ _TEMPLATES: Final = {
 }
 _ONE: Final = "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp log sqrt fabs floor ceil erf log1p expm1"
 _TWO: Final = "fmin fmax atan2 pow fmod copysign hypot"
-_FUNCTIONS: Final = {name: "double {a}" for name in _ONE.split()} | {name: "double {a}, double {b}" for name in _TWO.split()}
+_FUNCTIONS: Final = dict.fromkeys(_ONE.split(), "double {a}") | dict.fromkeys(_TWO.split(), "double {a}, double {b}")
 _CALLS: Final = {name: "{r} = call double @" + name + f"({arguments})" for name, arguments in _FUNCTIONS.items()}
 #: By CasADi's number of the operation.
 _LINES: Final = {getattr(ca, f"OP_{name.upper()}"): line for name, line in (_TEMPLATES | _CALLS).items()}

@@ -79,7 +79,8 @@ class Model:
             if np.max(np.abs(step), initial=0.0) < 1e-14:
                 break
         sizes = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
-        for loop, left, size in zip((loop for loop in self.system.loops for _ in range(loop.gap.numel())), gap, sizes, strict=True):
+        of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
+        for loop, left, size in zip(of_rows, gap, sizes, strict=True):
             if not abs(left) <= CLOSED * size:
                 raise DescriptionError(
                     f"loop {loop.name!r} of {self.system.name!r} cannot close at the start: {abs(left):.3g} {loop.unit} remain; change the"

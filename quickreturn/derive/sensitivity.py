@@ -5,10 +5,12 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from quickreturn.derive.machine_code import MachineCode
 from quickreturn.derive.model import Model, Values
+from quickreturn.derive.system import column
 from quickreturn.derive.units import DescriptionError, in_si, per
 
 
@@ -38,38 +40,36 @@ def sensitivities(
     """
     e, system = model.equations, model.system
     if system.tables or len(e.free) + e.gap.numel() != e.q.numel():
-        raise DescriptionError(f"sensitivities of {system.name!r} need the form 'projection', and no tables: nothing tells what those depend on")
+        raise DescriptionError(
+            f"sensitivities of {system.name!r} need the form 'projection', and no tables: nothing tells what those depend on"
+        )
     p, y = model.values(parameters), model.start(start, parameters)
-    chosen = [list(model.parameters).index(name) for name in to]
-    size, n = len(y), e.q.numel()
+    chosen, size = [list(model.parameters).index(name) for name in to], len(y)
+    # y' = f(y, p) and S = dy/dp: S' = df/dy S + df/dp, a derivative along (S, dp)
     S = ca.SX.sym("S", size, len(chosen))
-    along = [ca.vertcat(0, S[:, k], np.eye(len(p))[:, which]) for k, which in enumerate(chosen)]
-    rates = ca.vertcat(e.rates, *(ca.jtimes(e.rates, model.inputs, direction) for direction in along))
-    outputs = ca.vertcat(*(each for each, _ in e.outputs.values()))
-    changes = ca.horzcat(*(ca.jtimes(outputs, model.inputs, direction) for direction in along))
-    inputs = ca.vertcat(model.inputs, ca.vec(S))
-    code = MachineCode(inputs, rates, [f"rate {k}" for k in range(rates.numel())])
-    # the loops at the start: G dq + d gap/dp = 0 in the coordinates that they give
+    along = [column(0, S[:, k], ca.SX(np.eye(len(p))[:, which])) for k, which in enumerate(chosen)]
+    rates, shown = (
+        column(*(ca.jtimes(f, model.inputs, each) for each in along)) for f in (e.rates, column(*(f for f, _ in e.outputs.values())))
+    )
+    inputs = column(model.inputs, ca.vec(S))
+    code = MachineCode(inputs, column(e.rates, rates), [f"rate {k}" for k in range(size * (1 + len(chosen)))])
+    # at the start G dq + d gap/dp = 0 in the coordinates that the loops give
     begin = np.zeros((size, len(chosen)))
-    given = [k for loop in system.loops for k in loop.gives if system.coordinates[k].name not in start]
-    if given:
-        by_q, by_p = ca.Function("loops", [model.inputs], [e.G, ca.jacobian(e.gap, model.constants)])(np.concatenate([[0.0], y, p]))
-        begin[given] = -np.linalg.lstsq(np.array(by_q)[:, given], np.array(by_p)[:, chosen], rcond=None)[0]
+    if given := [k for loop in system.loops for k in loop.gives if system.coordinates[k].name not in start]:
+        loops = ca.Function("loops", [model.inputs], [e.G[:, given], ca.jacobian(e.gap, model.constants)[:, chosen]])
+        by_q, by_p = (np.array(each) for each in loops(model.input(0.0, y, p)))
+        begin[given] = -np.linalg.solve(by_q, by_p)
 
-    def rate(time: float, Y: np.ndarray) -> np.ndarray:
+    def rate(time: float, Y: NDArray[np.float64]) -> NDArray[np.float64]:
         return code(np.concatenate([[time], Y[:size], p, Y[size:]]))
 
-    times = np.linspace(0.0, duration, round(duration / step) + 1)
-    absolute = np.concatenate([model.error_sizes() * tolerance, np.full(size * len(chosen), np.inf)])
-    found = solve_ivp(rate, (0.0, duration), np.concatenate([y, begin.T.ravel()]), "DOP853", times, rtol=tolerance, atol=absolute)
-    columns = np.column_stack([found.t, found.y[:size].T, np.tile(p, (len(found.t), 1)), found.y[size:].T]).T
-    values = np.array(ca.Function("changes", [inputs], [ca.densify(ca.vec(changes))])(columns)).T
-    names, units = ["time"], ["s"]
-    for name in to:
-        for output, (_, unit) in e.outputs.items():
-            names.append(f"{output} by {name}")
-            units.append(per(unit, system.parameters[name][2]))
-    factors = [in_si(unit)[0] for unit in units[1:]]
-    frame = pd.DataFrame(np.column_stack([found.t, values / factors]), columns=names)
-    frame.attrs["units"] = dict(zip(names, units, strict=True))
+    times, sizes = np.linspace(0.0, duration, round(duration / step) + 1), np.append(model.error_sizes(), np.full(begin.size, np.inf))
+    Y = np.concatenate([y, begin.T.ravel()])
+    found = solve_ivp(rate, (0.0, duration), Y, "DOP853", times, rtol=tolerance, atol=tolerance * sizes)
+    every = np.vstack([found.t, found.y[:size], np.tile(p[:, None], len(found.t)), found.y[size:]])
+    values = np.array(ca.Function("changes", [inputs], [ca.densify(shown)])(every)).T
+    units = {f"{output} by {name}": per(unit, system.parameters[name][2]) for name in to for output, (_, unit) in e.outputs.items()}
+    frame = pd.DataFrame(values, columns=list(units)) / [in_si(unit)[0] for unit in units.values()]
+    frame.insert(0, "time", found.t)
+    frame.attrs["units"] = {"time": "s"} | units
     return frame

@@ -63,7 +63,7 @@ class Statics:
             DescriptionError: none is found.
         """
         system, moving = self._model.system, self._moving
-        q, n = self._model.start(start, self._parameters)[: len(self._names)], len(self._names)
+        q = self._model.start(start, self._parameters)[: len(self._names)]
         force = np.zeros(self._model.equations.gap.numel())
         for _ in range(100):
             balance, gap, G, _, _, K = self._at(q, force)
@@ -74,8 +74,9 @@ class Statics:
                 break  # no motion balances the forces
             q[moving] += step[: len(moving)]
             force += step[len(moving) :]
-            if np.all(np.abs(step[: len(moving)]) < 1e-12 * np.maximum(np.abs(q[moving]), 1.0)):
-                return {c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates[:n])}
+            rounding = 1e-14 * np.abs(J) @ np.abs(np.concatenate([q[moving], force]))
+            if np.all(np.abs(step) < 1e-12) or np.all(np.abs(lacking) <= rounding):
+                return {c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates)}
         raise DescriptionError(f"no equilibrium of {system.name!r} is found from this start; give one that is nearer, or a spring")
 
     def linearised(self, at: Values) -> Linear:
@@ -83,10 +84,10 @@ class Statics:
         q = self._model.start(at, self._parameters)[: len(self._names)]
         nothing = np.zeros(self._model.equations.gap.numel())
         balance, _, G, _, _, _ = self._at(q, nothing)
-        force = np.linalg.lstsq(G[:, self._moving].T, -balance[self._moving], rcond=None)[0] if len(nothing) else nothing
+        force = np.asarray(np.linalg.lstsq(G[:, self._moving].T, -balance[self._moving], rcond=None)[0], dtype=np.float64)
         _, _, G, M, D, K = self._at(q, force)
         Z = null_space(np.vstack([G, np.eye(len(q))[self._held]]))
-        return Linear(*(Z.T @ each @ Z for each in (M, D, 0.5 * (K + K.T))), Z)
+        return Linear(Z.T @ M @ Z, Z.T @ D @ Z, 0.5 * Z.T @ (K + K.T) @ Z, Z)
 
     def _at(self, q: Array, force: Array) -> list[Array]:
         """Balance, gaps, G, M, D and K."""

@@ -1,10 +1,11 @@
 """Units of a description, read by pint; and the mistake of a description."""
 
 from functools import lru_cache
+from typing import Any
 
 import pint
 
-_REGISTRY = pint.UnitRegistry()
+_REGISTRY: Any = pint.UnitRegistry()
 _BASE = ("[mass]", "[length]", "[time]")
 
 
@@ -23,7 +24,7 @@ def in_si(unit: str) -> tuple[float, tuple[float, ...]]:
         found = _REGISTRY.Quantity(1.0, unit or "1").to_base_units()
     except (pint.errors.PintError, AssertionError, TypeError, AttributeError) as error:
         raise DescriptionError(f"unit {unit!r} is not known; write it as in 'kg*m^2' or 'lbf*in*s/rad'") from error
-    dimension = {name: float(power) for name, power in found.dimensionality.items()}  # type: ignore[arg-type]
+    dimension = {name: float(power) for name, power in found.dimensionality.items()}
     if other := sorted(set(dimension) - set(_BASE)):
         raise DescriptionError(f"unit {unit!r} is not mechanical: it contains {other[0]}; use units of mass, length, time and angle")
     return float(found.magnitude), tuple(dimension.get(name, 0.0) for name in _BASE)

@@ -102,7 +102,7 @@ MISTAKES: dict[Callable[..., None], str] = {
     no_inertia: "coordinate 'idle' of 'crank' has no inertia, and no loop holds it; give a body whose place or angle follows it",
     no_inertia_alone: "of 'crank' has no inertia, and no loop holds it",
     too_far: "loop 'pin' of 'crank' cannot close at the start: 0.1",
-    too_few: "the loops of 'crank' have 2 rows and give ['angle']: projection needs as many coordinates, each once; name them by gives=[...]",
+    too_few: "the loops of 'crank' have 2 rows and give ['angle']: projection needs as many coordinates, each once; name",
     no_number: "rate of angle_rate is nan at the start; look for a root of a negative number or a division by zero there",
     no_number_of_an_output: "depth is nan at the start; look for",
     twice: "the name 'length' is used twice in 'crank'",
@@ -115,10 +115,13 @@ MISTAKES: dict[Callable[..., None], str] = {
 
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda each: each.__name__)
 def test_a_mistake_is_named_in_one_sentence(mistake: Callable[..., None]) -> None:
-    with pytest.raises(DescriptionError) as raised:
+    def described_and_moved() -> None:
         parts = crank()
         mistake(*parts)
         Model(parts[0]).simulate({}, 0.1, 0.1)
+
+    with pytest.raises(DescriptionError) as raised:
+        described_and_moved()
     assert MISTAKES[mistake] in str(raised.value)
     assert "\n" not in str(raised.value)
 

@@ -118,7 +118,14 @@ def test_staying_shapes_move_as_those_of_fixed_shapes(scene: Mechanism) -> None:
         start |= dict(zip(names, tip, strict=True)) | {f"{name}_rate": v for name, v in zip(names, tip_rate, strict=True)}
         found = accelerations(model, start, values_of(scene))
         eta, eta_rate = np.linalg.solve(to_tip, tip), np.linalg.solve(to_tip, tip_rate)
-        compare(by_hand, found, start, eta, eta_rate, [found["crank_speed_rate"], *np.linalg.solve(to_tip, [found[n] for n in CUBIC_SPEEDS[1:]])])
+        compare(
+            by_hand,
+            found,
+            start,
+            eta,
+            eta_rate,
+            [found["crank_speed_rate"], *np.linalg.solve(to_tip, [found[n] for n in CUBIC_SPEEDS[1:]])],
+        )
 
 
 @pytest.mark.parametrize("modes", [1, 2, 3])

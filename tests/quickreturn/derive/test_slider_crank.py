@@ -43,7 +43,9 @@ def test_it_ends_as_published() -> None:
 @pytest.mark.parametrize("consistent", [True, False])
 def test_energy_is_the_drives_work_and_both_forms_agree(consistent: bool) -> None:
     system = described("slider_crank").slider_crank(consistent)
-    found = {form: Model(system, form).simulate({"phi1_rate": 150.0}, 0.02, 0.002, tolerance=1e-11) for form in ("projection", "multipliers")}
+    found = {
+        form: Model(system, form).simulate({"phi1_rate": 150.0}, 0.02, 0.002, tolerance=1e-11) for form in ("projection", "multipliers")
+    }
     for each in found.values():
         assert np.ptp(each["energy_balance"]) < 1e-9 * np.ptp(each["kinetic_energy"])
     one, other = (each[[*NAMES, *MULTIPLIERS]] for each in found.values())

@@ -5,8 +5,8 @@ import numpy as np
 from cases.data import read_toml
 from quickreturn.derive import Model
 from tests.quickreturn.derive.descriptions import described
-from tests.verification.literature.spin_up import fitted_vibration, linear_lag, scene
 from tests.verification.literature.rotating_cantilever import frequencies, time_unit
+from tests.verification.literature.spin_up import fitted_vibration, linear_lag, scene
 
 
 def test_it_lags_as_published_and_swings_as_the_linear_theory_says() -> None:
