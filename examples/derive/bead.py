@@ -4,9 +4,9 @@ from quickreturn.derive import System, turned, vector
 
 
 def bead_on_rod(prescribed: bool = False) -> System:
-    """The rod spins freely, or at a prescribed speed; then the multiplier is the torque that this takes."""
+    """The rod spins freely, or at a prescribed speed; then the loop's force is the torque."""
     system = System("bead on a rod")
-    p = system.constants(rod_inertia=(200, "g*m^2"), bead_mass=(100, "g"), speed=(2, "rad/s"))
+    p = system.constants(rod_inertia=(20, "g*m^2"), bead_mass=(100, "g"), speed=(2, "rad/s"))
     theta, r = system.coordinate("theta", "rad"), system.coordinate("r", "m")
     system.body("rod", inertia=p.rod_inertia, angle=theta)
     system.body("bead", mass=p.bead_mass, place=turned(theta, r))

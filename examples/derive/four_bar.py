@@ -6,7 +6,7 @@ from quickreturn.derive import Beam, System, turned, vector
 
 
 def four_bar(shapes: int = 3) -> System:
-    """Crank, coupler and rocker move freely, without gravity; the coupler's frame follows its mean tangent."""
+    """All bars move freely, without gravity; the coupler's frame follows its mean tangent."""
     system = System("four-bar linkage")
     p = system.constants(
         ground=(400, "mm"), crank=(100, "mm"), coupler=(400, "mm"), rocker=(300, "mm"),
@@ -23,8 +23,9 @@ def four_bar(shapes: int = 3) -> System:
         return sum(waves, 0 * x)
 
     beam = Beam(
-        system, "coupler", origin=turned(crank, p.crank), angle=coupler, edges=[0, p.coupler / 2, p.coupler],
-        tangent=tangent, mass_per_length=p.mass_per_length, bending_stiffness=p.bending_stiffness,
+        system, "coupler", origin=turned(crank, p.crank), angle=coupler,
+        edges=[0, p.coupler / 2, p.coupler], tangent=tangent,
+        mass_per_length=p.mass_per_length, bending_stiffness=p.bending_stiffness,
         points=4 + 2 * shapes,
     )  # fmt: skip
     system.body("crank", inertia=p.crank_inertia, angle=crank)

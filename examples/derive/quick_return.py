@@ -1,4 +1,4 @@
-"""The quick-return of the thesis, its follower in one cubic, in shapes that stay, in shapes that follow the slider."""
+"""The quick-return of the thesis: a follower of one cubic, of shapes that stay, that follow."""
 
 from collections.abc import Callable
 from math import pi
@@ -8,7 +8,8 @@ import numpy as np
 
 from quickreturn.derive import Beam, System, turned, vector
 
-#: Of a system, the slider's arc length and the constants: beam, the slider's place, its angle and the tangent there.
+#: Of a system, the slider's arc length, the constants: beam, the slider's place and angle, and the
+#: tangent there.
 Follower = Callable[..., tuple[Beam, ca.SX, ca.SX, ca.SX]]
 
 
@@ -86,7 +87,7 @@ def staying(system, s, p, **common):
 
 
 def following(tables, modes: int) -> Follower:
-    """Natural modes of the follower supported at the slider, from the tables of the engine `reference`."""
+    """Natural modes of the follower supported at the slider, by the tables of `reference`."""
 
     def follower(system, s, p, **common):
         eta, now = system.amplitudes("eta", modes, "kg**0.5*m", size=1e-3), system.freeze(s)
@@ -110,9 +111,10 @@ def following(tables, modes: int) -> Follower:
 
 
 def columns_of(tables, modes: int) -> dict[str, list]:
-    """Where the table's rows have the shapes' angles and what goes with them, each with its derivatives by s."""
+    """Where a row has the shapes' angles and what goes with them, with derivatives by s."""
     points = tables.cells * tables.S
-    blocks = np.arange(tables.kinds * modes * points).reshape(tables.kinds, modes, tables.cells, tables.S)
+    blocks = np.arange(tables.kinds * modes * points)
+    blocks = blocks.reshape(tables.kinds, modes, tables.cells, tables.S)
     psi = [block[:, :, : tables.G + 1].ravel().tolist() for block in blocks]
     extras = (tables.kinds * modes * points + np.arange(5 * modes).reshape(5, modes)).tolist()
     at_slider = blocks[0][:, 0, tables.G].tolist()

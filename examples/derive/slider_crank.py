@@ -1,9 +1,9 @@
-"""The slider-crank with a flexible connecting rod of the Test Set for Initial Value Problem Solvers.
+"""The slider-crank with a flexible rod of the Test Set for Initial Value Problem Solvers.
 
 B. Simeon, Modelling a flexible slider crank mechanism by a mixed system of DAEs and PDEs,
 Mathematical Modelling of Systems 2 (1996) 1-18. The rod bends in two sines and stretches in a
-quadratic element. The set's program `crank.f` gives the stretch fifteen times its consistent inertia,
-and pi eight digits, which enter the bending stiffness by their fourth power; `consistent` does not.
+quadratic element. The set's program `crank.f` gives the stretch fifteen times its consistent
+inertia, and pi eight digits, whose fourth power is in the bending stiffness; `consistent` does not.
 """
 
 from math import pi
@@ -34,7 +34,8 @@ def slider_crank(consistent: bool = False) -> System:
         return stretch[0] * 4 * x / L * (1 - x / L) + stretch[1] * x / L * (2 * x / L - 1)
 
     section, mass = p.rod_side**2, p.density * p.rod_side**2
-    bending = p.modulus * section * p.rod_side**2 / 12 * (1 if consistent else (3.1415927 / pi) ** 4)
+    rounded = 1 if consistent else (3.1415927 / pi) ** 4
+    bending = p.modulus * section * p.rod_side**2 / 12 * rounded
     rod = Beam(
         system, "rod", origin=turned(phi1, p.crank_length), angle=phi2, edges=[0, L], points=12,
         deflection=deflection, stretch=lengthening, foreshortening=False,

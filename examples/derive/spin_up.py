@@ -1,7 +1,7 @@
 """Spin-up of a cantilever.
 
-T. R. Kane, R. R. Ryan and A. K. Banerjee, Journal of Guidance, Control, and Dynamics 10 (1987); with these
-numbers J. C. Simo and L. Vu-Quoc, Journal of Applied Mechanics 53 (1986).
+T. R. Kane, R. R. Ryan and A. K. Banerjee, Journal of Guidance, Control, and Dynamics 10
+(1987); with these numbers J. C. Simo and L. Vu-Quoc, Journal of Applied Mechanics 53 (1986).
 """
 
 import casadi as ca
