@@ -57,6 +57,8 @@ class Equations:
         for on, coefficient in system.dampers:
             drag = coefficient * self._rate(on)
             heat, Q = heat + ca.dot(drag, self._rate(on)), Q - ca.jacobian(on, self._z).T @ drag
+        if ca.depends_on(Q, column(self.a, *(loop.force for loop in loops))):
+            raise DescriptionError(f"a load of {system.name!r} depends on an acceleration or on a loop's force; only outputs may")
         gap, forces = column(*(loop.gap for loop in loops)), column(*(loop.force for loop in loops))
         found = [M, Q, gap, ca.jacobian(gap, self._z), self._bias(gap), 0.5 * ca.bilin(M, self._w, self._w), potential, work, heat]
         # all derivatives are taken: frozen values become present ones

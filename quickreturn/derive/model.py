@@ -21,6 +21,8 @@ Values = Mapping[str, float]
 
 #: A loop counts as closed when its gap, over the size of the numbers in it, is below this after Newton's method.
 CLOSED: Final = 1e-8
+#: A loop counts as staying closed when the rate of its gap, over the largest rate in the loops, is below this: given rates have few digits.
+OPENS: Final = 1e-5
 
 
 class Model:
@@ -88,6 +90,13 @@ class Model:
                 )
         if turn := [k for k in given if each[k].rate_name not in values]:
             v[turn] = np.linalg.lstsq(G[:, turn], -G @ np.append(v, 1.0), rcond=None)[0]
+        rates = np.append(v, 1.0)
+        for loop, opening in zip(of_rows, np.abs(G @ rates), strict=True):
+            if opening > OPENS * np.max(np.abs(G) @ np.abs(rates)):
+                raise DescriptionError(
+                    f"loop {loop.name!r} of {self.system.name!r} opens at the start by {opening:.3g} {loop.unit} a second; leave out the"
+                    " rates of the coordinates that it gives"
+                )
         return self._state(q, v)
 
     def simulate(

@@ -23,11 +23,6 @@ class Linear(NamedTuple):
     K: Array
     Z: Array
 
-    def frequencies(self) -> Array:
-        """Undamped natural frequencies, Hz, ascending; below zero where the configuration is unstable."""
-        squares = eigh(self.K, self.M, eigvals_only=True)
-        return np.sign(squares) * np.sqrt(np.abs(squares)) / (2.0 * np.pi)
-
 
 class Statics:
     """Forces of a system at rest, and how they change with its coordinates.
@@ -106,4 +101,6 @@ def natural_frequencies(model: Model, at: Values, hold: Sequence[str] = (), para
         hold: names of coordinates that do not move.
         parameters: changed values, in their units.
     """
-    return Statics(model, hold, parameters).linearised(at).frequencies()
+    small = Statics(model, hold, parameters).linearised(at)
+    squares = eigh(small.K, small.M, eigvals_only=True)
+    return np.sign(squares) * np.sqrt(np.abs(squares)) / (2.0 * np.pi)

@@ -64,6 +64,16 @@ def too_few(system: System, p: Any, angle: Any) -> None:
     system.loop("pin", turned(angle, p.length) - vector(p.length, 0), gives=[angle])
 
 
+def opening(system: System, p: Any, angle: Any) -> None:
+    system.loop("motor", angle - 3.0 * system.time / system.constants(second=(1, "s")).second, "rad")
+
+
+def force_of_a_loop(system: System, p: Any, angle: Any) -> None:
+    hinge = system.coordinate("hinge", "rad")
+    force = system.loop("hold", hinge - angle, "rad", gives=[hinge])
+    system.load("friction", angle, -0.1 * force)
+
+
 def no_number(system: System, p: Any, angle: Any) -> None:
     system.energy("well", p.stiffness * p.length**2 * ca.sqrt(angle - 1))
 
@@ -103,6 +113,8 @@ MISTAKES: dict[Callable[..., None], str] = {
     no_inertia_alone: "of 'crank' has no inertia, and no loop holds it",
     too_far: "loop 'pin' of 'crank' cannot close at the start: 0.1",
     too_few: "the loops of 'crank' have 2 rows and give ['angle']: projection needs as many coordinates, each once; name",
+    opening: "loop 'motor' of 'crank' opens at the start by 3 rad a second; leave out the rates of the coordinates that it gives",
+    force_of_a_loop: "a load of 'crank' depends on an acceleration or on a loop's force; only outputs may",
     no_number: "rate of angle_rate is nan at the start; look for a root of a negative number or a division by zero there",
     no_number_of_an_output: "depth is nan at the start; look for",
     twice: "the name 'length' is used twice in 'crank'",
@@ -118,7 +130,7 @@ def test_a_mistake_is_named_in_one_sentence(mistake: Callable[..., None]) -> Non
     def described_and_moved() -> None:
         parts = crank()
         mistake(*parts)
-        Model(parts[0]).simulate({}, 0.1, 0.1)
+        Model(parts[0], "multipliers" if mistake is opening else "projection").simulate({}, 0.1, 0.1)
 
     with pytest.raises(DescriptionError) as raised:
         described_and_moved()
