@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import casadi as ca
 
-from quickreturn.derive.system import Points, System, column, turned
+from quickreturn.derive.system import SHOWN, Points, System, column, turned
 from quickreturn.derive.units import DescriptionError, per
 
 Form = Literal["projection", "multipliers"]
@@ -85,9 +85,8 @@ class Equations:
         shown = {c.name: (c.q, c.unit) for c in each} | {c.rate_name: (c.v, per(c.unit, "s")) for c in each}
         shown |= {force.name(): (force, per("J", loop.unit)) for loop in loops for force in ca.vertsplit(loop.force)}
         shown |= {name: (e, unit) for (name, (_, unit)), e in zip(system.outputs.items(), results, strict=True)}
-        energies = {"kinetic_energy": kinetic, "potential_energy": potential, "dissipated_energy": lost, "work": done}
-        energies["energy_balance"] = kinetic + potential + lost - done
-        shown |= {name: (e, "J") for name, e in energies.items()}
+        energies = (kinetic, potential, lost, done, kinetic + potential + lost - done)
+        shown |= {name: (e, "J") for name, e in zip(SHOWN[1:], energies, strict=True)}
         # what is said of accelerations and forces, then of the speeds that the loops give
         values = _replaced([self.rates, *(e for e, _ in shown.values())], column(self.a, forces), column(self.acceleration, self.force))
         self.acceleration, self.force, self.rates, *values = _replaced([self.acceleration, self.force, *values], self.v, velocity)

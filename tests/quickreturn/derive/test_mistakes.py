@@ -86,6 +86,10 @@ def twice(system: System, p: Any, angle: Any) -> None:
     system.coordinate("length", "m")
 
 
+def reserved(system: System, p: Any, angle: Any) -> None:
+    system.output("work", p.stiffness * p.length**2, "J")
+
+
 def stranger(system: System, p: Any, angle: Any) -> None:
     system.freeze(2 * angle)
 
@@ -118,6 +122,7 @@ MISTAKES: dict[Callable[..., None], str] = {
     no_number: "rate of angle_rate is nan at the start; look for a root of a negative number or a division by zero there",
     no_number_of_an_output: "depth is nan at the start; look for",
     twice: "the name 'length' is used twice in 'crank'",
+    reserved: "the name 'work' is used twice in 'crank'",
     stranger: "is no coordinate of 'crank'; declare it with coordinate(...)",
     unknown_unit: "unit 'lenth' is not known; write it as in 'kg*m^2'",
     electric: "unit 'ampere' is not mechanical: it contains [current]",
