@@ -1,5 +1,8 @@
 """The equations of a small system in LaTeX, simplified by sympy."""
 
+import operator
+from collections.abc import Callable
+
 import casadi as ca
 import sympy as sp
 
@@ -47,16 +50,11 @@ def _written(name: str) -> str:
 
 def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr]:
     """A CasADi function's outputs in sympy, by its list of instructions."""
-    binary = {ca.OP_ADD: lambda a, b: a + b, ca.OP_SUB: lambda a, b: a - b, ca.OP_MUL: lambda a, b: a * b, ca.OP_DIV: lambda a, b: a / b}
-    unary = {
-        ca.OP_NEG: lambda a: -a,
-        ca.OP_SQ: lambda a: a**2,
-        ca.OP_TWICE: lambda a: 2 * a,
-        ca.OP_INV: lambda a: 1 / a,
-        ca.OP_ASSIGN: lambda a: a,
-    }
-    unary |= {getattr(ca, f"OP_{name.upper()}"): getattr(sp, name) for name in ("sin", "cos", "tan", "sqrt", "exp", "tanh", "atan")}
-    binary |= {ca.OP_POW: sp.Pow, ca.OP_CONSTPOW: sp.Pow, ca.OP_ATAN2: sp.atan2}
+    functions: dict[str, Callable[..., sp.Expr]] = {name: getattr(operator, name) for name in ("add", "sub", "mul", "neg", "pow")}
+    functions |= {name: getattr(sp, name) for name in ("sin", "cos", "tan", "sqrt", "exp", "tanh", "atan", "atan2")}
+    functions |= {"div": operator.truediv, "constpow": operator.pow, "assign": operator.pos}
+    functions |= {"sq": lambda a: a**2, "twice": lambda a: 2 * a, "inv": lambda a: 1 / a}
+    known = {getattr(ca, f"OP_{name.upper()}"): each for name, each in functions.items()}
     held: dict[int, sp.Expr] = {}
     outputs = [sp.Integer(0)] * function.numel_out()
     for k in range(function.n_instructions()):
@@ -69,10 +67,8 @@ def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr
             value = function.instruction_constant(k)
             exact = sp.nsimplify(value, rational=True)
             held[out[0]] = exact if exact.q <= _LARGEST_DENOMINATOR else sp.Float(value)
-        elif operation in unary:
-            held[out[0]] = unary[operation](held[inputs[0]])
-        elif operation in binary:
-            held[out[0]] = binary[operation](held[inputs[0]], held[inputs[1]])
+        elif operation in known:
+            held[out[0]] = known[operation](*(held[i] for i in inputs))
         else:
             raise DescriptionError(f"operation {operation} of CasADi has no LaTeX here")
     return outputs

@@ -100,14 +100,7 @@ class Model:
         return self._state(q, v)
 
     def simulate(
-        self,
-        start: Values,
-        duration: float,
-        step: float,
-        *,
-        tolerance: float = 1e-9,
-        method: str = "DOP853",
-        parameters: Values | None = None,
+        self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None
     ) -> pd.DataFrame:
         """Named outputs on a uniform grid of time; their units are in `attrs["units"]`.
 

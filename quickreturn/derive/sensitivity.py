@@ -15,14 +15,7 @@ from quickreturn.derive.units import DescriptionError, in_si, per
 
 
 def sensitivities(
-    model: Model,
-    to: Sequence[str],
-    start: Values,
-    duration: float,
-    step: float,
-    *,
-    tolerance: float = 1e-9,
-    parameters: Values | None = None,
+    model: Model, to: Sequence[str], start: Values, duration: float, step: float, tolerance: float = 1e-9, parameters: Values | None = None
 ) -> pd.DataFrame:
     """Derivatives of all outputs by parameters on a uniform grid of time, exact but for the integration.
 

@@ -35,6 +35,9 @@ def test_on_a_pendulum_energy_stays_and_equilibrium_and_frequencies_have_closed_
     assert np.ptp(found["potential_energy"]) > 0.5
     assert np.ptp(found["energy_balance"]) < CONSERVED * found["kinetic_energy"].max()
 
+    stiff = model.simulate({"theta": 1.0, "r": 0.6}, 0.5, 0.05, method="Radau", tolerance=1e-8)
+    np.testing.assert_allclose(stiff["theta"], found["theta"][: len(stiff)], rtol=1e-5)  # of order five: errors add up
+
     length, rod, bead, stiffness, g = 1.0, 0.3, 0.1, 20.0, 9.81
     hangs = length / 2 + bead * g / stiffness
     rest = Statics(model).equilibrium({"theta": 0.2, "r": 0.4})
