@@ -46,6 +46,7 @@ def quick_return(follower: Follower) -> System:
     system.damper("crank bearing", q1, p.crank_damping)
     system.damper("pivot", q2, p.base_damping)
     force, arm = system.loop("slider", slider - crank_tip, gives=[q2, s]), slider - pivot
+    # by the moment about P: what few shapes that follow leave along the tangent has next to none
     moment = arm[0] * force[1] - arm[1] * force[0]
     system.output("slider_force", moment / ca.dot(arm, tangent), "N")
     system.output("tip_x", end[0], "m")

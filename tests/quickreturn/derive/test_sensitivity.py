@@ -25,7 +25,7 @@ def test_on_a_rod_at_prescribed_speed_they_have_a_closed_form() -> None:
 )
 def test_they_are_differences_of_simulations(file: str, describe: str, names: list[str], start: dict[str, float]) -> None:
     module = described(file)
-    model = Model(module.quick_return(module.one_cubic) if describe == "cubic" else getattr(module, describe)())
+    model = Model(module.quick_return(module.one_cubic) if describe == "cubic" else getattr(module, describe)(1))
     duration, tolerance = 0.1, 1e-11
     found = sensitivities(model, names, start, duration, duration / 2, tolerance=tolerance)
     for name in names:
