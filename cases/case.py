@@ -6,8 +6,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from cases.errors import CaseError
+from cases.errors import as_written as shown
 from cases.shown import Cell, Rows, Shown
-from cases.units import DIMENSIONS, Dimension
+from cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity
 from reference_model.mechanism import Mechanism, Scene
 from reference_model.quantities import Quantity, quantities_of, quantity
 from reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
@@ -81,11 +82,7 @@ class Case(Shown):
 
     @property
     def mechanism(self) -> Mechanism:
-        """The scene, where crank and slider are needed.
-
-        Raises:
-            CaseError: it has none.
-        """
+        """The scene, where crank and slider are needed. CaseError: it has none."""
         if isinstance(self.scene, Mechanism):
             return self.scene
         raise CaseError(
@@ -125,3 +122,11 @@ PATHS: Final = MappingProxyType({f"{section}.{name}": found for section, keys in
 def dimension_of(path: str) -> Dimension:
     """What the quantity at a dotted path must measure."""
     return DIMENSIONS[PATHS[path].unit]
+
+
+def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:
+    """What a text says of the quantity at a dotted path, SI; infinite where that may be. CaseError, which names `source`: nothing."""
+    try:
+        return parse_quantity(text, dimension_of(path), infinity_accepted=PATHS[path].infinity and not finite)
+    except QuantityError as wrong:
+        raise CaseError(source, path, shown(text), wrong.problem, wrong.accepted) from None

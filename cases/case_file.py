@@ -66,11 +66,7 @@ def _unknown(name: str) -> CaseError:
 
 
 def with_times(case: Case, duration: float | None = None, output_step: float | None = None) -> Case:
-    """The case with other simulation times in s.
-
-    Raises:
-        CaseError: not positive, or the duration no whole multiple of the output step.
-    """
+    """The case with other simulation times in s. CaseError: not positive, or the duration no whole multiple of the output step."""
     for key, value in (("duration", duration), ("output_step", output_step)):
         number = isinstance(value, Real)
         if value is not None and not (number and 0.0 < value < math.inf):

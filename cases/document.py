@@ -9,7 +9,7 @@ from typing import Any, Final
 from cases.broken_toml import broken_toml
 from cases.case import HEADER, PATHS, SECTIONS, Case, dimension_of, shown_value
 from cases.errors import CaseError, as_written, nearest_or_all, shortened
-from reference_model.scene_values import ALTERNATIVES
+from reference_model.scene_values import replaced_by
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000
@@ -70,12 +70,7 @@ class Document:
         Raises:
             CaseError: a key that cannot be set, or a value of the wrong kind.
         """
-        values: dict[str, Any] = {}
-        for first, others in ALTERNATIVES:
-            if first in texts:
-                values |= dict.fromkeys(others)
-            elif any(path in texts for path in others):
-                values[first] = None
+        values: dict[str, Any] = dict.fromkeys(replaced_by(texts))
         for path, text in texts.items():
             if path in HEADER:
                 raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")

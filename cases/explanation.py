@@ -27,21 +27,13 @@ _ALIKE: Final = 0.05
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A mistake, and what would be found if it was made.
+    """A mistake, and what would be found if it was made."""
 
-    Attributes:
-        words: what is wrong.
-        advice: what to do.
-        values: what would be found, shape (n,).
-        fitted: whether a number in it was chosen to fit: it is tried only where no other mistake explains what is found.
-        gross: whether a coarse engine without any mistake cannot come out like that.
-    """
-
-    words: str
-    advice: str
-    values: Array
-    fitted: bool = False
-    gross: bool = True
+    words: str  # what is wrong
+    advice: str  # what to do
+    values: Array  # what would be found, shape (n,)
+    fitted: bool = False  # whether a number in it was chosen to fit: it is tried only where no other mistake explains what is found
+    gross: bool = True  # whether a coarse engine without any mistake cannot come out like that
 
 
 @dataclass(frozen=True)

@@ -48,19 +48,12 @@ HOPELESS: Final = 1.2
 
 @dataclass(frozen=True)
 class Finding:
-    """What is wrong with a column.
+    """What is wrong with a column."""
 
-    Attributes:
-        cause: in words.
-        advice: what to do.
-        left: what the mistake leaves of the difference, in the column's unit; None: no mistake is known that makes it.
-        fitted: whether a number in it was chosen to fit.
-    """
-
-    cause: str
-    advice: str
-    left: float | None = None
-    fitted: bool = False
+    cause: str  # in words
+    advice: str  # what to do
+    left: float | None = None  # what the mistake leaves of the difference, in the column's unit; None: no mistake is known that makes it
+    fitted: bool = False  # whether a number in it was chosen to fit
 
     @property
     def explained(self) -> bool:

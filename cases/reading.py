@@ -32,11 +32,7 @@ def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = Non
 
 
 def case_of(document: Document) -> Case:
-    """The case that a document describes.
-
-    Raises:
-        CaseError: any mistake in it.
-    """
+    """The case that a document describes. CaseError: any mistake in it."""
     name, title, tags = header_of(document)
     values = {
         section: {key: _quantity(document, f"{section}.{key}", written) for key, written in keys.items()}

@@ -54,23 +54,15 @@ _HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?
 
 @dataclass(frozen=True)
 class RecordedTable:
-    """A table as it was recorded, in SI units.
+    """A table as it was recorded, in SI units."""
 
-    Attributes:
-        name: of the file, safe to print; what the table is called among the engines.
-        path: of the file.
-        columns: names as in `reference_model.columns` -> values, each of shape (n,); "time" and at least one other.
-        bare: those whose headings have no unit.
-        declared: what the file says of itself: some of `DECLARATIONS`.
-        of_experiment: whether it lies in the folder of the experiment's recordings.
-    """
-
-    name: str
+    name: str  # of the file, safe to print; what the table is called among the engines
     path: str
+    # names as in `reference_model.columns` -> values, each of shape (n,); "time" and at least one other
     columns: Mapping[str, Array] = field(repr=False)
-    bare: frozenset[str] = frozenset()
-    declared: Mapping[str, str] = field(default_factory=dict)
-    of_experiment: bool = False
+    bare: frozenset[str] = frozenset()  # those whose headings have no unit
+    declared: Mapping[str, str] = field(default_factory=dict)  # what the file says of itself: some of `DECLARATIONS`
+    of_experiment: bool = False  # whether it lies in the folder of the experiment's recordings
 
     @property
     def shown(self) -> str:
@@ -84,11 +76,7 @@ def is_table(name: str) -> bool:
 
 
 def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
-    """A recorded table.
-
-    Raises:
-        CaseError: the file cannot be read, or is no such table.
-    """
+    """A recorded table. CaseError: the file cannot be read, or is no such table."""
     shown, text = path_shown(path), read_text(path, "a recorded table", _LARGEST)
     lines = text.splitlines()
     declared, at = _declarations(shown, lines)

@@ -1,19 +1,22 @@
 """The periodic motion of a machine over one of its quantities: curve, stability, special points and peaks, each with its error claim."""
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from cases.case import PATHS, Case, dimension_of
+from cases.case import PATHS, Case, si_value
+from cases.document import document_of
 from cases.errors import CaseError, as_written, nearest_or_all
+from cases.jobs.job import Job
+from cases.loads.peak import Peak, peak_of
 from cases.loads.resonance import resonance
-from cases.measures.extremes import extremes
-from cases.units import QuantityError, parse_quantity
+from cases.sweep.grid import OF_START
 from engines import progress
 from engines.base import EngineFailure, Refusal
 from engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -23,7 +26,7 @@ from reference_model.cycle_family import CycleFamily
 from reference_model.mechanism import Mechanism
 from reference_model.periodic import NoPeriodicOrbit
 from reference_model.rigid import crank_pace
-from reference_model.scene_values import ALTERNATIVES, scene_of, values_of
+from reference_model.scene_values import replaced_by, scene_of
 from reference_model.section_map import CycleBroken
 
 Array = NDArray[np.float64]
@@ -47,64 +50,41 @@ FOLD_TOLERANCE: Final = 1e-6
 MULTIPLIER_TOLERANCE: Final = 1e-3
 #: Part of its own speed within which the curve around a machine goes.
 NEAR: Final = 0.15
-#: Keys that no periodic motion depends on.
-_WITHOUT_EFFECT: Final = ("crank.initial_angle", "crank.initial_speed")
+#: What a curve depends on besides what the simulation does.
+CODE: Final = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes", "cases.document")
 
 
 @dataclass(frozen=True)
 class Range:
-    """A quantity of a scene and the values between which it varies.
+    """A quantity of a scene and the values between which it varies."""
 
-    Attributes:
-        key: dotted key of a case file.
-        low, high: SI.
-        unit: in which they were given, for people.
-        size: of that unit, SI.
-    """
-
-    key: str
-    low: float
+    key: str  # dotted key of a case file
+    low: float  # SI
     high: float
-    unit: str
-    size: float
+    unit: str  # in which they were given, for people
+    size: float  # of that unit, SI
 
 
 @dataclass(frozen=True)
 class SpecialPoint:
-    """Where the motion changes its kind.
+    """Where the motion changes its kind."""
 
-    Attributes:
-        kind: "fold", "period doubling", "torus", "slider left" or "lost".
-        value: of the varied quantity, SI.
-        tolerance: by how much the model's own value may be missed.
-        error: claim: by how much more modes move it; None: unknown.
-        at: number of the point on the curve.
-        reason: why the curve ends there (a clause); "" where it goes on.
-    """
-
-    kind: str
-    value: float
-    tolerance: float
-    error: float | None
-    at: int
-    reason: str = ""
+    kind: str  # "fold", "period doubling", "torus", "slider left" or "lost"
+    value: float  # of the varied quantity, SI
+    tolerance: float  # by how much the model's own value may be missed
+    error: float | None  # claim: by how much more modes move it; None: unknown
+    at: int  # number of the point on the curve
+    reason: str = ""  # why the curve ends there (a clause); "" where it goes on
 
 
 @dataclass(frozen=True)
 class ResonancePeak:
-    """A local maximum of the first measure along the curve.
+    """A local maximum of the first measure along the curve."""
 
-    Attributes:
-        value: of the varied quantity, SI.
-        height: of the measure.
-        at: number of the point on the curve.
-        order: multiple of the crank's speed that is nearest to the mean first bending frequency there.
-    """
-
-    value: float
-    height: float
-    at: int
-    order: int
+    value: float  # of the varied quantity, SI
+    height: float  # of the measure
+    at: int  # number of the point on the curve
+    order: int  # multiple of the crank's speed that is nearest to the mean first bending frequency there
 
 
 @dataclass(frozen=True)
@@ -113,35 +93,33 @@ class ResonanceCurve:
 
     A point's claim is a rectangle: the curve of a converged model passes through `values` +- `value_errors` and each measure +- its error.
     The converged point is looked for in the plane across the curve, so that the claim holds at folds as it does elsewhere.
-
-    Attributes:
-        case: its name.
-        range: what varies, and between which values.
-        prescribed: whether the crank's speed was prescribed in place of the case's own drive.
-        values: of the varied quantity, SI.
-        arclength: along the curve, in parts of the range and of the motion's size.
-        measures: by name.
-        errors: of these, by name; nan where unknown.
-        value_errors: nan where unknown.
-        multipliers: largest Floquet multiplier, real and imaginary part, shape (k, 2).
-        kinds: "" of a stable point, else "fold", "period doubling" or "torus".
-        special, peaks: in order of arclength.
-        settings: modes and tolerance of the model, and of the finer one.
     """
 
-    case: str
-    range: Range
-    prescribed: bool
-    values: Array
-    arclength: Array
-    measures: dict[str, Array]
-    errors: dict[str, Array]
-    value_errors: Array
-    multipliers: Array
-    kinds: tuple[str, ...]
-    special: tuple[SpecialPoint, ...]
-    peaks: tuple[ResonancePeak, ...]
-    settings: dict[str, float]
+    case: str  # its name
+    range: Range  # what varies, and between which values
+    prescribed: bool  # whether the crank's speed was prescribed in place of the case's own drive
+    values: Array  # of the varied quantity, SI
+    arclength: Array  # along the curve, in parts of the range and of the motion's size
+    measures: dict[str, Array]  # by name
+    errors: dict[str, Array]  # of these, by name; nan where unknown
+    value_errors: Array  # nan where unknown
+    multipliers: Array  # largest Floquet multiplier, real and imaginary part, shape (k, 2)
+    kinds: tuple[str, ...]  # "" of a stable point, else "fold", "period doubling" or "torus"
+    special: tuple[SpecialPoint, ...]  # in order of arclength
+    peaks: tuple[ResonancePeak, ...]  # likewise
+    settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
+
+    def kind_after(self, at: int) -> str:
+        """How the motion is unstable between a point and the next one, "" where it is stable."""
+        return self.kinds[at + 1 if any(each.at == at for each in self.special) else at]
+
+    def stretches(self) -> Iterator[tuple[slice, bool]]:
+        """Stretches of the curve, and whether they are unstable; special points belong to both stretches that they part."""
+        unstable, begin = [bool(self.kind_after(at)) for at in range(len(self.kinds) - 1)], 0
+        for state, group in itertools.groupby(unstable):
+            end = begin + len(list(group))
+            yield slice(begin, end + 1), state
+            begin = end
 
 
 def range_of(key: str, text: str, option: str = "--vary") -> Range:
@@ -149,37 +127,26 @@ def range_of(key: str, text: str, option: str = "--vary") -> Range:
     if key not in PATHS or key.startswith("simulation."):
         raise CaseError(option, key, None, "is no quantity of a scene", nearest_or_all(key, tuple(PATHS)))
     about = PATHS[key]
-    if about.count is not None or not about.moves or key in _WITHOUT_EFFECT:
+    if about.count is not None or not about.moves or key in OF_START:
         raise CaseError(option, key, None, "changes no periodic motion continuously", "give a single number of the scene")
     ends = [part.strip() for part in text.split("..")]
     example = f'such as "{"60 rpm .. 300 rpm" if key == SPEED else f"1 {about.unit} .. 2 {about.unit}"}"'
     if len(ends) != 2 or not all(ends):
         raise CaseError(option, key, as_written(text), "is no range", f"write two values with .. between them, {example}")
-    try:
-        low, high = (parse_quantity(end, dimension_of(key)) for end in ends)
-    except QuantityError as wrong:
-        raise CaseError(option, key, as_written(text), wrong.problem, wrong.accepted) from None
+    low, high = (si_value(key, end, option, finite=True) for end in ends)
     if not low < high or low * high < 0.0 or (key == SPEED and low * high == 0.0):
         raise CaseError(option, key, as_written(text), "is no range to follow", f"give a smaller and a larger value of one sign, {example}")
     unit = ends[1].partition(" ")[2]
-    return Range(key, low, high, unit, parse_quantity(f"1 {unit}", dimension_of(key)) if unit else 1.0)
+    return Range(key, low, high, unit, si_value(key, f"1 {unit}", option) if unit else 1.0)
 
 
-def scene_with(scene: Mechanism, values: Mapping[str, float]) -> Mechanism:
-    """The scene with other values (SI) by dotted key; keys that they replace are dropped.
+def scene_with(case: Case, values: Mapping[str, float]) -> Mechanism:
+    """The scene of a case with other values (SI) by dotted key; keys that they replace are dropped.
 
     Raises:
         ImpossibleMechanism: the parts do not fit together.
     """
-    changed = {section: dict(keys) for section, keys in values_of(scene).items()}
-    for first, others in ALTERNATIVES:
-        dropped = others if first in values else (first,) if any(path in values for path in others) else ()
-        for section, _, key in (path.partition(".") for path in dropped):
-            changed[section].pop(key, None)
-    for path, value in values.items():
-        section, _, key = path.partition(".")
-        changed.setdefault(section, {})[key] = value
-    found = scene_of(changed)
+    found = scene_of(document_of(case).changed({**dict.fromkeys(replaced_by(values)), **values}).values)
     assert isinstance(found, Mechanism)
     return found
 
@@ -189,29 +156,43 @@ def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Seq
     for name in measures:
         if name not in PEAKS:
             raise CaseError("--measure", name, None, "is unknown", nearest_or_all(name, tuple(PEAKS)))
-    scene = case.mechanism
-    base = scene if speed is None or varied.key == SPEED else scene_with(scene, {SPEED: speed})
+    _ = case.mechanism  # CaseError for a follower alone
+    held = {} if speed is None else {SPEED: speed}
 
     def scene_at(value: float) -> Mechanism:
         progress.tell(phase=f"following the motion at {value / varied.size:.4g} {varied.unit}")
-        return scene_with(base, {varied.key: value})
+        return scene_with(case, held | {varied.key: value})
 
     for value in (varied.low, varied.high):
         _check(scene_at(value))
     return scene_at
 
 
-def curve_around(case: Case) -> ResonanceCurve:
-    """The curve over speeds within `NEAR` of the machine's own, without claims; of a machine that a torque drives, of its mean speed.
+def job_around(case: Case) -> Job[ResonanceCurve]:
+    """The curve over speeds within `NEAR` of the machine's own, or of its mean speed where a torque drives it, without claims.
 
-    Raises:
-        CaseError, Refusal, EngineFailure: as `resonance_curve` does; Refusal also of a crank that stands still.
+    Raises as `resonance_curve`; Refusal also of a crank that stands still.
     """
     pace = crank_pace(case.mechanism)
     if pace == 0.0:
         raise Refusal("a resonance curve needs a crank that turns; give a speed, or a torque and damping")
     low, high = sorted(((1.0 - NEAR) * pace, (1.0 + NEAR) * pace))
-    return resonance_curve(case, Range(SPEED, low, high, "rpm", math.pi / 30.0), claims=False)
+    return job(case, Range(SPEED, low, high, "rpm", math.pi / 30.0), claims=False)
+
+
+def job(
+    case: Case,
+    varied: Range,
+    speed: float | None = None,
+    measures: Sequence[str] = (USUAL,),
+    accuracy: float | None = None,
+    claims: bool = True,
+) -> Job[ResonanceCurve]:
+    """`resonance_curve` as a job. Raises what is known beforehand: CaseError, Refusal, ImpossibleMechanism."""
+    checked_scenes(case, varied, speed, measures)
+    arguments = (case, varied, speed, tuple(measures), accuracy, claims)
+    inputs = (case.scene, *arguments[1:])
+    return Job(f"{case.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), CODE, inputs)
 
 
 def resonance_curve(
@@ -224,13 +205,8 @@ def resonance_curve(
 ) -> ResonanceCurve:
     """The curve of a case's periodic motion.
 
-    Args:
-        case: the machine.
-        varied: what varies.
-        speed: of the crank, prescribed, rad/s; None: that of the case's own drive, unless the speed itself varies.
-        measures: what to measure, names of `PEAKS`; peaks are those of the first.
-        accuracy: relative, for which the model's modes are chosen; None: that of `reference`.
-        claims: whether the error of every point is estimated, which takes a fifth of the time.
+    The crank turns at `speed` (prescribed, rad/s; None: as its own drive says) unless that varies. Modes are chosen for the `accuracy`
+    (relative; None: that of `reference`). `measures` are names of `PEAKS`; with `claims` the error of every point is estimated.
 
     Raises:
         CaseError, Refusal, ImpossibleMechanism: something cannot be.
@@ -244,21 +220,21 @@ def resonance_curve(
     family = CycleFamily(scene_at, settings.modes, INTEGRATION)
     found = _followed(family, varied)
     finer = CycleFamily(scene_at, other.modes, other.tolerance) if claims else None
-    rows = [_measured(each, family, finer, measures, abs(comparison.factor - 1.0)) for each in _told(found.points, "measuring")]
-    taken = {name: np.array([row.measures[name] for row in rows]) for name in measures}
-    value_errors = np.array([row.value_error for row in rows])
+    points, factor = found.points, abs(comparison.factor - 1.0)
+    values, errors = (np.full((len(points), len(measures)), math.nan) for _ in range(2))
+    value_errors = np.full(len(points), math.nan)
+    for at, point in enumerate(points):
+        progress.tell(phase=f"measuring point {at + 1} of {len(points)}")
+        peaks = _peaks_of(family, point.point, point.parameter, measures)
+        values[at] = [each.value for each in peaks]
+        if finer is not None:
+            errors[at], value_errors[at] = _claims(point, peaks, finer, measures, factor)
     special = [
-        SpecialPoint(
-            each.special,
-            each.parameter,
-            _tolerance(found.points, at),
-            None if math.isnan(rows[at].value_error) else rows[at].value_error,
-            at,
-        )
-        for at, each in enumerate(found.points)
+        SpecialPoint(each.special, each.parameter, _tolerance(points, at), None if math.isnan(error) else float(error), at)
+        for at, (each, error) in enumerate(zip(points, value_errors, strict=True))
         if each.special
     ]
-    for at, ending in zip((0, len(rows) - 1), found.endings, strict=True):
+    for at, ending in zip((0, len(points) - 1), found.endings, strict=True):
         if ending is not None:
             kind = "slider left" if ending.left else "lost"
             special.append(SpecialPoint(kind, ending.parameter, ending.tolerance, None, at, ending.reason))
@@ -266,26 +242,17 @@ def resonance_curve(
         case=case.name,
         range=varied,
         prescribed=case.mechanism.crank_is_free and not scene_at(varied.low).crank_is_free,
-        values=np.array([each.parameter for each in found.points]),
-        arclength=np.array([each.arclength for each in found.points]) - found.points[0].arclength,
-        measures=taken,
-        errors={name: np.array([row.errors[name] for row in rows]) for name in measures},
+        values=np.array([each.parameter for each in points]),
+        arclength=np.array([each.arclength for each in points]) - points[0].arclength,
+        measures=dict(zip(measures, values.T, strict=True)),
+        errors=dict(zip(measures, errors.T, strict=True)),
         value_errors=value_errors,
-        multipliers=np.array([[each.multipliers[0].real, each.multipliers[0].imag] for each in found.points]),
-        kinds=tuple(each.instability for each in found.points),
+        multipliers=np.array([[each.multipliers[0].real, each.multipliers[0].imag] for each in points]),
+        kinds=tuple(each.instability for each in points),
         special=tuple(sorted(special, key=lambda each: each.at)),
-        peaks=tuple(_peaks(found.points, taken[measures[0]], scene_at)),
+        peaks=tuple(_maxima(points, values[:, 0], scene_at)),
         settings={"modes": settings.modes, "finer_modes": other.modes, "tolerance": INTEGRATION},
     )
-
-
-@dataclass(frozen=True)
-class _Row:
-    """What is measured at a point, with claims."""
-
-    measures: dict[str, float]
-    errors: dict[str, float]
-    value_error: float
 
 
 def _check(scene: Mechanism) -> None:
@@ -311,31 +278,23 @@ def _followed(family: CycleFamily, varied: Range) -> Branch:
     raise EngineFailure(0.0, f"no periodic motion was found within the range ({reasons[0]})", "try another range")
 
 
-def _measured(point: BranchPoint, family: CycleFamily, finer: CycleFamily | None, measures: Sequence[str], factor: float) -> _Row:
-    """The measures of a point, and claims: the difference to the finer family's point (equation 10.13) over `factor`."""
-    here = _taken(family, point.point, point.parameter, measures)
-    row = _Row({name: value for name, (value, _) in here.items()}, dict.fromkeys(measures, math.nan), math.nan)
-    if finer is None:
-        return row
+def _peaks_of(family: CycleFamily, point: Array, value: float, measures: Sequence[str]) -> list[Peak]:
+    """Each measure of a motion, and how far off the rows of its cycle leave it."""
+    columns = family.columns(point, value, ROWS)
+    return [peak_of(columns[PEAKS[name]], columns, lambda _: None) for name in measures]
+
+
+def _claims(
+    point: BranchPoint, peaks: Sequence[Peak], finer: CycleFamily, measures: Sequence[str], factor: float
+) -> tuple[list[float], float]:
+    """Claims on measures and place: the difference to the finer family's point (equation 10.13) over `factor`; nan where there is none."""
     try:
         there, parameter = finer.nearest(point)
-        other = _taken(finer, there, parameter, measures)
+        others = _peaks_of(finer, there, parameter, measures)
     except (CycleBroken, NotConverged):
-        return row
-    errors = {name: abs(other[name][0] - value) / factor + rest for name, (value, rest) in here.items()}
-    return replace(row, errors=errors, value_error=abs(parameter - point.parameter) / factor)
-
-
-def _taken(family: CycleFamily, point: Array, value: float, measures: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Each measure, and how far off the rows of the cycle leave it."""
-    columns = family.columns(point, value, ROWS)
-    time = columns["time"]
-    found = {}
-    for name in measures:
-        least, greatest = extremes(time, columns[PEAKS[name]], time[0], time[-1])
-        largest = max(least, greatest, key=lambda each: abs(each.value))
-        found[name] = abs(largest.value), largest.uncertainty
-    return found
+        return [math.nan] * len(peaks), math.nan
+    errors = [abs(other.value - peak.value) / factor + peak.uncertainty for peak, other in zip(peaks, others, strict=True)]
+    return errors, abs(parameter - point.parameter) / factor
 
 
 def _tolerance(points: Sequence[BranchPoint], at: int) -> float:
@@ -347,7 +306,7 @@ def _tolerance(points: Sequence[BranchPoint], at: int) -> float:
     return MULTIPLIER_TOLERANCE / change * abs(after.parameter - before.parameter) if change > 0.0 else math.inf
 
 
-def _peaks(points: Sequence[BranchPoint], heights: Array, scene_at: Callable[[float], Mechanism]) -> Iterator[ResonancePeak]:
+def _maxima(points: Sequence[BranchPoint], heights: Array, scene_at: Callable[[float], Mechanism]) -> Iterator[ResonancePeak]:
     """Local maxima between the points, by the parabola of the logarithms of three."""
     log = np.log(heights)
     for at in find_peaks(log, prominence=math.log(PROMINENT))[0].tolist():
@@ -358,10 +317,3 @@ def _peaks(points: Sequence[BranchPoint], heights: Array, scene_at: Callable[[fl
         parameter = float(np.polyval(value, top))
         known = resonance(scene_at(parameter))
         yield ResonancePeak(parameter, math.exp(float(np.polyval(height, top))), at, known.harmonic if known else 0)
-
-
-def _told(points: Sequence[BranchPoint], phase: str) -> Iterator[BranchPoint]:
-    """The points, one after the other, as whoever listens is told."""
-    for number, point in enumerate(points, 1):
-        progress.tell(phase=f"{phase} point {number} of {len(points)}")
-        yield point

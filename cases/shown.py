@@ -14,15 +14,10 @@ _LEFT = ' style="text-align: left; vertical-align: top"'  # a notebook would ali
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows of texts.
+    """Rows of texts."""
 
-    Attributes:
-        rows: all of the same length.
-        heads: of the columns; may be empty.
-    """
-
-    rows: Sequence[Sequence[Cell]]
-    heads: Sequence[str] = ()
+    rows: Sequence[Sequence[Cell]]  # all of the same length
+    heads: Sequence[str] = ()  # of the columns; may be empty
 
     def text(self) -> str:
         """In left-aligned columns two blanks apart."""

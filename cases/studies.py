@@ -74,65 +74,42 @@ class BothStarts:
 
 @dataclass(frozen=True)
 class Studies:
-    """Rows of all studies.
+    """Rows of all studies."""
 
-    Attributes:
-        accuracy: of each engine at its default accuracy.
-        converged: what that is measured against; None where it could not be computed.
-        confirming: solutions of others that confirm it, where they are stored (see `confirming`).
-        convergence: of the engine `reference`, over modes and tolerances.
-        both_starts: of each package that marches.
-        failures: sentences on what could not be computed.
-    """
-
-    accuracy: Sequence[StudiedRun]
-    converged: StudiedRun | None
-    confirming: Sequence[StudiedRun]
-    convergence: Sequence[StudiedRun]
-    both_starts: Sequence[BothStarts]
-    failures: Sequence[str]
+    accuracy: Sequence[StudiedRun]  # of each engine at its default accuracy
+    converged: StudiedRun | None  # what that is measured against; None where it could not be computed
+    confirming: Sequence[StudiedRun]  # solutions of others that confirm it, where they are stored (see `confirming`)
+    convergence: Sequence[StudiedRun]  # of the engine `reference`, over modes and tolerances
+    both_starts: Sequence[BothStarts]  # of each package that marches
+    failures: Sequence[str]  # sentences on what could not be computed
 
 
 def work() -> Work:
     """All that the studies need, to be computed with other runs; `run_studies` then finds it in the store."""
-    return Work(_requests(), [job for _, job in _solutions()])
+    return Work(_requests(), list(_solutions().values()))
 
 
-def confirming(workshop: Workshop, *, compute: bool) -> list[StudiedRun]:
-    """Solutions of others that confirm the converged one.
-
-    Args:
-        workshop: where.
-        compute: False: those that are stored, for they take half a minute.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
-    """
+def confirming(workshop: Workshop) -> list[StudiedRun]:
+    """Solutions of others that confirm the converged one; they take half a minute. KeyboardInterrupt: Ctrl-C; what is there is stored."""
     jobs = [_solution("converged", *CONVERGED), *(_solution("confirming", *other) for other in CONFIRMING.items())]
-    outcomes = workshop.outcomes(jobs, "confirmation") if compute else [workshop.stored(job) for job in jobs]
-    converged, *others = [outcome and outcome.value for outcome in outcomes]
+    converged, *others = [outcome.value for outcome in workshop.outcomes(jobs, "confirmation")]
     return [each.against(converged.columns) for each in others if each] if converged else []
 
 
 def run_studies(workshop: Workshop) -> Studies:
-    """All studies, from the store where they are there.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
-    """
-    failures: list[str] = []
-    names, jobs = zip(*_solutions(), strict=True)
-    solutions = dict(zip(names, workshop.outcomes(jobs, "studies"), strict=True))
-    failures += [f"study {outcome.job.name}: {outcome.explanation}" for outcome in solutions.values() if not outcome.completed]
+    """All studies, from the store where they are there. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
+    jobs = _solutions()
+    solutions = dict(zip(jobs, workshop.outcomes(list(jobs.values()), "studies"), strict=True))
+    failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in solutions.values() if not outcome.completed]
     convergence = solutions.pop(_CONVERGENCE).value
     found = {name: outcome.value for name, outcome in solutions.items() if outcome.value is not None}
-    converged = found.get(("converged", CONVERGED[0]))
+    converged = found.get(_CONVERGED)
     results = carry_out(_requests(), workshop, "another start")
 
     return Studies(
         accuracy=[found["default", name].against(converged.columns) for name in MAIN if ("default", name) in found] if converged else [],
         converged=converged and converged.run,
-        confirming=confirming(workshop, compute=False),
+        confirming=confirming(workshop.as_it_is),
         convergence=convergence or (),
         both_starts=_both_starts(results, failures),
         failures=failures,
@@ -143,14 +120,15 @@ _CODE: Final = ("cases.studies",)
 
 Name = tuple[str, ...]
 Runs = Mapping[Name, Run]
+_CONVERGED: Final = ("converged", CONVERGED[0])
 _CONVERGENCE: Final = ("convergence", "reference")
 
 
-def _solutions() -> list[tuple[Name, Job[Any]]]:
+def _solutions() -> dict[Name, Job[Any]]:
     """Trajectories of one case, and the convergence of the reference there."""
-    solutions: list[tuple[Name, Job[Any]]] = [(("converged", CONVERGED[0]), _solution("converged", *CONVERGED))]
-    solutions += [(("default", name), _solution("default", name, None)) for name in MAIN]
-    return [*solutions, (_CONVERGENCE, Job("convergence", _convergence, _scene(), "study", ("reference",), _CODE))]
+    solutions: dict[Name, Job[Any]] = {_CONVERGED: _solution("converged", *CONVERGED)}
+    solutions |= {("default", name): _solution("default", name, None) for name in MAIN}
+    return solutions | {_CONVERGENCE: Job("convergence", _convergence, _scene(), "study", ("reference",), _CODE)}
 
 
 def _solution(what: str, name: str, settings: Mapping[str, str] | None) -> Job[StudiedTrajectory]:
@@ -170,9 +148,9 @@ def _trajectory(
     if settings is not None:
         used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
         return _once(chosen, mechanism, duration, output_step, used)
-    result = simulate(chosen, mechanism, standard_start(mechanism), duration, output_step)
-    found = _studied(chosen, mechanism, result.settings, result.trajectory, result.setup_seconds)
-    return replace(found, run=replace(found.run, error_estimate=result.error_estimate, remark=result.remark))
+    made = simulate(chosen, mechanism, standard_start(mechanism), duration, output_step)
+    known = {"error_estimate": made.error_estimate, "remark": made.remark}
+    return _studied(chosen, mechanism, made.settings, made.trajectory, made.setup_seconds, **known)
 
 
 def _once(chosen: AnyEngine, mechanism: Mechanism, duration: float, output_step: float, settings: Settings) -> StudiedTrajectory:
@@ -181,7 +159,7 @@ def _once(chosen: AnyEngine, mechanism: Mechanism, duration: float, output_step:
 
 
 def _studied(
-    chosen: AnyEngine, mechanism: Mechanism, settings: Settings, trajectory: Trajectory, setup_seconds: float
+    chosen: AnyEngine, mechanism: Mechanism, settings: Settings, trajectory: Trajectory, setup_seconds: float, **known: Any
 ) -> StudiedTrajectory:
     run = StudiedRun(
         engine=chosen.name,
@@ -190,6 +168,7 @@ def _studied(
         solve_seconds=trajectory.solve_seconds,
         setup_seconds=setup_seconds,
         right_hand_side_calls=trajectory.statistics.get("right_hand_side_calls"),
+        **known,
     )
     return StudiedTrajectory(run, dict(trajectory.columns))
 

@@ -131,11 +131,7 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
 
 
 def unit_size(unit: str, dimension: Dimension) -> float:
-    """A unit expression, such as "in/s^2", in SI units.
-
-    Raises:
-        QuantityError: no unit expression of this dimension.
-    """
+    """A unit expression, such as "in/s^2", in SI units. QuantityError: no unit expression of this dimension."""
     return float(_factor("", unit, dimension, f"write a unit such as {' or '.join(dimension.examples)}"))
 
 

@@ -20,6 +20,7 @@ from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from engines import progress
 from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal, SceneT, Simulation, Solver, StartT, first_line
@@ -101,6 +102,8 @@ class Result:
     runs: Mapping[Settings, Made] = field(default_factory=dict, repr=False)
 
 
+# The eigenproblems of the shapes are small: a second thread makes them take three times as much of the processors, and no less time.
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def simulate(
     engine: Solver[SceneT, StartT, Any],
     scene: SceneT,
@@ -216,18 +219,12 @@ def _of_time(times: NDArray[np.float64], output_step: float) -> str:
 
 @dataclass(frozen=True)
 class Compared(Generic[R]):
-    """What came of the runs of a `Comparison`: trajectories, or whatever else is made of them.
+    """What came of the runs of a `Comparison`: trajectories, or whatever else is made of them."""
 
-    Attributes:
-        run: the run in question, or one with the same error in this part.
-        other: the one that `run` is compared with.
-        factor: error of `other` over that of `run`, not 1.
-        before: the run that `other` is compared with in turn, and the error of that over the one of `other`; None where there is none.
-    """
-
-    run: R
-    other: R
-    factor: float
+    run: R  # the run in question, or one with the same error in this part
+    other: R  # the one that `run` is compared with
+    factor: float  # error of `other` over that of `run`, not 1
+    # the run that `other` is compared with in turn, and the error of that over the one of `other`; None where there is none
     before: tuple[R, float] | None = None
 
     def part(self, difference: Callable[[R, R], float]) -> float:

@@ -15,19 +15,12 @@ _MOST_AT_ONCE: Final = 2.0
 
 @dataclass(frozen=True)
 class Ladder(Generic[S]):
-    """Settings that differ in one size, and where it says so in a tolerance that must not be looser than fits that size.
+    """Settings that differ in one size, and where it says so in a tolerance that must not be looser than fits that size."""
 
-    Attributes:
-        rungs: settings and the error of the tip deflection that they claim in run 24 over 2 s, coarse to fine.
-        size: name of the setting that grows from rung to rung: modes, elements, links.
-        tolerance: name of the setting that comes with a size, or "".
-        order: of the error in the size, by which climbing goes; 0: it goes from one rung to the next.
-    """
-
-    rungs: tuple[tuple[S, float], ...]
-    size: str
-    tolerance: str = ""
-    order: float = 0.0
+    rungs: tuple[tuple[S, float], ...]  # settings and the error of the tip deflection that they claim in run 24 over 2 s, coarse to fine
+    size: str  # name of the setting that grows from rung to rung: modes, elements, links
+    tolerance: str = ""  # name of the setting that comes with a size, or ""
+    order: float = 0.0  # of the error in the size, by which climbing goes; 0: it goes from one rung to the next
 
     def pick(self, accuracy: float, gain: float = 1.0) -> S:
         """The coarsest rung that claims `accuracy`, or the finest one; `gain` is a scene's error over that in run 24."""

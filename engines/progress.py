@@ -11,21 +11,13 @@ COMPILING: Final = "compiling"
 
 @dataclass(frozen=True)
 class Progress:
-    """What is being done.
+    """What is being done."""
 
-    Attributes:
-        engine: name, "" before it is known.
-        phase: a few words.
-        rung: which settings of the engine's ladder are tried, from 1; 0: none.
-        cycle: which cycle has been simulated, from 1; 0: none.
-        most: how many cycles there may be; 0: unknown.
-    """
-
-    engine: str = ""
-    phase: str = ""
-    rung: int = 0
-    cycle: int = 0
-    most: int = 0
+    engine: str = ""  # name, "" before it is known
+    phase: str = ""  # a few words
+    rung: int = 0  # which settings of the engine's ladder are tried, from 1; 0: none
+    cycle: int = 0  # which cycle has been simulated, from 1; 0: none
+    most: int = 0  # how many cycles there may be; 0: unknown
 
     def __str__(self) -> str:
         phase = f"{self.phase} at rung {self.rung}" if self.rung else self.phase

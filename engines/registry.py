@@ -18,7 +18,7 @@ from engines.settings import Settings as AnySettings
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
-RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load")
+RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load", "moving-boundaries")
 GROUP: Final = "quickreturn.engines"
 _LONGEST_NAME: Final = 60  # characters of an unknown name that are shown
 
@@ -31,6 +31,7 @@ _MODULES: Final = {
     "multiplier": "engines.own.multiplier:MultiplierEngine",
     "stiff-spring": "engines.own.stiff_spring:StiffSpringEngine",
     "nodal-load": "engines.own.nodal_load:NodalLoadEngine",
+    "moving-boundaries": "engines.own.moving_boundaries:MovingBoundariesEngine",
 }
 
 

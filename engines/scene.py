@@ -30,11 +30,7 @@ def simulate_scene(
 
 
 def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:
-    """What the engine builds for a scene with its default settings.
-
-    Raises:
-        Refusal: it cannot.
-    """
+    """What the engine builds for a scene with its default settings. Refusal: it cannot."""
     solver, _ = solver_of(engine, scene)
     solver.check(scene)
     return solver.describe(scene, solver.settings_for(solver.default_accuracy, scene))

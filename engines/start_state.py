@@ -25,15 +25,10 @@ _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 @dataclass(frozen=True)
 class FollowerState:
-    """The follower's place and motion at the start. Angles in rad, lengths in m, rates per second; frame of O.
+    """The follower's place and motion at the start. Angles in rad, lengths in m, rates per second; frame of O."""
 
-    Attributes:
-        follower_angle: q2, tangent at the base, within 90 deg of 180 deg for the chord from P to a slider.
-        follower_rate: its rate.
-    """
-
-    follower_angle: float
-    follower_rate: float
+    follower_angle: float  # q2, tangent at the base, within 90 deg of 180 deg for the chord from P to a slider
+    follower_rate: float  # its rate
     _pivot_distance: float
     _shape: "_Shape"
 
@@ -57,15 +52,10 @@ class FollowerState:
 
 @dataclass(frozen=True)
 class StartState(FollowerState):
-    """The same with the slider's.
+    """The same with the slider's."""
 
-    Attributes:
-        slider_position: s, arc length from P.
-        slider_speed: its rate.
-    """
-
-    slider_position: float
-    slider_speed: float
+    slider_position: float  # s, arc length from P
+    slider_speed: float  # its rate
 
 
 def at_rest(length: float) -> FollowerState:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from quickreturn.calibration import calibrate, uncertainty
     from quickreturn.catalogue import case, cases, engines
     from quickreturn.cross_validation import CrossValidation, report, run
-    from quickreturn.difference import Differences, difference
+    from quickreturn.differences import Differences, difference
     from quickreturn.frequencies import modes
     from quickreturn.resonance_curves import Resonance, resonance
     from quickreturn.solution import Solution, UnknownColumn, simulate
@@ -94,7 +94,7 @@ _HOMES: Final = {
     "quickreturn.advice": ("Advice", "advise"),
     "quickreturn.catalogue": ("case", "cases", "engines"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
-    "quickreturn.difference": ("Differences", "difference"),
+    "quickreturn.differences": ("Differences", "difference"),
     "quickreturn.frequencies": ("modes",),
     "quickreturn.resonance_curves": ("Resonance", "resonance"),
     "quickreturn.solution": ("Solution", "UnknownColumn", "simulate"),

@@ -15,7 +15,7 @@ from quickreturn import questions
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.cross_validation import opened
-from quickreturn.difference import AnyTable, as_table
+from quickreturn.differences import AnyTable, as_table
 
 if TYPE_CHECKING:
     from cases.jobs.job import Limits

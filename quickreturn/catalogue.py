@@ -80,11 +80,7 @@ def _name(given: str | os.PathLike[str] | CatalogueLine) -> str:
 
 
 def cases(tag: str | None = None) -> Listing[CatalogueLine]:
-    """The cases of the library, or those with a tag.
-
-    Raises:
-        CaseError: no case has this tag.
-    """
+    """The cases of the library, or those with a tag. CaseError: no case has this tag."""
     known = {each for line in catalogue() for each in line.tags}
     if tag is not None and tag not in known:
         raise CaseError(f"tag {as_written(tag)}", None, None, "no case has this tag", f"accepted: {', '.join(sorted(known))}")

@@ -176,14 +176,7 @@ def report(
 ) -> Path:
     """Write the report on cases: a page, and its tables as CSV beside it. Results are kept as they come.
 
-    Args:
-        cases: as of `run`.
-        folder: is created where it is missing.
-        engines: as of `run`.
-        accuracy: likewise.
-        settings: likewise.
-        jobs: likewise.
-        quiet: likewise.
+    `folder` is created where it is missing; the other arguments are those of `run`.
 
     Returns:
         The page.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from cases.errors import shortened
 from cases.jobs.display import answers
+from cases.jobs.here import done
 from cases.jobs.job import Job, Limits, Outcome, T
 from cases.jobs.processes import LocalProcesses
 
@@ -43,14 +44,7 @@ def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: 
 
     jobs = [Job(name, question, (name, *arguments)) for name in engine_names()]
     elsewhere = iter(asked([job for job in jobs if job.name not in here], title))
-    return [_asked_here(job) if job.name in here else next(elsewhere) for job in jobs]
-
-
-def _asked_here(job: Job[T]) -> Outcome[T]:
-    try:
-        return Outcome(job, job.function(*job.arguments))
-    except Exception as error:
-        return Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error)
+    return [done(job) if job.name in here else next(elsewhere) for job in jobs]
 
 
 def value_of(outcome: Outcome[T]) -> T:
@@ -142,11 +136,10 @@ def about_all() -> list[About]:
     """What all engines say of themselves."""
     from engines.registry import OWN
 
-    rows = []
-    for outcome in asked_of_all(about, (), "engines", OWN):
-        broken = About(name=outcome.job.name, method="unknown", available=False, reason=f"asked about itself, it {outcome.failure}")
-        rows.append(outcome.value or broken)
-    return rows
+    return [
+        each.value or About(name=each.job.name, method="unknown", available=False, reason=f"asked about itself, it {each.failure}")
+        for each in asked_of_all(about, (), "engines", OWN)
+    ]
 
 
 @dataclass(frozen=True)

@@ -1,19 +1,16 @@
 """Resonance curves as tables and pictures."""
 
-import io
-import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases.case import PATHS
+from cases.case import PATHS, si_value
 from cases.errors import CaseError, as_written
 from cases.jobs.display import compilation_told
 from cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
 from cases.shown import Cell, Rows, Shown
-from cases.units import ANGULAR_SPEED, QuantityError, parse_quantity
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.sweeping import ERROR
@@ -24,9 +21,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from quickreturn.curves import Drawing
-
-#: Marks of special points in pictures.
-MARKS: Final = {"fold": "o", "period doubling": "s", "torus": "D", "slider left": "X", "lost": "x"}
 
 
 class Resonance(Shown):
@@ -64,16 +58,14 @@ class Resonance(Shown):
         """Special points: kind, value of what varies (SI), by how much the model's own may be missed, and the claim."""
         import pandas as pd
 
-        names = ("kind", "value", "tolerance", "error", "reason")
-        return pd.DataFrame([{name: getattr(each, name) for name in names} for each in self.curve.special], columns=names)
+        return pd.DataFrame(map(vars, self.curve.special), columns=["kind", "value", "tolerance", "error", "reason"])
 
     @property
     def peaks(self) -> "pd.DataFrame":
         """Peaks of the first measure: value of what varies (SI), height, order of the harmonic."""
         import pandas as pd
 
-        names = ("value", "height", "order")
-        return pd.DataFrame([{name: getattr(each, name) for name in names} for each in self.curve.peaks], columns=names)
+        return pd.DataFrame(map(vars, self.curve.peaks), columns=["value", "height", "order"])
 
     def plot(self, mark: float | None = None) -> "Drawing":
         """Each measure over what varies: stable parts as lines, unstable ones dashed, special points as marks.
@@ -82,36 +74,11 @@ class Resonance(Shown):
             mark: a value of what varies (SI) at which a machine runs; None: none.
         """
         from quickreturn.curves import PANEL, drawing
-        from reports.plots.style import FONT_SIZE, tidy
+        from reports.plots.resonance import draw
 
-        curve = self.curve
-        figure = drawing(0.9 + 1.4 * PANEL * len(curve.measures))
-        panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
-        shown = curve.values / curve.range.size
-        for axes, (name, heights) in zip(panels, curve.measures.items(), strict=True):
-            for part, unstable in _stretches(curve):
-                axes.plot(shown[part], heights[part], color="#0072B2", linewidth=1.1, linestyle="--" if unstable else "-")
-            for kind in dict.fromkeys(each.kind for each in curve.special):
-                at = [each.at for each in curve.special if each.kind == kind]
-                axes.plot(shown[at], heights[at], MARKS[kind], markersize=4.0, color="#D55E00", label=kind)
-            for peak in curve.peaks if name == next(iter(curve.measures)) else ():
-                place = (peak.value / curve.range.size, peak.height)
-                axes.annotate(f"{peak.order}", place, (0, 3), textcoords="offset points", ha="center", fontsize=FONT_SIZE)
-            if mark is not None:
-                axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
-            axes.set_yscale("log")
-            tidy(axes, f"{name} [{self._unit(name)}]")
-        panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
-        if panels[0].get_legend_handles_labels()[0]:
-            panels[0].legend(fontsize=FONT_SIZE, frameon=False)
-        figure.suptitle(f"{curve.case}: dashed is unstable, numbers are orders of the harmonic", fontsize=FONT_SIZE + 1.0)
+        figure = drawing(0.9 + 1.4 * PANEL * len(self.curve.measures))
+        draw(figure, self.curve, mark)
         return figure
-
-    def picture(self, ending: str) -> bytes:
-        """The plot as the content of a file."""
-        file = io.BytesIO()
-        self.plot().savefig(file, format=ending[1:], dpi=150)
-        return file.getvalue()
 
     def document(self) -> dict[str, Any]:
         """What the JSON document holds of it: special points and peaks, and the points by column."""
@@ -123,15 +90,15 @@ class Resonance(Shown):
 
     def written(self, ending: str) -> bytes:
         """The table as the content of a file: .csv, .parquet (units in the headings) or .nc."""
-        return self._netcdf() if ending == ".nc" else table_file(self.frame, self.frame.attrs["units"], ending)
-
-    def _netcdf(self) -> bytes:
+        frame = self.frame
+        if ending != ".nc":
+            return table_file(frame, frame.attrs["units"], ending)
         import xarray as xr
 
-        frame = self.frame.assign(peak_order=self.frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
-        dataset = xr.Dataset.from_dataframe(frame).assign_attrs(case=self.curve.case)
-        for name, variable in dataset.data_vars.items():
-            variable.attrs["units"] = self._unit(str(name))
+        whole = frame.assign(peak_order=frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
+        dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.curve.case)
+        for name, unit in frame.attrs["units"].items():
+            dataset[name].attrs["units"] = unit
         return bytes(dataset.to_netcdf(engine="h5netcdf"))
 
     def _unit(self, name: str) -> str:
@@ -162,41 +129,6 @@ class Resonance(Shown):
         return "unknown" if value is None or math.isnan(value) else f"{value / self.curve.range.size:{digits}}"
 
 
-def told_around(curve: ResonanceCurve, pace: float) -> list[str]:
-    """What a curve of speeds says of a machine that runs at `pace` (rad/s): its own motion, and what is nearest, in lines."""
-    name, (low, high) = next(iter(curve.measures)), sorted((curve.range.low, curve.range.high))
-    crossings = [
-        (height, kind)
-        for value, other, height, kind in zip(curve.values, curve.values[1:], curve.measures[name], curve.kinds, strict=False)
-        if min(value, other) <= pace < max(value, other)
-    ]
-    rpm, unit = curve.range.size, COLUMNS[PEAKS[name]].unit
-    drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
-    lines = [f"the machine runs at {pace / rpm:.5g} rpm{drive}"]
-    for height, kind in crossings:
-        lines.append(f"there {name} is about {height:.3g} {unit}, {f'unstable: {kind}' if kind else 'stable'}")
-    found = [(f"order {each.order}, {each.height:.3g} {unit}", each.value) for each in curve.peaks]
-    for what, places in (("peak", found), ("change of stability", [(each.kind, each.value) for each in curve.special])):
-        if not places:
-            lines.append(f"no {what} between {low / rpm:.4g} and {high / rpm:.4g} rpm")
-            continue
-        words, value = min(places, key=lambda each: abs(each[1] - pace))
-        way = "faster" if abs(value) > abs(pace) else "slower"
-        lines.append(f"nearest {what}: {words}, at {value / rpm:.5g} rpm, {100.0 * abs(value / pace - 1.0):.2g} % {way}")
-    return lines
-
-
-def _stretches(curve: ResonanceCurve) -> Iterator[tuple[slice, bool]]:
-    """Stretches of the curve, and whether they are unstable; special points belong to both stretches that they part."""
-    special = {each.at for each in curve.special}
-    unstable = [bool(curve.kinds[at + 1 if at in special else at]) for at in range(len(curve.kinds) - 1)]
-    begin = 0
-    for state, group in itertools.groupby(unstable):
-        end = begin + len(list(group))
-        yield slice(begin, end + 1), state
-        begin = end
-
-
 def resonance(
     case: AnyCase,
     key: str = SPEED,
@@ -217,7 +149,7 @@ def resonance(
         speed: at which the crank is held where something else varies, such as "165 rpm"; None: the case's own drive.
         measures: what to measure, "peak.COLUMN"; peaks are those of the first.
         accuracy: relative, of the model that is followed; None: that of `reference`.
-        claims: whether the error of every point is estimated, which takes a fifth of the time.
+        claims: whether the error of every point is estimated, which takes a third of the time or more.
         quiet: whether nothing is told on standard error.
 
     Raises:
@@ -225,17 +157,14 @@ def resonance(
         EngineFailure: no periodic motion was found in the range.
     """
     chosen = one_case(case)
-    varied, held = range_of(key, range, "range"), None if speed is None else speed_of(speed, "speed")
+    varied, held = range_of(key, range, "range"), speed_of(speed, "speed")
     with compilation_told(quiet):
         return Resonance(resonance_curve(chosen, varied, held, tuple(measures), checked(accuracy), claims))
 
 
-def speed_of(text: str, option: str = "--speed") -> float:
-    """A crank speed, rad/s. CaseError: it is none, or zero."""
-    try:
-        found = parse_quantity(text, ANGULAR_SPEED)
-    except QuantityError as wrong:
-        raise CaseError(option, SPEED, as_written(text), wrong.problem, wrong.accepted) from None
-    if found == 0.0:
+def speed_of(text: str | None, option: str = "--speed") -> float | None:
+    """A crank speed, rad/s; None of None. CaseError: it is none, or zero."""
+    found = None if text is None else si_value(SPEED, text, option)
+    if text is not None and found == 0.0:
         raise CaseError(option, SPEED, as_written(text), "does not turn the crank", 'give a speed such as "165 rpm"')
     return found

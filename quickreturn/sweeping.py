@@ -120,23 +120,20 @@ def dataset_of(found: Study) -> "xr.Dataset":
     import xarray as xr
 
     axes, both = found.grid.axes, len(found.ways) > 1
+    way = slice(None) if both else 0
     dimensions = (*(["path"] if both else []), *(each.key for each in axes))
-
-    def shaped(values: Any) -> Any:
-        return values if both else values[0]
 
     variables: dict[str, tuple[Any, ...]] = {}
     for place, name in enumerate(found.asked.measures):
         about = MEASURES[name]
-        variables[name] = (dimensions, shaped(found.values[..., place]), {"units": about.unit, "long_name": about.meaning})
+        variables[name] = (dimensions, found.values[way, ..., place], {"units": about.unit, "long_name": about.meaning})
         said = {"units": about.unit, "long_name": f"how far off {name} may be by the engine's own estimate"}
         if found.asked.claims:
-            variables[f"{name}{ERROR}"] = (dimensions, shaped(found.errors[..., place]), said)
-    variables["status"] = (dimensions, shaped(found.statuses).astype(str), {"long_name": "how the point ended"})
-    variables["sentence"] = (dimensions, shaped(found.sentences).astype(str), {"long_name": "why"})
+            variables[f"{name}{ERROR}"] = (dimensions, found.errors[way, ..., place], said)
+    variables["status"] = (dimensions, found.statuses[way].astype(str), {"long_name": "how the point ended"})
+    variables["sentence"] = (dimensions, found.sentences[way].astype(str), {"long_name": "why"})
     if both:
-        about_two = {"long_name": "whether the ways settle on two stable motions"}
-        variables["two_motions"] = (dimensions[1:], found.two_motions, about_two)
+        variables["two_motions"] = (dimensions[1:], found.two_motions, {"long_name": "whether the ways settle on two stable motions"})
     coordinates: dict[str, tuple[Any, ...]] = {
         each.key: (each.key, np.array(each.values), {"units": each.unit} if each.unit else {}) for each in axes
     }
@@ -171,8 +168,7 @@ def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
     for key in keys:
         values = dataset[key]
         if values.dtype.kind == "f":
-            nearest = float(values.sel({key: float(place[key])}, method="nearest"))
-            overrides[key] = si_text(key, nearest)
+            overrides[key] = si_text(key, float(values.sel({key: float(place[key])}, method="nearest")))
         else:
             overrides[key] = str(values.sel({key: place[key]}).item())
     return case.with_(overrides)

@@ -14,7 +14,7 @@ from engines.registry import MAIN
 from quickreturn.accuracy import checked
 from quickreturn.catalogue import AnyCase, one_case, prepared
 from quickreturn.cross_validation import given_settings, opened
-from quickreturn.difference import AnyTable, as_table
+from quickreturn.differences import AnyTable, as_table
 from quickreturn.verdict_text import parts_of
 
 if TYPE_CHECKING:

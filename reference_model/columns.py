@@ -22,19 +22,12 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Observable:
-    """What a column holds.
+    """What a column holds."""
 
-    Attributes:
-        unit: SI.
-        meaning: in words.
-        required: whether every engine delivers it.
-        of_slider: whether it means nothing without crank and slider.
-    """
-
-    unit: str
-    meaning: str
-    required: bool = False
-    of_slider: bool = False
+    unit: str  # SI
+    meaning: str  # in words
+    required: bool = False  # whether every engine delivers it
+    of_slider: bool = False  # whether it means nothing without crank and slider
 
 
 #: Number of interior places of the centre line at which the deflection is given.

@@ -46,17 +46,11 @@ class NotConverged(Exception):
 
 @dataclass(frozen=True)
 class Image:
-    """A point's image under the map.
+    """A point's image under the map."""
 
-    Attributes:
-        point: P(x), shape (m,).
-        sizes: of the quantities, by which differences are divided, shape (m,).
-        noise: error of the image, shape (m,).
-    """
-
-    point: Array
-    sizes: Array
-    noise: Array
+    point: Array  # P(x), shape (m,)
+    sizes: Array  # of the quantities, by which differences are divided, shape (m,)
+    noise: Array  # error of the image, shape (m,)
 
 
 class Family(Protocol):
@@ -68,29 +62,17 @@ class Family(Protocol):
 
 @dataclass(frozen=True)
 class BranchPoint:
-    """A fixed point on the branch.
+    """A fixed point on the branch."""
 
-    Attributes:
-        parameter: a.
-        point: x, shape (m,).
-        arclength: from the branch's first point, in the scaled variables; negative on the other side of it.
-        sizes: of x, shape (m,).
-        width: of a.
-        jacobian: of the map, shape (m, m).
-        matrix: scaled derivatives (equation 10.9), shape (m, m + 1).
-        tangent: of the branch in the scaled variables, shape (m + 1,), towards growing arclength.
-        special: "" or what happens here: "fold", "period doubling", "torus".
-    """
-
-    parameter: float
-    point: Array
-    arclength: float
-    sizes: Array
-    width: float
-    jacobian: Array
-    matrix: Array
-    tangent: Array
-    special: str = ""
+    parameter: float  # a
+    point: Array  # x, shape (m,)
+    arclength: float  # from the branch's first point, in the scaled variables; negative on the other side of it
+    sizes: Array  # of x, shape (m,)
+    width: float  # of a
+    jacobian: Array  # of the map, shape (m, m)
+    matrix: Array  # scaled derivatives (equation 10.9), shape (m, m + 1)
+    tangent: Array  # of the branch in the scaled variables, shape (m + 1,), towards growing arclength
+    special: str = ""  # "" or what happens here: "fold", "period doubling", "torus"
 
     @cached_property
     def multipliers(self) -> NDArray[np.complex128]:
@@ -105,19 +87,12 @@ class BranchPoint:
 
 @dataclass(frozen=True)
 class Ending:
-    """Why a branch ends within its range.
+    """Why a branch ends within its range."""
 
-    Attributes:
-        parameter: of the last point.
-        tolerance: by how much the parameter changes in the step that failed.
-        left: whether the slider leaves the follower.
-        reason: a clause.
-    """
-
-    parameter: float
-    tolerance: float
-    left: bool
-    reason: str
+    parameter: float  # of the last point
+    tolerance: float  # by how much the parameter changes in the step that failed
+    left: bool  # whether the slider leaves the follower
+    reason: str  # a clause
 
 
 @dataclass(frozen=True)
@@ -129,14 +104,7 @@ class Branch:
 
 
 def branch(family: Family, point: Array, parameter: float, low: float, high: float) -> Branch:
-    """The branch through a fixed point, both ways, until the parameter leaves its range.
-
-    Args:
-        family: the map.
-        point: about the fixed point, shape (m,).
-        parameter: its a, within the range.
-        low: least value of the range.
-        high: its largest.
+    """The branch through a fixed point near a point, shape (m,), both ways, until the parameter leaves its range from `low` to `high`.
 
     Raises:
         CycleBroken, NotConverged: no fixed point is near the one given.
@@ -193,18 +161,13 @@ def corrected(
 
 
 class _Walk:
-    """From a point along its tangent.
-
-    Attributes:
-        ending: afterwards why it ended; None where the range did, or the branch is closed.
-        closed: afterwards whether it came back to its first point.
-    """
+    """From a point along its tangent."""
 
     def __init__(self, family: Family, low: float, high: float) -> None:
         self._family = family
         self._limits = low, high
-        self.ending: Ending | None = None
-        self.closed = False
+        self.ending: Ending | None = None  # afterwards why it ended; None where the range did, or the branch is closed
+        self.closed = False  # afterwards whether it came back to its first point
 
     def points(self, here: BranchPoint) -> Iterator[BranchPoint]:
         """The points after `here`, with the special ones between them."""

@@ -29,22 +29,13 @@ KEPT: Final = 8
 
 
 class CycleFamily:
-    """A machine's cycle for each value of a quantity.
-
-    Args:
-        scene_at: the machine for a value, SI.
-        modes: of the model.
-        tolerance: of its integration.
-    """
+    """A machine's cycle for each value (SI) of a quantity, by a model with so many modes and an integration to a tolerance."""
 
     def __init__(self, scene_at: Callable[[float], Mechanism], modes: int, tolerance: float) -> None:
         self.scene_at = scene_at
         self.modes = modes
         self.tolerance = tolerance
-        self._built = lru_cache(KEPT)(self._build)
-
-    def _build(self, scene: Mechanism) -> BeamModel:
-        return BeamModel.following(scene, self.modes)
+        self._built = lru_cache(KEPT)(lambda scene: BeamModel.following(scene, modes))
 
     def at(self, value: float) -> tuple[SectionMap, Array]:
         """The cycle's map for a value, and a state at the farthest place with its crank speed."""

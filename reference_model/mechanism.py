@@ -303,6 +303,11 @@ class Slider:
         return not self.is_rigid and len({*self.sides}) == 1 and self.clearance == self.preload == self.contact_damping == 0.0
 
     @property
+    def has_corners(self) -> bool:
+        """Whether rollers touch and part, or differ: the joint's force is then no smooth function of the gap."""
+        return not (self.is_rigid or self.is_linear)
+
+    @property
     def has_friction(self) -> bool:
         """Whether a force acts along the follower."""
         return self.friction > 0.0 or self.friction_force > 0.0

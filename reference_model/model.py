@@ -11,7 +11,6 @@ from scipy.linalg import eig, null_space
 from scipy.optimize import brentq
 
 from reference_model.beam import tables as beam
-from reference_model.beam.modes import ModeFamily
 from reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
 from reference_model.constants import characteristic_frequency
 from reference_model.integrate import Equations, Integration, dop853
@@ -82,7 +81,7 @@ class BeamModel:
             return cls.staying(mechanism, no_shapes(mechanism.follower.length), treatment)
         (tables, reach), family, seconds = beam.following(mechanism, modes)
         constants = parameters(mechanism, modes, tables, reach, treatment)
-        return cls(mechanism, constants, partial(_of_family, family), _amplitude(mechanism, deflection_scale(mechanism)), seconds)
+        return cls(mechanism, constants, family.angles, _amplitude(mechanism, deflection_scale(mechanism)), seconds)
 
     @classmethod
     def staying(
@@ -309,17 +308,6 @@ class BeamModel:
 def _amplitude(scene: Scene, deflection: float) -> float:
     """Size of an amplitude for a deflection (m)."""
     return deflection * math.sqrt((scene.follower.mass_per_length or 1.0) * scene.follower.length)
-
-
-def _of_family(family: ModeFamily, s: float, x: Array) -> tuple[Array, Array]:
-    """psi_i and its derivative by s at arc lengths x (k,), each (k, n)."""
-    found = np.empty((2, len(x), family.squares.shape[1]))
-    place = np.array([s])
-    for span, inside in enumerate((x <= s, x > s)):
-        u = x[inside] / s if span == 0 else (x[inside] - s) / (family.length - s)
-        psi, psi_s, _, _ = family.shapes_at(place, u, span)
-        found[0, inside], found[1, inside] = psi[0], psi_s[0]
-    return found[0], found[1]
 
 
 def _unmoved(angles: Callable[[Array], Array], s: float, x: Array) -> tuple[Array, Array]:

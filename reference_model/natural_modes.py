@@ -8,15 +8,15 @@ kink of the bending moment at the slider lies between elements.
 """
 
 import math
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 
 import numpy as np
 import scipy
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from reference_model.mechanism import FollowerAlone, Mechanism, Tip
+from reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Tip
 from reference_model.rigid import crank_pace
 
 Array = NDArray[np.float64]
@@ -116,14 +116,19 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
     return supported_modes(mechanism, min(position, mechanism.follower.length), count)
 
 
-@cache
 def stiffness_ratio(mechanism: Mechanism) -> float:
     """Lowest natural frequency with the crank held anywhere over the crank's (`rigid.crank_pace`); 0 where either is missing."""
     pace = crank_pace(mechanism)
     if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.closed_stiffness == 0.0:
         return 0.0
-    lowest = min(float(frozen_crank_modes(mechanism, angle, 1).frequencies[0]) for angle in np.linspace(0.0, math.pi, RATIO_ANGLES))
-    return 2.0 * math.pi * lowest / pace
+    at_rest = Crank(length=mechanism.crank.length, drive=PrescribedSpeed(speed=0.0))
+    return 2.0 * math.pi * _lowest_frequency(replace(mechanism, crank=at_rest)) / pace
+
+
+@lru_cache(maxsize=64)  # machines whose cranks differ in nothing but length share it
+def _lowest_frequency(mechanism: Mechanism) -> float:
+    """The lowest with the crank held anywhere, Hz."""
+    return min(float(frozen_crank_modes(mechanism, angle, 1).frequencies[0]) for angle in np.linspace(0.0, math.pi, RATIO_ANGLES))
 
 
 def supported_modes(mechanism: Mechanism, slider_position: float, count: int) -> FrozenModes:

@@ -1,6 +1,6 @@
 """A scene as numbers by section and key, as a case file has them, and back: everything follows from what `mechanism` declares."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -121,6 +121,14 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
         name: {key: value for part in members for field, key, _ in quantities_of(part) if (value := getattr(part, field)) is not None}
         for name, members in parts.items()
     }
+
+
+def replaced_by(paths: Container[str]) -> list[str]:
+    """Keys that are dropped where others, `section.key` each, are given in their place."""
+    found = list[str]()
+    for first, others in ALTERNATIVES:
+        found += others if first in paths else [first] if any(path in paths for path in others) else []
+    return found
 
 
 def _is_alone(values: Values) -> bool:

@@ -1,43 +1,73 @@
 """The pictures of the documents that do not move: `python -m reports.document_pictures docs/pictures`.
 
-Run 24's steady state is computed where it is not stored; the methods are those of the recorded benchmark.
+Run 24's steady state and the studies are computed where they are not stored, which takes some minutes; the methods are those of the
+recorded benchmark.
 """
 
 import io
 import sys
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from cases.case import Case
 from cases.case_file import load_case
 from cases.experiment.published import axis_labels
 from cases.jobs.store import Store
 from cases.jobs.workshop import Workshop
+from cases.resonance_curve import SPEED, job, range_of
 from cases.runs.comparison import cross_validate
+from cases.sweep.grid import Grid, axis
+from cases.sweep.rows import Asked
+from cases.sweep.study import study
 from reports.long_studies import benchmarks
-from reports.plots import cycle, work_precision
-from reports.plots.style import PER_INCH
+from reports.plots import cycle, resonance, work_precision
+from reports.plots import study as study_plot
+from reports.plots.style import new_figure, picture
 
 RUN = 24
 CASE = f"thesis-{RUN}"
 COLOURS = 48  # of the palette: the most frequent ones, so that lines keep theirs exactly; their smoothed edges take the nearest
 
 
+#: The studies of the documents, as their commands there write them.
+CURVE: Final = "180 rpm .. 260 rpm"
+MAPS: Final = {
+    "peak.tip_acceleration": ("crank.prescribed_speed = 90 rpm .. 240 rpm : 101", "tip.mass = 0 g .. 50 g : 26"),
+    "multiplier": ("crank.prescribed_speed = 240 rpm .. 400 rpm : 65", "tip.mass = 0 g .. 100 g : 21"),
+}
+
+
 def main(folder: Path) -> None:
     """Write them into a folder."""
-    (result,) = cross_validate([load_case(CASE)], Workshop(Store()))
+    case, workshop = load_case(CASE), Workshop(Store())
+    (result,) = cross_validate([case], workshop)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "run-24.png").write_bytes(png(cycle.draw_cycle(result, axis_labels(RUN))))
     (folder / "methods.png").write_bytes(png(work_precision.draw(benchmarks()[CASE])))
+    (folder / "resonance.png").write_bytes(png(curve(case, workshop)))
+    for measure, axes in MAPS.items():
+        asked = Asked(measures=(measure,), claims=False, duration=case.duration)
+        found = study(Grid(case, tuple(axis(text) for text in axes)), asked, workshop)
+        (folder / f"{measure.rpartition('.')[2].replace('_', '-')}.png").write_bytes(png(study_plot.draw(found)))
+
+
+def curve(case: Case, workshop: Workshop) -> Figure:
+    """The resonance curve of a case over `CURVE`."""
+    (outcome,) = workshop.outcomes([job(case, range_of(SPEED, CURVE), claims=False)], "resonance curve")
+    assert outcome.value is not None
+    figure = new_figure(3.0)
+    resonance.draw(figure, outcome.value)
+    return figure
 
 
 def png(figure: Figure) -> bytes:
     """A small file of few colours."""
-    drawn, file = io.BytesIO(), io.BytesIO()
-    figure.savefig(drawn, format="png", dpi=PER_INCH)
-    pixels = np.asarray(Image.open(drawn).convert("RGB"), dtype=int)
+    file = io.BytesIO()
+    pixels = np.asarray(Image.open(io.BytesIO(picture(figure, ".png"))).convert("RGB"), dtype=int)
     colours, which, counts = np.unique(pixels.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)
     kept = colours[np.argsort(-counts)[:COLOURS]]
     nearest = np.argmin(np.sum((colours[:, None] - kept) ** 2, axis=2), axis=1)

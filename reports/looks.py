@@ -15,25 +15,16 @@ from typing import Final
 
 @dataclass(frozen=True)
 class Look:
-    """The look of a line and of its marks.
+    """The look of a line and of its marks."""
 
-    Attributes:
-        light: colour on a light ground.
-        dark: colour on a dark ground.
-        width: of the line, CSS pixels.
-        dash: pixels drawn and left out; empty for a solid line.
-        offset: where in the dashes a line begins, pixels.
-        order: of two looks the higher one lies on top.
-        marker: shape of marks: "circle", "square", "diamond", "triangle", "triangle-down", "triangle-left", "triangle-right", "pentagon",
-            "hexagon", "star", "plus" or "cross".
-    """
-
-    light: str
-    dark: str
-    width: float
-    dash: tuple[float, ...] = ()
-    offset: float = 0.0
-    order: int = 0
+    light: str  # colour on a light ground
+    dark: str  # colour on a dark ground
+    width: float  # of the line, CSS pixels
+    dash: tuple[float, ...] = ()  # pixels drawn and left out; empty for a solid line
+    offset: float = 0.0  # where in the dashes a line begins, pixels
+    order: int = 0  # of two looks the higher one lies on top
+    # shape of marks: "circle", "square", "diamond", "triangle", "triangle-down", "triangle-left", "triangle-right", "pentagon",
+    # "hexagon", "star", "plus" or "cross"
     marker: str = "circle"
 
 
@@ -60,6 +51,7 @@ ENGINES: Final = {
     "multiplier": Look(*_WINE, 2.4, (3.0, 3.0), order=6, marker="cross"),
     "stiff-spring": Look(*_BROWN, 2.4, (8.0, 3.0, 2.0, 3.0), order=7, marker="plus"),
     "nodal-load": Look(*_OLIVE, 2.4, (2.0, 4.0), order=8, marker="pentagon"),
+    "moving-boundaries": Look(*_FOREST, 2.4, (14.0, 3.0, 2.0, 3.0), order=9, marker="star"),
 }
 #: Looks of quantities, in charts of one engine.
 SIGNALS: Final = {
@@ -89,6 +81,18 @@ EFFECTS: Final = {
     "gravity": Look(*_OLIVE, 3.0, marker="cross"),
     "drive": Look(*_SKY, 3.0, marker="plus"),
 }
+#: Looks of a resonance curve: its parts, its special points and peaks, and the machine on it.
+RESONANCE: Final = {
+    "stable": Look(*_BLUE, 3.4, order=1),
+    "unstable": Look(*_VERMILION, 3.0, (6.0, 4.0), order=2),
+    "peak": Look(*_PURPLE, 2.4, order=3, marker="triangle"),
+    "fold": Look(*_WINE, 2.4, order=4, marker="diamond"),
+    "period doubling": Look(*_TEAL, 2.4, order=5, marker="square"),
+    "torus": Look(*_OLIVE, 2.4, order=6, marker="pentagon"),
+    "slider left": Look(*_BROWN, 2.4, order=7, marker="cross"),
+    "lost": Look(*_NAVY, 2.4, order=8, marker="plus"),
+    "your machine": Look(*_INK, 2.4, order=9, marker="star"),
+}
 #: Looks of all other names.
 _OTHERS: Final = (
     Look(*_SKY, 2.4, (9.0, 3.0), order=9, marker="hexagon"),
@@ -106,7 +110,8 @@ def looks(names: Iterable[str]) -> dict[str, Look]:
     of these names has. With more than five unknown names looks are given again.
     """
     asked = list(dict.fromkeys(names))
-    found = {name: known for name in asked if (known := ENGINES.get(name) or SIGNALS.get(name) or EFFECTS.get(name))}
+    known = ENGINES | SIGNALS | EFFECTS | RESONANCE
+    found = {name: known[name] for name in asked if name in known}
     for name in sorted(set(asked) - set(found)):
         taken = list(found.values())
         found[name] = min(_in_turn(name), key=taken.count)

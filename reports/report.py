@@ -20,13 +20,15 @@ from cases.judging.matrix import judge_scenes
 from cases.library import catalogue
 from cases.library.hard import TAG
 from cases.recorded import RecordedTable, experiment_tables
+from cases.runs.campaign import Work
 from cases.runs.comparison import CaseResult, cross_validate
 from cases.runs.request import CODE, Run
 from cases.studies import ACCURACY_CASE, run_studies, work
 from engines.registry import MAIN, engine
 from reports import long_studies
 from reports.findings.failures import INCOMPLETE
-from reports.findings.runs import of_library
+from reports.findings.resonance import curves_around, jobs_around
+from reports.findings.runs import of_library, run_number
 from reports.machine import machine_facts
 from reports.output import check_folder, write_file
 from reports.page.chapters import chapters_of
@@ -93,7 +95,9 @@ def write_report(
     recorded = {case: [*found] for case, found in (tables or {}).items()}
     for table in experiment_tables():
         recorded.setdefault(table.declared["case"], []).append(table)
-    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, work() if _studied(cases) else None)
+    own = [] if any(case.source == "library" and run_number(case.name) for case in cases) else cases
+    beside = work() if _studied(cases) else Work(jobs=[job for job in jobs_around(own).values() if isinstance(job, Job)])
+    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, beside)
     frozen, missing = _frozen_crank(of_library(results, ACCURACY_CASE), workshop)
     content = Content(
         results=results,
@@ -104,6 +108,7 @@ def write_report(
         facts=machine_facts(),
         code=code_fingerprint((*SIMULATION, *CODE)),
         notices=(*missing, *workshop.store.notices),
+        around=curves_around(own, workshop),
     )
     return write(content, folder)
 
@@ -158,7 +163,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
     if not _studied(cases):
         return {"benchmarks": [table for case in cases if (table := stored(case, workshop))]}
     scenes = [load_case(entry.name) for entry in catalogue(TAG)]
-    studies, matrix = run_studies(workshop), judge_scenes(scenes, workshop, compute=False)
+    studies, matrix = run_studies(workshop), judge_scenes(scenes, workshop.as_it_is)
     own, known = {name: stored(load_case(name), workshop) for name in SCENES}, long_studies.benchmarks()
     of_record = {
         "confirmation": not studies.confirming,
@@ -171,7 +176,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
     return {
         "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
         "benchmarks": [table for name in SCENES if (table := own[name] or known.get(name))],
-        "compiling": compiling(workshop, ENGINES, compute=False) or long_studies.compiling(),
+        "compiling": compiling(workshop.as_it_is, ENGINES) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
         "classes": long_studies.class_map(),
         "finding": long_studies.finding(),

@@ -62,9 +62,15 @@ class Block(NamedTuple):
 def blocks_of(document: str) -> list[Block]:
     text = DOCUMENTS[document]
     return [
-        Block(document, text.count("\n", 0, found.start()) + 1, found["kind"], found["about"], textwrap.dedent(found["text"]))
+        Block(document, text.count("\n", 0, found.start()) + 1, found["kind"], found["about"], _dedented(found))
         for found in FENCED.finditer(text)
     ]
+
+
+def _dedented(found: "re.Match[str]") -> str:
+    """The text, of commands with those that go on over several lines on one."""
+    text = textwrap.dedent(found["text"])
+    return re.sub(r"\\\n\s*", "", text) if found["kind"] == "sh" else text
 
 
 BLOCKS = [block for document in DOCUMENTS for block in blocks_of(document)]

@@ -33,24 +33,14 @@ class Compiling:
     load_seconds: float  # where another process has left it
 
 
-def compiling(workshop: Workshop, names: Sequence[str], *, compute: bool = True) -> list[Compiling]:
-    """Of those of some engines that compile code, from the store where it is there.
-
-    Args:
-        workshop: where.
-        names: of engines.
-        compute: False: what is not stored is left out.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was measured is stored.
-    """
+def compiling(workshop: Workshop, names: Sequence[str]) -> list[Compiling]:
+    """Of those engines among `names` that compile code. KeyboardInterrupt: Ctrl-C; what was measured is stored."""
     jobs = [
         Job(f"compiling {name}", measured, (name,), "compiling", (name,), ("cases.benchmark",))
         for name in names
         if engine(name).compiles and not engine(name).unavailable()
     ]
-    outcomes = workshop.outcomes(jobs, "compiling") if compute else [workshop.stored(job) for job in jobs]
-    return [outcome.value for outcome in outcomes if outcome is not None and outcome.value is not None]
+    return [outcome.value for outcome in workshop.outcomes(jobs, "compiling") if outcome.value is not None]
 
 
 def measured(name: str) -> Compiling:

@@ -13,6 +13,7 @@ from engines.settings import Settings
 VARIANTS: Final[Mapping[str, tuple[tuple[str, Mapping[str, str]], ...]]] = {
     "multiplier": (("multiplier, elements", {"family": "hermite"}),),
     "nodal-load": (("nodal-load, linear", {"distribution": "both linear"}),),
+    "moving-boundaries": (("moving-boundaries, foreshortening", {"foreshortening": "true"}),),
 }
 
 

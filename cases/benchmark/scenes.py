@@ -29,16 +29,10 @@ def stored(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES) -> Be
 
 
 def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repetitions: int = REPETITIONS) -> Benchmark:
-    """Measure anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
+    """Measure engines (names) anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
 
     An engine that dies, or is stopped at the executor's limits, is left out and the others are measured once more; such a result is not
-    stored. The time limit stands for each engine.
-
-    Args:
-        case: gives the scene.
-        workshop: where.
-        names: of engines.
-        repetitions: of each run; the least time counts.
+    stored. The time limit stands for each engine. The least time of the repetitions of a run counts.
 
     Raises:
         EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.

@@ -19,22 +19,15 @@ GYRATION: Final = 0.068 / 25.0**2
 
 @dataclass(frozen=True)
 class Groups:
-    """The groups of a machine.
+    """The groups of a machine."""
 
-    Attributes:
-        speed: crank's frequency over the lowest natural frequency of the follower with the crank held, wherever that is lowest.
-        tip: mass of the tip body over that of the arm.
-        crank: crank's length over the distance of the pivots.
-        damping: share of critical damping of the lowest mode: of the arm's own damping as if there were no tip body, and of the pivot's as
-            if the arm turned as a whole.
-        joint: stiffness of the slider's joint over EI / L^3 of the arm; infinite where it is rigid.
-    """
-
-    speed: float
-    tip: float
-    crank: float
+    speed: float  # crank's frequency over the lowest natural frequency of the follower with the crank held, wherever that is lowest
+    tip: float  # mass of the tip body over that of the arm
+    crank: float  # crank's length over the distance of the pivots
+    # share of critical damping of the lowest mode: of the arm's own damping as if there were no tip body, and of the pivot's as if the
+    # arm turned as a whole
     damping: float
-    joint: float
+    joint: float  # stiffness of the slider's joint over EI / L^3 of the arm; infinite where it is rigid
 
 
 #: Group -> what it is, in words.

@@ -21,7 +21,7 @@ from engines.trajectory import REQUIRED, Trajectory
 LEVELS: Final = ALL_LEVELS[:2]
 #: Processor time (s) that a method's ladder may take, and an answer to an error. No run is begun that would end later if it took as long
 #: as the one before.
-LIMIT: Final = 10.0
+LIMIT: Final = 5.0
 #: Repetitions of a run at most, and of an answer that takes less than this (s); the least time counts.
 REPETITIONS: Final = 3
 BRIEF: Final = 1.0
@@ -38,55 +38,34 @@ OF_ITSELF: Final = "its estimate is of something else"
 
 
 @dataclass(frozen=True)
-class Truth:
-    """The solution of a scene that errors are measured against, and how far another one is from it."""
-
-    trajectory: Trajectory
-    confirmation: Confirmation
-
-
-@dataclass(frozen=True)
 class Reach:
-    """A method on a scene at an error of the tip deflection.
-
-    Attributes:
-        scene: its name.
-        engine: the method.
-        level: the error.
-        status: `REACHED` by settings of its ladder, or why not.
-        solve_seconds: solving with the fastest settings that are within the level; None where there are none.
-        waited_seconds: setting up and solving all runs that the engine makes when asked for this error, those of its estimate included;
-            None where it does not get there or does not know that it is there.
-        error: of what it delivers when asked; where nothing is within the level the least error of its ladder.
-        remark: the reason in words.
-    """
+    """A method on a scene at an error of the tip deflection."""
 
     scene: str
-    engine: str
-    level: float
-    status: str
-    solve_seconds: float | None = None
+    engine: str  # the method
+    level: float  # the error
+    status: str  # `REACHED` by settings of its ladder, or why not
+    solve_seconds: float | None = None  # solving with the fastest settings that are within the level; None where there are none
+    # setting up and solving all runs that the engine makes when asked for this error, those of its estimate included; None where it does
+    # not get there or does not know that it is there
     waited_seconds: float | None = None
-    error: float | None = None
-    remark: str = ""
+    error: float | None = None  # of what it delivers when asked; where nothing is within the level the least error of its ladder
+    remark: str = ""  # the reason in words
 
 
-def truth(groups: Groups) -> Truth:
-    """The truth of a scene. Raises EngineFailure: there is none, as where the slider leaves the follower."""
+def truth(groups: Groups) -> tuple[Trajectory, Confirmation]:
+    """The solution of a scene that errors are measured against, and how far another one is from it.
+
+    EngineFailure: there is none, as where the slider leaves the follower.
+    """
     case = case_of(groups)
     found = truth_of(case)
     kept = replace(found, columns={name: found[name] for name in REQUIRED})
-    return Truth(kept, confirmation_of(case, kept))
+    return kept, confirmation_of(case, kept)
 
 
 def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:
-    """An engine on a scene, at each of `LEVELS`, in this process.
-
-    Args:
-        groups: of the scene.
-        name: of the engine.
-        true: the solution to measure against.
-    """
+    """An engine, by its name, on the scene of some groups at each of `LEVELS`, in this process; errors are those against `true`."""
     case = case_of(groups)
     method = methods([name], case)[0]
     unknown = [Reach(case.name, name, level, NOT_REACHED) for level in LEVELS]

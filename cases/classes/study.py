@@ -1,17 +1,19 @@
 """The study: every method on every scene of the map, from the store where it is there."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from cases.benchmark.findings import Confirmation
 from cases.benchmark.measurement import CONFIRMING, TRUTH
 from cases.classes.grid import case_of, grid, name_of
 from cases.classes.groups import Groups
-from cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, Truth, measured, truth
+from cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, measured, truth
 from cases.jobs.isolation import STOPPED
 from cases.jobs.job import Job, Outcome, default_limits
 from cases.jobs.workshop import Workshop
 from engines.registry import MAIN, RIVALS, engine
+from engines.trajectory import Trajectory
 
 ENGINES: Final = (*MAIN, *RIVALS)
 CODE: Final = ("cases.benchmark", "cases.classes.grid", "cases.classes.groups", "cases.classes.measurement")
@@ -21,57 +23,41 @@ STOP: Final = 12.0 * LIMIT
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene of the map.
+    """A scene of the map."""
 
-    Attributes:
-        name: see `cases.classes.grid.name_of`.
-        groups: that make it.
-        difference: of the confirming solution's tip deflection from the one that errors are measured against; None where there is none.
-        failure: why there is no solution, or no confirming one; "" where there are both.
-    """
-
-    name: str
-    groups: Groups
+    name: str  # see `cases.classes.grid.name_of`
+    groups: Groups  # that make it
+    # of the confirming solution's tip deflection from the one that errors are measured against; None where there is none
     difference: float | None = None
-    failure: str = ""
+    failure: str = ""  # why there is no solution, or no confirming one; "" where there are both
 
 
-def study(workshop: Workshop, *, compute: bool = True, among: Iterable[Groups] | None = None) -> tuple[list[Scene], list[Reach]]:
-    """The scenes, and what each method reached on each of them.
+def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[Scene], list[Reach]]:
+    """The scenes, and what each method reached on each of them; what is missing in the workshop is left out.
 
-    Args:
-        workshop: where.
-        compute: False: what is not stored is left out.
-        among: scenes; None: all of the map.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was measured is stored.
+    `among`: scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; what was measured is stored.
     """
     groups = list(grid() if among is None else among)
-    truths = _outcomes(workshop, [_truth_job(each) for each in groups], "solutions to measure against", compute)
-    scenes = [_scene(each, found) for each, found in zip(groups, truths, strict=True) if found is not None]
+    truths = workshop.outcomes([_truth_job(each) for each in groups], "solutions to measure against")
+    scenes = [_scene(each, found) for each, found in zip(groups, truths, strict=True) if not found.missing]
     jobs = [
-        _job(each, name, found.value)
+        _job(each, name, found.value[0])
         for each, found in zip(groups, truths, strict=True)
-        if found is not None and found.value is not None
+        if found.value is not None
         for name in ENGINES
         if not engine(name).unavailable()
     ]
-    outcomes = [_kept(workshop, outcome) for outcome in _outcomes(workshop, jobs, "methods on scenes", compute) if outcome is not None]
+    outcomes = [_kept(workshop, outcome) for outcome in workshop.outcomes(jobs, "methods on scenes") if not outcome.missing]
     return scenes, [reach for outcome in outcomes for reach in outcome.value or ()]
 
 
-def _outcomes(workshop: Workshop, jobs: Sequence[Job[Any]], title: str, compute: bool) -> Sequence[Outcome[Any] | None]:
-    return workshop.outcomes(jobs, title) if compute else [workshop.stored(job) for job in jobs]
-
-
-def _truth_job(groups: Groups) -> Job[Truth]:
+def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Confirmation]]:
     engines = (TRUTH[0], CONFIRMING[0])
     return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, _inputs(groups))
 
 
-def _job(groups: Groups, name: str, true: Truth) -> Job[list[Reach]]:
-    arguments = (groups, name, true.trajectory)
+def _job(groups: Groups, name: str, true: Trajectory) -> Job[list[Reach]]:
+    arguments = (groups, name, true)
     limits = replace(default_limits(), seconds=STOP)
     return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, _inputs(groups), limits)
 
@@ -81,11 +67,11 @@ def _inputs(groups: Groups) -> Any:
     return case.mechanism, case.duration, case.output_step
 
 
-def _scene(groups: Groups, outcome: Outcome[Truth]) -> Scene:
+def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> Scene:
     name = name_of(groups)
     if outcome.value is None:
         return Scene(name, groups, failure=outcome.explanation)
-    confirmation = outcome.value.confirmation
+    _, confirmation = outcome.value
     return Scene(name, groups, confirmation.differences.get("tip_deflection"), confirmation.failure)
 
 

@@ -29,17 +29,11 @@ __all__ = ["GROUPS", "QUICK", "Check", "Conformance", "conform", "job"]
 
 @dataclass(frozen=True)
 class Group:
-    """A group of checks.
+    """A group of checks."""
 
-    Attributes:
-        checks: makes them.
-        runs: about how many runs of the engine it takes, and how many of them an estimate is made of.
-        share: of the time, where that is limited.
-    """
-
-    checks: Callable[[Bench, Elsewhere], Iterator[Check]]
-    runs: tuple[int, int]
-    share: float
+    checks: Callable[[Bench, Elsewhere], Iterator[Check]]  # makes them
+    runs: tuple[int, int]  # about how many runs of the engine it takes, and how many of them an estimate is made of
+    share: float  # of the time, where that is limited
 
 
 #: Groups of checks by name, in the order in which they are told. Runs are those that `reference` takes.
@@ -110,13 +104,9 @@ def job(engine: str) -> Job[Conformance]:
 
 
 def checks_of(group: str, engine: AnyEngine | str, other: Elsewhere = NOT_TRIED, seconds: float | None = None) -> list[Check]:
-    """The checks of one group. What an engine raises that no engine may ends them.
+    """The checks of one group; engine and seconds as of `conform`, `other`: what came of it in other processes.
 
-    Args:
-        group: name.
-        engine: as of `conform`.
-        other: what came of it in other processes.
-        seconds: wall time that the engine's runs may take; None: as long as they take.
+    What an engine raises that no engine may ends them.
     """
     found = found_engine(engine)
     checks: list[Check] = []

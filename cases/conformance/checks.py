@@ -24,19 +24,12 @@ TELL_THE_AUTHOR: Final = "debug it with the scene of this check: cases.conforman
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was looked at.
+    """One thing that was looked at."""
 
-    Attributes:
-        check: what was looked at.
-        status: how it ended.
-        cause: what is wrong, or why it was not judged; of a check that passed what was seen, or "".
-        advice: what to try; "" where nothing is wrong.
-    """
-
-    check: str
-    status: Status
-    cause: str = ""
-    advice: str = ""
+    check: str  # what was looked at
+    status: Status  # how it ended
+    cause: str = ""  # what is wrong, or why it was not judged; of a check that passed what was seen, or ""
+    advice: str = ""  # what to try; "" where nothing is wrong
 
     @property
     def left_out(self) -> bool:
@@ -46,16 +39,10 @@ class Check:
 
 @dataclass(frozen=True, repr=False)
 class Conformance(Shown):
-    """What was found of an engine.
-
-    Attributes:
-        engine: name.
-        conforms: False if a check failed; None if there was nothing to judge by.
-        checks: all of them.
-    """
+    """What was found of an engine."""
 
     engine: str
-    conforms: bool | None
+    conforms: bool | None  # False if a check failed; None if there was nothing to judge by
     checks: tuple[Check, ...]
 
     def _parts(self) -> Iterator[Cell]:

@@ -63,19 +63,12 @@ def motion(bench: Bench) -> Iterator[Check]:
 
 
 class Amiss(NamedTuple):
-    """What is wrong in the mild scene.
+    """What is wrong in the mild scene."""
 
-    Attributes:
-        late: columns that come late with a coarser output step.
-        depending: columns that depend on it otherwise.
-        found: others that are wrong.
-        model: a mistake of the model that explains them.
-    """
-
-    late: Mapping[str, Check]
-    depending: Mapping[str, Check]
-    found: Mapping[str, Finding]
-    model: Finding | None
+    late: Mapping[str, Check]  # columns that come late with a coarser output step
+    depending: Mapping[str, Check]  # columns that depend on it otherwise
+    found: Mapping[str, Finding]  # others that are wrong
+    model: Finding | None  # a mistake of the model that explains them
 
     @property
     def columns(self) -> frozenset[str]:

@@ -66,20 +66,17 @@ def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
 
 
 def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str]) -> str:
-    """Whether the engine follows a change of a scene. Raises as a look of `looked_at` may.
+    """Whether the engine follows a change of a scene, where its motion without the change is right or `wrong`.
 
-    Args:
-        bench: the engine.
-        scene: that is changed.
-        change: of what.
-        wrong: whether its motion is wrong without the change.
-        told: columns whose rows are wrong and were told; those that are found here are added.
+    Columns whose rows are wrong are told of once: `told` grows by those that are found here. Raises as a look of `looked_at` may.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
     if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):
         return "refused: a driven crank is not modelled"
     context = changed(scene, change.context)
     before, after = Motion(context, change.duration), Motion(changed(context, change.values), change.duration)
+    if after.scene == before.scene:
+        return "the scene has it already"
     try:
         bench.solver(scene).check(after.scene)
         runs = [bench.run(motion) for motion in (before, after)]

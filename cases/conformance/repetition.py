@@ -45,17 +45,12 @@ Found = Mapping[str, Mapping[str, Array]]
 
 @dataclasses.dataclass(frozen=True)
 class Elsewhere:
-    """What came of an engine in other processes.
+    """What came of an engine in other processes."""
 
-    Attributes:
-        in_turn: each scene behind the others, in one process; the mild scene again, and at the end once more.
-        alone: each scene in a process of its own, the mild one twice.
-        reason: why there is nothing; "" where there is.
-    """
-
+    # each scene behind the others, in one process; the mild scene again, and at the end once more
     in_turn: Found = dataclasses.field(default_factory=dict)
-    alone: Found = dataclasses.field(default_factory=dict)
-    reason: str = ""
+    alone: Found = dataclasses.field(default_factory=dict)  # each scene in a process of its own, the mild one twice
+    reason: str = ""  # why there is nothing; "" where there is
 
 
 NOT_TRIED: Final = Elsewhere(reason="not tried")

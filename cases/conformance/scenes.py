@@ -45,21 +45,15 @@ PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
 
 @dataclass(frozen=True)
 class Change:
-    """A quantity of the scene, tried.
+    """A quantity of the scene, tried."""
 
-    Attributes:
-        name: of the quantity, as in a case file.
-        values: what it is changed to.
-        context: what the scene needs besides for the quantity to matter; it is there before and after.
-        alike: mistakes that are made with it: what they are -> what the scene would be with them.
-        duration: of the motion, s; three quarters of a turn unless another one shows more.
-    """
-
-    name: str
-    values: dict[str, Any]
+    name: str  # of the quantity, as in a case file
+    values: dict[str, Any]  # what it is changed to
+    # what the scene needs besides for the quantity to matter; it is there before and after
     context: dict[str, Any] = dataclasses.field(default_factory=dict)
+    # mistakes that are made with it: what they are -> what the scene would be with them
     alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
-    duration: float = 0.4
+    duration: float = 0.4  # of the motion, s; three quarters of a turn unless another one shows more
 
     def mistakes(self) -> dict[str, dict[str, Any]]:
         """`alike`, and the quantity half and twice as large: what the mistakes are -> what they make of a scene."""

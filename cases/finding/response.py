@@ -24,7 +24,7 @@ from cases.measures.consensus import consensus
 from cases.measures.cycle import HALVES
 from cases.measures.first_mode import FirstMode, fit_first_modes
 from cases.measures.half_cycle import channel_half, half_cycle
-from cases.runs.marching import March, output_step, whole_cycles
+from cases.runs.marching import March, output_step, periodic_cycle
 from cases.runs.orbit import PeriodicStart
 from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
 from engines.registry import engine as engine_of_name
@@ -55,34 +55,21 @@ PADDING: Final = 16
 
 @dataclass(frozen=True)
 class Half:
-    """The first mode in a half, by channel, where all measured cycles resolve it.
+    """The first mode in a half, by channel, where all measured cycles resolve it."""
 
-    Attributes:
-        frequencies: Hz.
-        uncertainties: of their measurement, Hz.
-        amplitudes: RMS of the envelope, in the channel's unit.
-        scatter: standard error of the mean frequency over the cycles, relative; 0 of one cycle.
-    """
-
-    frequencies: Mapping[str, float]
-    uncertainties: Mapping[str, float]
-    amplitudes: Mapping[str, float]
-    scatter: float
+    frequencies: Mapping[str, float]  # Hz
+    uncertainties: Mapping[str, float]  # of their measurement, Hz
+    amplitudes: Mapping[str, float]  # RMS of the envelope, in the channel's unit
+    scatter: float  # standard error of the mean frequency over the cycles, relative; 0 of one cycle
 
 
 @dataclass(frozen=True)
 class Ring:
-    """The tip acceleration at the return, from 90 to 180 Hz.
+    """The tip acceleration at the return, from 90 to 180 Hz."""
 
-    Attributes:
-        rms: m/s^2.
-        frequency: Hz, the strongest between 60 and 200 Hz.
-        signs: correlation of strain 1 with 2, and with 3, from 60 to 200 Hz.
-    """
-
-    rms: float
-    frequency: float
-    signs: tuple[float, float]
+    rms: float  # m/s^2
+    frequency: float  # Hz, the strongest between 60 and 200 Hz
+    signs: tuple[float, float]  # correlation of strain 1 with 2, and with 3, from 60 to 200 Hz
 
 
 @dataclass(frozen=True)
@@ -98,25 +85,15 @@ class Response:
 
 @dataclass(frozen=True)
 class Request:
-    """A scene to be brought to its steady cycles.
+    """A scene to be brought to its steady cycles."""
 
-    Attributes:
-        scene: changed from one as published.
-        start: periodic state of that.
-        multiplier: its largest Floquet multiplier.
-        speed: its mean crank speed, which is kept, rad/s.
-        engine: name.
-        settings: of it, as texts; others are those of its default accuracy.
-        finer: whether it takes the finer settings that its error is estimated with.
-    """
-
-    scene: Mechanism
-    start: PeriodicStart
-    multiplier: float
-    speed: float
-    engine: str = "reference"
-    settings: Mapping[str, str] = field(default_factory=dict)
-    finer: bool = False
+    scene: Mechanism  # changed from one as published
+    start: PeriodicStart  # periodic state of that
+    multiplier: float  # its largest Floquet multiplier
+    speed: float  # its mean crank speed, which is kept, rad/s
+    engine: str = "reference"  # name
+    settings: Mapping[str, str] = field(default_factory=dict)  # of it, as texts; others are those of its default accuracy
+    finer: bool = False  # whether it takes the finer settings that its error is estimated with
 
 
 def respond(requests: tuple[Request, ...]) -> tuple[Response, ...]:
@@ -157,8 +134,7 @@ def _steady_cycles(
     except NoSteadyState:
         found = None
     if found is not None and found.stable:
-        cycle = whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
-        return iter([cycle]), 2.0 * math.pi / found.period
+        return iter([periodic_cycle(found, step)]), 2.0 * math.pi / found.period
     march = iter(March(engine.prepare(scene, start, settings), start.crank_speed, step))
     periods = [float(cycle.time[-1] - cycle.time[0]) for cycle in islice(march, TRIED)]
     before, last = (2.0 * math.pi / period for period in periods[-2:])
@@ -208,7 +184,7 @@ def _fitted(scale: TimeScale | None, half: str, cycle: Cycle) -> dict[str, First
     start, end = CubicSpline(turned, cycle.time)(np.pi * np.array((0.0, 1.0) if half == "pre" else (1.0, 2.0)))
     here = half_cycle(scale, float(start), float(end), CubicSpline(cycle.time, cycle.crank_angle))
     signals = {name: CubicSpline(cycle.time, cycle.channels[name]) for name in scale.channels}
-    return fit_first_modes({name: channel_half(scale, here, name, signal) for name, signal in signals.items()})
+    return fit_first_modes([{name: channel_half(scale, here, name, signal) for name, signal in signals.items()}])[0]
 
 
 def _half(half: str, cycles: list[dict[str, FirstMode]]) -> Half:

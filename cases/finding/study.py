@@ -8,7 +8,7 @@ from typing import Final
 
 from cases.finding.effects import PUBLISHED, Effect, effects
 from cases.finding.response import Request, Response, respond
-from cases.jobs.job import Job, Outcome
+from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.library.thesis import RUNS, run_case
 from cases.measures import CHANNELS
@@ -35,41 +35,27 @@ Found = Mapping[tuple[str, int, Way], tuple[Response, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """An effect of one strength; changes are those of the run as published. None: not resolvable, not computed, or broken down.
+    """An effect of one strength; changes are those of the run as published. None: not resolvable, not computed, or broken down."""
 
-    Attributes:
-        effect: `Effect.id`.
-        strength: its words.
-        engine: that computed it.
-        pre_frequency: change of the first mode's consensus frequency, 0.01 %, of each run from 1 on, of `SECOND` of `CONFIRMED_RUNS`.
-        post_frequency: likewise.
-        pre_amplitude: change of its amplitude, %, median over the channels.
-        post_amplitude: likewise.
-        acceleration: change of the peak tip acceleration, %, median over the runs.
-        strain: likewise of the peak strain, the largest of three.
-        band: RMS from 90 to 180 Hz in the tip acceleration at the return, m/s^2, likewise.
-        example: of run 24 the first mode's frequency before and after the return, Hz (0: not resolvable); at the return the RMS of the
-            band, m/s^2, the strongest frequency from 60 to 200 Hz, and there the correlation of strain 1 with 2, and with 3.
-        measured: what the measurement leaves open of a frequency, %, median over runs and halves, the cycles' scatter included.
-        claim: estimated errors, the greatest of the sample: of the changes of frequency, amplitude, peak acceleration and peak strain, in
-            %, and of the band, m/s^2; empty where none was estimated.
-        runs: how many were computed, and `failed` of them broke down.
-    """
-
-    effect: str
-    strength: str
-    engine: str
+    effect: str  # `Effect.id`
+    strength: str  # its words
+    engine: str  # that computed it
+    # change of the first mode's consensus frequency, 0.01 %, of each run from 1 on, of `SECOND` of `CONFIRMED_RUNS`
     pre_frequency: tuple[int | None, ...]
-    post_frequency: tuple[int | None, ...]
-    pre_amplitude: tuple[int | None, ...]
-    post_amplitude: tuple[int | None, ...]
-    acceleration: int | None
-    strain: int | None
-    band: float | None
+    post_frequency: tuple[int | None, ...]  # likewise
+    pre_amplitude: tuple[int | None, ...]  # change of its amplitude, %, median over the channels
+    post_amplitude: tuple[int | None, ...]  # likewise
+    acceleration: int | None  # change of the peak tip acceleration, %, median over the runs
+    strain: int | None  # likewise of the peak strain, the largest of three
+    band: float | None  # RMS from 90 to 180 Hz in the tip acceleration at the return, m/s^2, likewise
+    # of run 24 the first mode's frequency before and after the return, Hz (0: not resolvable); at the return the RMS of the band, m/s^2,
+    # the strongest frequency from 60 to 200 Hz, and there the correlation of strain 1 with 2, and with 3
     example: tuple[float, ...]
-    measured: float
+    measured: float  # what the measurement leaves open of a frequency, %, median over runs and halves, the cycles' scatter included
+    # estimated errors, the greatest of the sample: of the changes of frequency, amplitude, peak acceleration and peak strain, in %, and
+    # of the band, m/s^2; empty where none was estimated
     claim: tuple[float, ...]
-    runs: int
+    runs: int  # how many were computed, and `failed` of them broke down
     failed: int
 
     def changes(self, name: str) -> dict[int, float]:
@@ -90,31 +76,23 @@ class Row:
         return self.apart is not None and abs(self.apart) > 0.01 * math.sqrt(2.0) * self.measured
 
 
-def study(workshop: Workshop, *, compute: bool) -> list[Row]:
-    """All rows, those of the second formulation last.
+def study(workshop: Workshop) -> list[Row]:
+    """All rows, those of the second formulation last, of the runs that are not missing in the workshop; none unless all of the sample are.
 
-    Args:
-        workshop: where.
-        compute: False: of the runs that are stored; no rows unless all of the sample are.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+    KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     others = tuple(run for run in RUNS if run not in SAMPLE)
     begin = dict(zip(RUNS, orbits([run_case(run).mechanism for run in RUNS], workshop), strict=True))
     jobs = dict[tuple[str, int, Way], Job[tuple[Response, ...]]]()
     # the sample first, so that what is there when this is cut off is the same for all effects
     for way, runs in (("", SAMPLE), (SECOND, CONFIRMED_RUNS), ("finer", SAMPLE), ("", others)):
-        for run in runs:
+        for run in (run for run in runs if begin[run].begin is not None):
             known = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id in (PUBLISHED.id, *OF_JOINT)]
             jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for effect in known}
-    if compute:
-        outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
-    else:
-        outcomes = [workshop.stored(job) or Outcome(job) for job in jobs.values()]
+    outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
     broken = (Response(reason="its process did not end well"),) * 3
-    found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if outcome.value or outcome.failure}
-    if any(name not in found for name in jobs if name[1] in SAMPLE and not name[2]):
+    found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if not outcome.missing}
+    if any((effect.id, run, "") not in found for effect in (PUBLISHED, *effects()) for run in SAMPLE):
         return []
     rows = [_row(effect, place, "", found) for effect in (PUBLISHED, *effects()) for place in range(len(effect.strengths))]
     return rows + [_row(effect, MIDDLE, SECOND, found) for effect in effects() if effect.id in OF_JOINT]

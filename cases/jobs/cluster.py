@@ -25,12 +25,9 @@ PATIENCE: Final = 10.0
 
 
 def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "Cluster":
-    """The executor on a cluster; leaving its `with` block ends the connection.
+    """The executor on a cluster, whose scheduler has an address such as "tcp://host:8786"; leaving its `with` block ends the connection.
 
-    Args:
-        address: of the scheduler, such as "tcp://host:8786".
-        limits: of a job that has none of its own; None: `default_limits` of this machine.
-        quiet: whether nobody is to be told how far the jobs are.
+    Limits and quiet as of `cases.jobs.job.Executor`; None: `default_limits` of this machine.
 
     Raises:
         ExecutorError: there is no such scheduler, no worker, or one that would compute something else than this machine.

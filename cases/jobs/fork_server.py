@@ -50,10 +50,6 @@ class Process:
         preload: modules that the fork server imports; the first process decides.
         hide_main: whether the worker shall not run the caller's script, which would do again what the script does at its top.
 
-    Attributes:
-        pipes: this process' ends.
-        sentinel: becomes ready when the process has ended, or the fork server that watches over it.
-
     Raises:
         OSError, EOFError: no process can be started.
     """
@@ -63,10 +59,11 @@ class Process:
             context = _context(preload)
             pairs = [context.Pipe(duplex=False) for _ in receives]
             its = [pair[0 if reads else 1] for pair, reads in zip(pairs, receives, strict=True)]
-            self.pipes = [pair[1 if reads else 0] for pair, reads in zip(pairs, receives, strict=True)]
+            self.pipes = [pair[1 if reads else 0] for pair, reads in zip(pairs, receives, strict=True)]  # this process' ends
             self._process = context.Process(target=target, args=its, daemon=True)
             with _hidden_main() if hide_main else contextlib.nullcontext():
                 self._process.start()  # waits until the fork server has its imports done
+            #: Becomes ready when the process has ended, or the fork server that watches over it.
             self.sentinel: int = self._process.sentinel
         for end in its:  # only the worker may hold these: their closing tells that it ended
             end.close()

@@ -3,16 +3,12 @@
 import time
 from collections.abc import Generator, Sequence
 
-from cases.jobs.job import Job, Limits, Outcome, V, Watch
+from cases.jobs.job import MISSING, Job, Limits, Outcome, V, Watch
 from engines import progress
 
 
 class ThisProcess:
-    """The executor without processes. Limits are not kept, and a job that crashes takes the caller along.
-
-    Args:
-        quiet: whether nobody is to be told how far the jobs are.
-    """
+    """The executor without processes. Limits are not kept, and a job that crashes takes the caller along."""
 
     at_once = 1
     limits = Limits()
@@ -23,15 +19,29 @@ class ThisProcess:
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.jobs.job.Executor`."""
         for job in jobs:
-            began = time.monotonic()
             if watch is not None:
                 watch(job, None)
                 progress.listen(lambda how_far, job=job, watch=watch: watch(job, how_far))  # type: ignore[misc]
             try:
-                value = job.function(*job.arguments)
-            except Exception as error:
-                yield Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error, seconds=time.monotonic() - began)
-            else:
-                yield Outcome(job, value, seconds=time.monotonic() - began)
+                yield done(job)
             finally:
                 progress.listen(None)
+
+
+class Nobody:
+    """The executor that computes nothing: of what is not stored it says that it is missing."""
+
+    at_once, limits, quiet = 1, Limits(), True
+
+    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
+        """See `cases.jobs.job.Executor`."""
+        yield from (Outcome(job, failure=MISSING) for job in jobs)
+
+
+def done(job: Job[V]) -> Outcome[V]:
+    """How a job ends in this process."""
+    began = time.monotonic()
+    try:
+        return Outcome(job, job.function(*job.arguments), seconds=time.monotonic() - began)
+    except Exception as error:
+        return Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error, seconds=time.monotonic() - began)

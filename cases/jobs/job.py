@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 if TYPE_CHECKING:
     from engines.progress import Progress
 
+#: Failure of a job that is not stored where nothing is computed.
+MISSING: Final = "is not stored"
+
 T = TypeVar("T")
 V = TypeVar("V")
 
@@ -29,58 +32,42 @@ def default_limits() -> Limits:
 
 @dataclass(frozen=True)
 class Job(Generic[T]):
-    """A result to be had: `function(*arguments)`, both picklable, the function importable by its name.
+    """A result to be had: `function(*arguments)`, both picklable, the function importable by its name."""
 
-    Attributes:
-        name: for people.
-        function: makes the result; the type that it is annotated with is what comes back from the store.
-        arguments: of the function.
-        kind: of result; counts in the key under which it is stored.
-        engines: names of those whose versions, and code where they are from elsewhere, it depends on.
-        code: packages and modules that it depends on besides those of a simulation (`cases.jobs.key.SIMULATION`).
-        inputs: what determines the result besides engines and code; None: the arguments.
-        limits: None: those of the executor.
-        brief: whether it is one of many short ones, whose processes would take longer to get ready than they compute. A process may do
-            several of them one after the other. What crashes or hangs there costs its own job and the process.
-        points: how much of the whole it is, for the person who waits.
-    """
-
-    name: str
-    function: Callable[..., T]
-    arguments: tuple[Any, ...] = ()
-    kind: str = ""
-    engines: tuple[str, ...] = ()
-    code: tuple[str, ...] = ()
-    inputs: Any = None
-    limits: Limits | None = None
+    name: str  # for people
+    function: Callable[..., T]  # makes the result; the type that it is annotated with is what comes back from the store
+    arguments: tuple[Any, ...] = ()  # of the function
+    kind: str = ""  # of result; counts in the key under which it is stored
+    engines: tuple[str, ...] = ()  # names of those whose versions, and code where they are from elsewhere, it depends on
+    code: tuple[str, ...] = ()  # packages and modules that it depends on besides those of a simulation (`cases.jobs.key.SIMULATION`)
+    inputs: Any = None  # what determines the result besides engines and code; None: the arguments
+    limits: Limits | None = None  # None: those of the executor
+    # whether it is one of many short ones, whose processes would take longer to get ready than they compute. A process may do several of
+    # them one after the other. What crashes or hangs there costs its own job and the process.
     brief: bool = False
-    points: int = 1
+    points: int = 1  # how much of the whole it is, for the person who waits
 
 
 @dataclass(frozen=True)
 class Outcome(Generic[T]):
-    """How a job ended.
-
-    Attributes:
-        job: the job.
-        value: what its function returned; None if it failed.
-        failure: "" if it completed, else one clause, e.g. "killed by SIGSEGV".
-        error: the exception that it raised, where there is one and it can travel between processes.
-        seconds: wall time of the job.
-        output: the last of what it printed, with the traceback of an exception.
-    """
+    """How a job ended."""
 
     job: Job[T]
-    value: T | None = None
-    failure: str = ""
-    error: BaseException | None = None
-    seconds: float = 0.0
-    output: str = ""
+    value: T | None = None  # what its function returned; None if it failed
+    failure: str = ""  # "" if it completed, else one clause, e.g. "killed by SIGSEGV"
+    error: BaseException | None = None  # the exception that it raised, where there is one and it can travel between processes
+    seconds: float = 0.0  # wall time of the job
+    output: str = ""  # the last of what it printed, with the traceback of an exception
 
     @property
     def completed(self) -> bool:
         """Whether there is a value."""
         return not self.failure
+
+    @property
+    def missing(self) -> bool:
+        """Whether nobody computed it, and it is not stored."""
+        return self.failure == MISSING
 
     @property
     def explanation(self) -> str:
@@ -104,22 +91,19 @@ class ExecutorError(Exception):
 
 
 class Executor(Protocol):
-    """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other.
-
-    Attributes:
-        quiet: whether nobody is to be told how far the jobs are.
-        at_once: how many jobs are computed at a time.
-        limits: of a job that has none of its own.
-    """
+    """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other."""
 
     @property
-    def quiet(self) -> bool: ...  # noqa: D102
+    def quiet(self) -> bool:
+        """Whether nobody is to be told how far the jobs are."""
 
     @property
-    def at_once(self) -> int: ...  # noqa: D102
+    def at_once(self) -> int:
+        """How many jobs are computed at a time."""
 
     @property
-    def limits(self) -> Limits: ...  # noqa: D102
+    def limits(self) -> Limits:
+        """Those of a job that has none of its own."""
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """Outcomes as jobs end, in whatever order that is; closing the generator ends those that are at work.

@@ -49,10 +49,7 @@ def _outcome(job: Job[V], future: "Future[Outcome[V]]") -> Outcome[V]:
 class Pool:
     """Computes jobs by any executor of `concurrent.futures`, each in a process of its own where that executor calls its functions.
 
-    Args:
-        executor: e.g. a `ProcessPoolExecutor`, or one of a cluster. It stays open.
-        at_once: how many jobs it computes at a time; the time left is told by it.
-        limits, quiet: as of `LocalProcesses`.
+    The executor, e.g. a `ProcessPoolExecutor` or one of a cluster, stays open. Other arguments are those of `cases.jobs.job.Executor`.
     """
 
     def __init__(self, executor: Executor, at_once: int = 1, limits: Limits | None = None, quiet: bool = True) -> None:
@@ -69,9 +66,9 @@ class LocalProcesses:
 
     Args:
         at_once: how many jobs at a time; None: one per core. ValueError: it is below 1.
-        limits: of a job that has none of its own; None: `default_limits`.
+        limits: see `cases.jobs.job.Executor`; None: `default_limits`.
         preload: modules that the fork server imports once; only the first job of a process decides.
-        quiet: whether nobody is to be told how far the jobs are.
+        quiet: see there.
     """
 
     def __init__(

@@ -45,11 +45,7 @@ def encoded(value: Any) -> Record:
 
 
 def decoded(kind: Any, record: Record) -> Any:
-    """The result of type `kind` that a record was made of.
-
-    Raises:
-        KeyError, TypeError, ValueError: it was made of something else.
-    """
+    """The result of type `kind` that a record was made of. KeyError, TypeError, ValueError: it was made of something else."""
     return _typed(kind, record.document, record.arrays)
 
 

@@ -55,19 +55,14 @@ class Store:
         folder: None for that of the environment variable.
         tell: gets each notice the moment it arises.
 
-    Attributes:
-        notices: sentences on damaged entries and on results that could not be written, so far.
-        written: number of results that were written.
-        lost: number of results that could not be.
-
     Raises:
         StoreError: the folder cannot be created or written to.
     """
 
     def __init__(self, folder: Path | None = None, tell: Callable[[str], None] | None = None) -> None:
         self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER)
-        self.notices: list[str] = []
-        self.written = self.lost = 0
+        self.notices: list[str] = []  # sentences on damaged entries and on results that could not be written, so far
+        self.written = self.lost = 0  # numbers of results that were written, and that could not be
         self._tell = tell
         try:
             self.folder.mkdir(parents=True, exist_ok=True)

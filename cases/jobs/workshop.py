@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final, get_type_hints
 
 from cases.jobs.display import watched
+from cases.jobs.here import Nobody
 from cases.jobs.job import Executor, Job, Outcome, T
 from cases.jobs.key import key_of
 from cases.jobs.processes import LocalProcesses
@@ -43,6 +44,16 @@ class Workshop:
                 key = missing[id(outcome.job)]
                 found[key] = self.kept(outcome, key)
         return [replace(found[key], job=job) for key, job in zip(keys, jobs, strict=True)]
+
+    @property
+    def as_it_is(self) -> "Workshop":
+        """The same store where nothing is computed: outcomes of what is not stored are `missing`."""
+        return replace(self, executor=Nobody())
+
+    @property
+    def computes(self) -> bool:
+        """Whether anything is computed."""
+        return not isinstance(self.executor, Nobody)
 
     def stored(self, job: Job[T]) -> Outcome[T] | None:
         """How a job ended, if that is stored."""

@@ -48,16 +48,7 @@ class Conditioning:
 
 
 def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> Conditioning:
-    """The conditioning of a scene from its standard start.
-
-    Args:
-        mechanism: the scene.
-        duration: s.
-        output_step: s.
-
-    Raises:
-        EngineFailure: the reference cannot run the scene at all.
-    """
+    """The conditioning of a scene from its standard start; times in s. EngineFailure: the reference cannot run the scene at all."""
     nominal = _run(mechanism, duration, output_step)
     differences: dict[str, Array] = {}
     for name, scene in variants(mechanism).items():

@@ -61,14 +61,9 @@ class Trial:
 def gather(
     engine: str, scene: TrialScene, requested: float, usable: Callable[[str], AnyEngine] = usable_engine, asked: Sequence[float] = ASKED
 ) -> Trial:
-    """The evidence on an engine in a scene.
+    """The evidence on an engine (a name, which `usable` finds) in a scene from the standard start.
 
-    Args:
-        engine: name.
-        scene: what to simulate, from the standard start.
-        requested: error of the tip deflection asked for.
-        usable: finds an engine by its name.
-        asked: see `ASKED`.
+    `requested`: error of the tip deflection asked for; `asked`: see `ASKED`.
     """
     found = Trial(scene.evidence(requested), {}, {})
     try:
@@ -95,11 +90,7 @@ class _Request:
         self._nothing = scene.evidence(requested)
 
     def run(self) -> Trial:
-        """All runs that the evidence needs.
-
-        Raises:
-            Refusal, SettingError: the engine does not take this scene.
-        """
+        """All runs that the evidence needs. Refusal, SettingError: the engine does not take this scene."""
         scene = self._scene
         stretch, result, failure = self._delivered()
         if failure is not None and (result is None or not self._at_the_end(failure.partial)):

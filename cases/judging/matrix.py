@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from cases.case import Case
-from cases.jobs.job import Job, Outcome, T
+from cases.jobs.job import Job, Outcome
 from cases.jobs.workshop import Workshop
 from cases.judging.conditioning import Conditioning, conditioning, later_differences
 from cases.judging.evidence import Columns, Trial, TrialScene, gather
@@ -86,30 +86,20 @@ class Matrix:
         return tuple(cell for cell in self.cells.values() if cell.silently_wrong)
 
 
-def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[str] = MAIN, *, compute: bool = True) -> Matrix:
-    """The matrix, from the store where it is there.
-
-    Args:
-        cases: the scenes.
-        workshop: where what is missing is computed.
-        engines: names.
-        compute: False: what is not stored is left out.
+def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[str] = MAIN) -> Matrix:
+    """The matrix of the engines (names) in the scenes; what is missing in the workshop is left out.
 
     Raises:
         UnknownEngine: a name that is no engine's.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-
-    def outcomes(jobs: Sequence[Job[T]]) -> list[Outcome[T] | None]:
-        return [*workshop.outcomes(jobs, "hard scenes")] if compute else [workshop.stored(job) for job in jobs]
-
-    known = outcomes([_conditioning_job(case) for case in cases])
-    conditionings = {case.name: found.value for case, found in zip(cases, known, strict=True) if found is not None and found.value}
+    known = workshop.outcomes([_conditioning_job(case) for case in cases], "hard scenes")
+    conditionings = {case.name: found.value for case, found in zip(cases, known, strict=True) if found.value}
     horizons = {case.name: case.duration for case in cases} | {name: found.horizon for name, found in conditionings.items()}
     jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(case, horizons[case.name], engines).items()}
     trials: dict[tuple[str, str], Trial] = {}
-    for (what, name), found in zip(jobs, outcomes(list(jobs.values())), strict=True):
-        if found is not None:
+    for (what, name), found in zip(jobs, workshop.outcomes(list(jobs.values()), "hard scenes"), strict=True):
+        if not found.missing:
             trials[what, name] = found.value or _broken(jobs[what, name], found)
     cells: dict[tuple[str, str], Judged] = {}
     converged: dict[str, float | None] = {}

@@ -23,21 +23,14 @@ UNITS: Final = {"pivot_force": "N", "crank_force": "N", "slider_force": "N", "cr
 
 @dataclass(frozen=True)
 class Loads:
-    """What an engine finds that the parts must bear; None where it does not give what that is made of.
+    """What an engine finds that the parts must bear; None where it does not give what that is made of."""
 
-    Attributes:
-        stress: along the arm.
-        modulus: of the arm's material, Pa; infinite for a rigid one.
-        peaks: of each of `UNITS`, forces in the bearings P and O and at the slider, drive's torque, tip's deflection.
-        yield_factor: yield strength over the largest stress.
-        fatigue_factor: fatigue strength over the stress amplitude.
-    """
-
-    stress: ArmStress | None
-    modulus: float
+    stress: ArmStress | None  # along the arm
+    modulus: float  # of the arm's material, Pa; infinite for a rigid one
+    # of each of `UNITS`, forces in the bearings P and O and at the slider, drive's torque, tip's deflection
     peaks: Mapping[str, Peak | None]
-    yield_factor: Factor | None
-    fatigue_factor: Factor | None
+    yield_factor: Factor | None  # yield strength over the largest stress
+    fatigue_factor: Factor | None  # fatigue strength over the stress amplitude
 
     @property
     def strain(self) -> Peak | None:

@@ -52,27 +52,16 @@ REST: Final = 0.5
 
 @dataclass(frozen=True)
 class KnownMoments:
-    """Where the moment is known.
+    """Where the moment is known."""
 
-    Attributes:
-        length: of the arm, m.
-        twelfths: moments from the base to the tip, N m, shape (rows, 13).
-        slider: arc length of the slider, m, shape (rows,); infinite where there is none.
-        inboard: moment on the inner side of the slider, N m, shape (rows,).
-        outboard: on its outer side, likewise.
-        base_slope: N, shape (rows,); None where it is not known.
-        tip_slope: likewise.
-        ends_open: by how much the moments at base and tip may be off, N m, shape (rows,) each.
-    """
-
-    length: float
-    twelfths: Array
-    slider: Array
-    inboard: Array
-    outboard: Array
-    base_slope: Array | None
-    tip_slope: Array | None
-    ends_open: tuple[Array, Array]
+    length: float  # of the arm, m
+    twelfths: Array  # moments from the base to the tip, N m, shape (rows, 13)
+    slider: Array  # arc length of the slider, m, shape (rows,); infinite where there is none
+    inboard: Array  # moment on the inner side of the slider, N m, shape (rows,)
+    outboard: Array  # on its outer side, likewise
+    base_slope: Array | None  # N, shape (rows,); None where it is not known
+    tip_slope: Array | None  # likewise
+    ends_open: tuple[Array, Array]  # by how much the moments at base and tip may be off, N m, shape (rows,) each
 
     @property
     def spacing(self) -> float:

@@ -17,23 +17,14 @@ Claim = Callable[[str, float], float | None]
 
 @dataclass(frozen=True)
 class Peak:
-    """A largest magnitude, in SI units.
+    """A largest magnitude, in SI units."""
 
-    Attributes:
-        value: not negative.
-        crank_angle: where it is reached, rad, from 0 to a turn; None without a crank.
-        time: likewise, s.
-        uncertainty: by how much rows, and places between those that an engine gives, leave it open.
-        estimate: of the engine's own error; None where there is none.
-        place: arc length from P at which it is reached, m; None where it is not the arm's.
-    """
-
-    value: float
-    crank_angle: float | None
-    time: float
-    uncertainty: float
-    estimate: float | None
-    place: float | None = None
+    value: float  # not negative
+    crank_angle: float | None  # where it is reached, rad, from 0 to a turn; None without a crank
+    time: float  # likewise, s
+    uncertainty: float  # by how much rows, and places between those that an engine gives, leave it open
+    estimate: float | None  # of the engine's own error; None where there is none
+    place: float | None = None  # arc length from P at which it is reached, m; None where it is not the arm's
 
     @property
     def error(self) -> float | None:

@@ -19,17 +19,11 @@ ANGLES: Final = 25
 
 @dataclass(frozen=True)
 class Resonance:
-    """First mode and crank.
+    """First mode and crank."""
 
-    Attributes:
-        first_mode: mean over the turn of the first frequency with the crank held, Hz.
-        lowest: least of these frequencies, Hz.
-        crank: turns of the crank per second, Hz.
-    """
-
-    first_mode: float
-    lowest: float
-    crank: float
+    first_mode: float  # mean over the turn of the first frequency with the crank held, Hz
+    lowest: float  # least of these frequencies, Hz
+    crank: float  # turns of the crank per second, Hz
 
     @property
     def ratio(self) -> float:

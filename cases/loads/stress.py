@@ -38,23 +38,14 @@ class Factor:
 
 @dataclass(frozen=True)
 class ArmStress:
-    """Bending stress at the surface of the arm, Pa.
+    """Bending stress at the surface of the arm, Pa."""
 
-    Attributes:
-        largest: magnitude.
-        amplitude: half the range in a cycle, at the place where that is largest; its crank angle is that of the extreme farther from 0.
-        mean: mean of the extremes there.
-        places: arc lengths from P, m, shape (places,).
-        lowest: least stress in the rows at each of them, positive where W'' > 0.
-        highest: greatest, likewise.
-    """
-
-    largest: Peak
-    amplitude: Peak
-    mean: float
-    places: Array
-    lowest: Array
-    highest: Array
+    largest: Peak  # magnitude
+    amplitude: Peak  # half the range in a cycle, at the place where that is largest; its crank angle is that of the extreme farther from 0
+    mean: float  # mean of the extremes there
+    places: Array  # arc lengths from P, m, shape (places,)
+    lowest: Array  # least stress in the rows at each of them, positive where W'' > 0
+    highest: Array  # greatest, likewise
 
 
 def section_modulus(follower: Follower) -> float:
@@ -89,17 +80,11 @@ def safety(strength: float | None, stress: Peak) -> Factor | None:
 
 @dataclass(frozen=True)
 class _Field:
-    """The moment along the arm in some of the rows.
+    """The moment along the arm in some of the rows."""
 
-    Attributes:
-        known: in all of them.
-        moments: N m, shape (some rows, places).
-        open: by how much the interpolation may miss each of them, N m, likewise.
-    """
-
-    known: KnownMoments
-    moments: Array
-    open: Array
+    known: KnownMoments  # in all of them
+    moments: Array  # N m, shape (some rows, places)
+    open: Array  # by how much the interpolation may miss each of them, N m, likewise
 
     @classmethod
     def of(cls, known: KnownMoments, step: int) -> "_Field":
@@ -146,15 +131,10 @@ def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: Claim)
 
 @dataclass(frozen=True)
 class _Nearest:
-    """What an engine claims of the moment at a place: the larger of its claims at the nearest places that it gives.
+    """What an engine claims of the moment at a place: the larger of its claims at the nearest places that it gives."""
 
-    Attributes:
-        twelfth: number of twelfths of the length from P to the place.
-        claim: of a column.
-    """
-
-    twelfth: float
-    claim: Claim
+    twelfth: float  # number of twelfths of the length from P to the place
+    claim: Claim  # of a column
 
     def __call__(self, angle: float) -> float | None:
         numbers = {min(max(number, 1), len(MOMENTS)) for number in (math.floor(self.twelfth), math.ceil(self.twelfth))}

@@ -1,5 +1,6 @@
 """All measures of one cycle: both halves, every channel, simulated and measured signals alike."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from cases.measures.consensus import Consensus, consensus
 from cases.measures.extremes import Extreme, extremes, low_pass
 from cases.measures.first_mode import FirstMode, fit_first_modes
-from cases.measures.half_cycle import HalfCycle, channel_half, half_cycle
+from cases.measures.half_cycle import ChannelHalf, channel_half, half_cycle
 from cases.measures.second_mode import agreeing, second_mode_frequency
 from cases.measures.time_scale import TimeScale
 
@@ -68,11 +69,13 @@ def measure_cycle(
     angle = CubicSpline(time, crank_angle)
     signals = {name: CubicSpline(time, values) for name, values in channels.items()}
     shown = {name: low_pass(time, values) if measured else values for name, values in channels.items()}
+    here = [name for name in channels if scale is not None and name in scale.channels]
     measures: list[Measure] = []
     agreed: list[Consensus] = []
-    for half, start, end in zip(HALVES, boundaries[:-1], boundaries[1:], strict=True):
-        here = [name for name in channels if scale is not None and name in scale.channels]
-        fitted = _vibrations(scale, half_cycle(scale, start, end, angle), {name: signals[name] for name in here}) if scale else {}
+    spans = list(itertools.pairwise(boundaries))
+    halves = [half_cycle(scale, start, end, angle) for start, end in spans] if scale else []
+    vibrations = _vibrations([{name: channel_half(scale, half, name, signals[name]) for name in here} for half in halves] if scale else [])
+    for half, (start, end), fitted in zip(HALVES, spans, vibrations or ({}, {}), strict=True):
         for name in channels:
             first, second = fitted.get(name, NO_VIBRATION)
             low, high = extremes(time, shown[name], start, end)
@@ -109,12 +112,13 @@ def consensus_of(half: str, measures: Sequence[Measure]) -> Consensus:
     return consensus(half, [frequency for frequency, _ in found], [uncertainty for _, uncertainty in found])
 
 
-def _vibrations(scale: TimeScale, half: HalfCycle, signals: Mapping[str, CubicSpline]) -> dict[str, tuple[FirstMode, float | None]]:
-    """Per channel the first mode and the second mode's frequency."""
-    channels = {name: channel_half(scale, half, name, signal) for name, signal in signals.items()}
-    first_modes = fit_first_modes(channels)
-    second_modes = [second_mode_frequency(channels[name], mode.fit) if mode.fit else None for name, mode in first_modes.items()]
-    return {name: (mode, second) for (name, mode), second in zip(first_modes.items(), agreeing(second_modes), strict=True)}
+def _vibrations(halves: Sequence[Mapping[str, ChannelHalf]]) -> list[dict[str, tuple[FirstMode, float | None]]]:
+    """Of each half, per channel the first mode and the second mode's frequency."""
+    found = []
+    for channels, first_modes in zip(halves, fit_first_modes(halves), strict=True):
+        second_modes = [second_mode_frequency(channels[name], mode.fit) if mode.fit else None for name, mode in first_modes.items()]
+        found.append({name: (mode, second) for (name, mode), second in zip(first_modes.items(), agreeing(second_modes), strict=True)})
+    return found
 
 
 def _check(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -> None:

@@ -1,12 +1,12 @@
 """Frequency and amplitude of the first mode in a half cycle, with uncertainties, or why it cannot be resolved."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures.drifting_fit import Bounds, Fit, first_mode_columns, orthonormal, refine, second_mode_columns, without
+from cases.measures.drifting_fit import Bounds, Fit, Problem, Waves, orthonormal, refined, without
 from cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
@@ -60,15 +60,23 @@ class _Estimate:
     fit: Fit  # the main one
 
 
-def fit_first_modes(channels: Mapping[str, ChannelHalf]) -> dict[str, FirstMode]:
-    """Fit the drifting first mode in the channels of one half cycle as the definition of the measures has it.
+def fit_first_modes(halves: Sequence[Mapping[str, ChannelHalf]]) -> list[dict[str, FirstMode]]:
+    """Fit the drifting first mode in the channels of each half cycle as the definition of the measures has it.
 
     The main fit takes the path of the frequency from the mechanism. Were that path to drift 1.3 times as much, frequencies would
     be 3 % off in the mean, all channels alike. A fit whose drift is free shows it, but is twice as uncertain: its distance from
-    the main fit enters the uncertainty, and since the channels share the path, its root mean square over those that show a
-    first mode enters all.
+    the main fit enters the uncertainty, and since the channels of a half share the path, its root mean square over those that show a
+    first mode enters all of them.
     """
-    estimates = {name: _estimate(channel) for name, channel in channels.items() if channel.unit > 0.0}
+    vibrating = [(half, name) for half, channels in enumerate(halves) for name, channel in channels.items() if channel.unit > 0.0]
+    found = dict(zip(vibrating, _estimates([halves[half][name] for half, name in vibrating]), strict=True))
+    return [
+        _of_half(channels, {name: found[half, name] for name in channels if (half, name) in found}) for half, channels in enumerate(halves)
+    ]
+
+
+def _of_half(channels: Mapping[str, ChannelHalf], estimates: Mapping[str, _Estimate]) -> dict[str, FirstMode]:
+    """What the estimates of a half's channels say together."""
     seen = [each for each in estimates.values() if not each.doubts]
     weights = np.array([each.own**-2.0 for each in seen])
     shared = float(np.sqrt(weights @ np.array([each.drifting**2 for each in seen]) / weights.sum())) if seen else 0.0
@@ -81,16 +89,28 @@ def fit_first_modes(channels: Mapping[str, ChannelHalf]) -> dict[str, FirstMode]
     }
 
 
-def _estimate(channel: ChannelHalf) -> _Estimate:
-    slow = orthonormal(channel.half.polynomials(DEGREE))
-    main = _best(channel, slow)
+def _estimates(channels: Sequence[ChannelHalf]) -> list[_Estimate]:
+    """What each channel says by itself: the best fit, one with free drift, and three with other slow parts."""
+    if not channels:
+        return []
+    slow = [orthonormal(channel.half.polynomials(DEGREE)) for channel in channels]
+    best = _best(channels, slow)
+    variants = []
+    for channel, columns, main in zip(channels, slow, best, strict=True):
+        less, more = (channel.half.polynomials(degree) for degree in (DEGREE - 1, DEGREE + 1))
+        other_slow_parts = (less, more, np.column_stack([less, channel.slow_shape]))
+        variants.append(Problem(channel, columns, main.parameters, FREE_DRIFT))
+        variants += [Problem(channel, orthonormal(others), main.parameters, MAIN) for others in other_slow_parts]
+    fits = refined(variants)
+    each = (fits[at : at + 4] for at in range(0, len(fits), 4))
+    return [_estimate(*known) for known in zip(channels, slow, best, each, strict=True)]
+
+
+def _estimate(channel: ChannelHalf, slow: Array, main: Fit, others: Sequence[Fit]) -> _Estimate:
+    """What a channel says by its fits; `others`: with free drift, then with other slow parts."""
+    drifting, *variants = others
     alpha, amplitude = main.parameters[0], _amplitude(channel, main)
     statistical_alpha, statistical_amplitude = _statistical_uncertainty(channel, main, slow.shape[1])
-
-    drifting = refine(channel, slow, main.parameters, FREE_DRIFT)
-    less, more = (channel.half.polynomials(degree) for degree in (DEGREE - 1, DEGREE + 1))
-    other_slow_parts = (less, more, np.column_stack([less, channel.slow_shape]))
-    variants = [refine(channel, orthonormal(columns), main.parameters, MAIN) for columns in other_slow_parts]
     variants = [fit for fit in variants if fit.residual_rms <= IGNORED_VARIANT * main.residual_rms]
     spread_alpha = _spread([fit.parameters[0] for fit in variants], alpha)
     spread_amplitude = _spread([_amplitude(channel, fit) for fit in (*variants, drifting)], amplitude)
@@ -126,24 +146,32 @@ def _resolved(channel: ChannelHalf, estimate: _Estimate, uncertainty: float) -> 
     return FirstMode("; ".join(reasons), estimate.fit, **known)
 
 
-def _best(channel: ChannelHalf, slow: Array) -> Fit:
-    costs = _scan(channel, slow)
-    best = int(np.argmin(costs))
-    apart = np.abs(SCAN - SCAN[best]) >= SEPARATION - 1e-9
-    second = int(np.argmin(np.where(apart, costs, np.inf)))
-    fits = [refine(channel, slow, np.array([SCAN[index], 0.0, 0.0, 0.0, 1.0]), MAIN) for index in (best, second)]
-    return min(fits, key=lambda fit: fit.cost)
+def _best(channels: Sequence[ChannelHalf], slow: Sequence[Array]) -> list[Fit]:
+    """The better of two fits of each channel, which begin at the two best frequencies of the scan."""
+    problems = []
+    for channel, columns in zip(channels, slow, strict=True):
+        costs = _scan(channel, columns)
+        best = int(np.argmin(costs))
+        apart = np.abs(SCAN - SCAN[best]) >= SEPARATION - 1e-9
+        second = int(np.argmin(np.where(apart, costs, np.inf)))
+        problems += [Problem(channel, columns, np.array([SCAN[at], 0.0, 0.0, 0.0, 1.0]), MAIN) for at in (best, second)]
+    fits = refined(problems)
+    return [min(pair, key=lambda fit: fit.cost) for pair in zip(fits[::2], fits[1::2], strict=True)]
 
 
 def _scan(channel: ChannelHalf, slow: Array) -> Array:
     """Residual sum of squares for each scanned alpha without drift mismatch, shape (27,)."""
-    basis = np.hstack([slow, orthonormal(without(slow, second_mode_columns(channel, 1.0)))])
-    signal = without(basis, channel.signal)
-    columns = np.stack([first_mode_columns(channel, alpha, 0.0, 0.0, 0.0) for alpha in SCAN])
-    columns = columns - basis @ (basis.T @ columns)
+    waves = Waves.of(channel)
+    basis = np.hstack([slow, orthonormal(without(slow, waves.second_mode(1.0)))])
+    signal = _signal_without(basis, channel)
+    columns = without(basis, waves.first_mode(SCAN))
     gram = np.swapaxes(columns, 1, 2) @ columns
     right = np.swapaxes(columns, 1, 2) @ signal
     return np.asarray(signal @ signal - np.sum(right * np.linalg.solve(gram, right[..., None])[..., 0], axis=1))
+
+
+def _signal_without(basis: Array, channel: ChannelHalf) -> Array:
+    return without(basis, channel.signal[:, None])[:, 0]
 
 
 def _spread(values: list[float], main: float) -> float:
@@ -161,8 +189,8 @@ def _amplitude(channel: ChannelHalf, fit: Fit) -> float:
 def _oscillation(channel: ChannelHalf, fit: Fit) -> Array:
     """First and second mode together, shape (240,)."""
     alpha, beta, kappa, rho, alpha2 = fit.parameters
-    first, second = first_mode_columns(channel, alpha, beta, kappa, rho), second_mode_columns(channel, alpha2)
-    return np.asarray(first @ fit.weights[:2] + second @ fit.weights[2:])
+    waves = Waves.of(channel)
+    return np.asarray(waves.first_mode(alpha, beta, kappa, rho) @ fit.weights[:2] + waves.second_mode(alpha2) @ fit.weights[2:])
 
 
 def _statistical_uncertainty(channel: ChannelHalf, fit: Fit, slow_terms: int) -> tuple[float, float]:
@@ -195,8 +223,8 @@ def _correlation_factor(residual: Array) -> float:
 
 def _doubts(channel: ChannelHalf, slow: Array, main: Fit, amplitude: float, amplitude_uncertainty: float) -> tuple[str, ...]:
     """Why there may be no first mode; none where it stands out."""
-    second = orthonormal(without(slow, second_mode_columns(channel, main.parameters[4])))
-    left_out = without(second, without(slow, channel.signal))
+    second = orthonormal(without(slow, Waves.of(channel).second_mode(main.parameters[4])))
+    left_out = _signal_without(np.hstack([slow, second]), channel)
     failed = []
     if not left_out @ left_out > NEEDED_RISE * (main.residual @ main.residual):
         failed.append(f"leaving the oscillation out raises the residual less than {NEEDED_RISE:g} times")

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures.drifting_fit import Fit, first_mode_columns, orthonormal, second_mode_columns, without
+from cases.measures.drifting_fit import Fit, Waves, orthonormal, without
 from cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
@@ -21,16 +21,17 @@ def second_mode_frequency(channel: ChannelHalf, first_mode: Fit) -> float | None
     Slow part and first mode are fitted along with more freedom than in the first mode's own fit, so that neither passes for a
     second mode: the first mode keeps its phase but its envelope may bend, each of its two components by itself.
     """
-    sigma = channel.half.places[0]
+    waves = Waves.of(channel)
+    sigma = waves.sigma[:, None]
     alpha, beta, kappa, _, _ = first_mode.parameters
-    oscillation = first_mode_columns(channel, alpha, beta, kappa, 0.0)
-    along = [channel.half.polynomials(DEGREE), oscillation, oscillation * sigma[:, None], oscillation * sigma[:, None] ** 2]
-    basis = orthonormal(np.hstack(along))
-    signal = without(basis, channel.signal)
-    residuals = np.array([_residual(channel, basis, signal, factor) for factor in SCAN])
+    oscillation = waves.first_mode(alpha, beta, kappa)
+    basis = orthonormal(np.hstack([channel.half.polynomials(DEGREE), oscillation, oscillation * sigma, oscillation * sigma**2]))
+    signal = without(basis, channel.signal[:, None])
+    columns = orthonormal(without(basis, waves.second_mode(SCAN)))
+    residuals = np.sum(without(columns, signal) ** 2, axis=(1, 2))
 
     best = int(np.argmin(residuals))
-    if best in (0, SCAN.size - 1) or not signal @ signal > NEEDED_FALL * residuals[best]:
+    if best in (0, SCAN.size - 1) or not np.sum(signal**2) > NEEDED_FALL * residuals[best]:
         return None
     minima = np.flatnonzero((residuals[1:-1] < residuals[:-2]) & (residuals[1:-1] <= residuals[2:])) + 1
     rivals = np.concatenate([residuals[minima[minima != best]], residuals[[0, -1]]])
@@ -48,12 +49,6 @@ def agreeing(frequencies: list[float | None]) -> list[float | None]:
         else None
         for i, value in enumerate(frequencies)
     ]
-
-
-def _residual(channel: ChannelHalf, basis: Array, signal: Array, factor: float) -> float:
-    columns = orthonormal(without(basis, second_mode_columns(channel, factor)))
-    remaining = without(columns, signal)
-    return float(remaining @ remaining)
 
 
 def _vertex(x: Array, y: Array) -> float:

@@ -43,17 +43,12 @@ WORSE: Final = "worse"
 
 @dataclass(frozen=True)
 class Claim:
-    """A number, and how far off it may be: all in its own unit.
-
-    Attributes:
-        value: the number.
-        estimate: the engine's estimate of its error.
-        uncertainty: of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the samples leave
-            open, and what the channel may be off by because it has not settled.
-    """
+    """A number, and how far off it may be: all in its own unit."""
 
     value: float
-    estimate: float
+    estimate: float  # the engine's estimate of its error
+    # of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the samples leave open, and what the
+    # channel may be off by because it has not settled
     uncertainty: float
 
     @property
@@ -64,25 +59,15 @@ class Claim:
 
 @dataclass(frozen=True)
 class Difference:
-    """One number of two engines.
-
-    Attributes:
-        case: name of the case.
-        quantity: a number of `cases.measures.Measure`, or "consensus_frequency".
-        half: "pre" or "post".
-        channel: trajectory column; None for the consensus.
-        value: the engine's.
-        other: the one it is held against.
-        relative: (value - other) / |other|; for an extreme over the channel's largest magnitude in the other's cycle.
-    """
+    """One number of two engines."""
 
     case: str
-    quantity: str
-    half: str
-    channel: str | None
-    value: float
-    other: float
-    relative: float
+    quantity: str  # a number of `cases.measures.Measure`, or "consensus_frequency"
+    half: str  # "pre" or "post"
+    channel: str | None  # trajectory column; None for the consensus
+    value: float  # the engine's
+    other: float  # the one it is held against
+    relative: float  # (value - other) / |other|; for an extreme over the channel's largest magnitude in the other's cycle
 
     @property
     def ratio(self) -> float:
@@ -309,10 +294,8 @@ def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[
 def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | None = None) -> CaseResult:
     """Hold every engine against the reference, or where that cannot be judged against the first one that can, and tables against each.
 
-    Args:
-        case: the case.
-        runs: of engines, all in the steady state or all in the same turn.
-        recorded: runs of recorded tables. Where the engines are in the steady state and the table is not, it has not settled.
+    The runs of engines are all in the steady state or all in the same turn. Where the engines are in the steady state and a recorded
+    table is not, it has not settled.
     """
     judged = {name: run for name, run in runs.items() if not not_judged(run)}
     against = judged.get(REFERENCE) or next(iter(judged.values()), None)

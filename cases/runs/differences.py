@@ -46,12 +46,7 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
     """What explains how a table differs from an engine: column -> a sentence that names the mistake and says what to do.
 
     Where all that vibrates is equally late it is the crank angle that is off. A table of another case is told as that, under `WHOLE`, and
-    none of its columns is explained.
-
-    Args:
-        run: of the table.
-        other: of the engine, in the same turn or the same state.
-        case: which the engine ran.
+    none of its columns is explained. `run` is that of the table, `other` that of the engine on the case, in the same turn or state.
     """
     others = other_cases(run, other, case)
     if others.names and others.sure:

@@ -14,7 +14,7 @@ from cases.measures import AVERAGED, CHANNELS, Cycle, Settling, cut_cycles
 from cases.measures.steady_state import GREATEST_NUMBER
 from engines import progress
 from engines.accurate import check_trajectory
-from engines.base import EngineFailure, Simulation
+from engines.base import EngineFailure, Simulation, SteadyState
 from engines.trajectory import Trajectory, join
 from reference_model.mechanism import Mechanism, PrescribedSpeed
 from reference_model.natural_modes import frozen_crank_modes
@@ -58,12 +58,13 @@ def _third_frequency(mechanism: Mechanism) -> float:
     return float(max(frozen_crank_modes(mechanism, angle, 3).frequencies[2] for angle in np.linspace(0.0, math.pi, 5)))
 
 
-def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[tuple[Columns, ...], Settling]:
+def settle(cycles: Iterable[Cycle], multiplier: float | None = None, rattles: bool = False) -> tuple[tuple[Columns, ...], Settling]:
     """Take cycle after cycle until settled or given up, or until there are no more.
 
     Args:
         cycles: one after the other, with all columns of the trajectory.
         multiplier: largest Floquet multiplier of the steady state, where it is known.
+        rattles: whether the slider's joint opens and closes, so that the cycles may come near to one another and never repeat.
 
     Returns:
         The columns of the cycles to be measured, and what the cycles tell of settling. Where they settle that is the last one; where they
@@ -75,7 +76,7 @@ def settle(cycles: Iterable[Cycle], multiplier: float | None = None) -> tuple[tu
         progress.tell(cycle=settling.cycles + 1, most=GREATEST_NUMBER)
         if settling.feed(channels_of(latest[-1])) or settling.cycles >= GREATEST_NUMBER:
             break
-    if len(latest) == AVERAGED and settling.keeps_changing([channels_of(each) for each in latest]):
+    if len(latest) == AVERAGED and settling.keeps_changing([channels_of(each) for each in latest], rattles):
         return tuple(latest), settling
     return tuple(latest)[-1:], settling
 
@@ -94,11 +95,7 @@ class March:
         self.solve_seconds, self.simulated_seconds = (0.0, 0.0) if begun is None else (begun.solve_seconds, simulation.time)
 
     def __iter__(self) -> Iterator[Cycle]:
-        """Simulate on.
-
-        Raises:
-            EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured.
-        """
+        """Simulate on. EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured."""
         simulation, speed, step, rows = self._simulation, self._crank_speed, self._step, self._begun
         last_passage = simulation.time
         while True:
@@ -122,11 +119,7 @@ class March:
 
 
 def whole_cycles(rows: Trajectory) -> list[Cycle]:
-    """The whole cycles in a trajectory, with all its columns.
-
-    Raises:
-        EngineFailure: the crank turns back, or too fast for the rows recorded.
-    """
+    """The whole cycles in a trajectory, with all its columns. EngineFailure: the crank turns back, or too fast for the rows recorded."""
     columns = dict(rows.columns)
     try:
         cycles = cut_cycles(columns.pop("time"), columns.pop("crank_angle"), columns)
@@ -140,6 +133,11 @@ def whole_cycles(rows: Trajectory) -> list[Cycle]:
             cause = f"the crank takes {turn:.3g} s for a turn, much less than its drive says"
             raise EngineFailure(float(cycle.time[0]), cause, "let it begin at about the speed at which it goes on")
     return cycles
+
+
+def periodic_cycle(found: SteadyState, step: float) -> Cycle:
+    """A whole cycle of a periodic state, recorded every `step` seconds. Raises as `whole_cycles`."""
+    return whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
 
 
 def columns_of(cycle: Cycle) -> Columns:

@@ -42,15 +42,10 @@ ROWS: Final = 1000
 
 @dataclass(frozen=True)
 class Curve:
-    """A piecewise polynomial of arc length; unlike scipy's it is told apart from others by its content.
+    """A piecewise polynomial of arc length; unlike scipy's it is told apart from others by its content."""
 
-    Attributes:
-        x: ends of the pieces, m, shape (n + 1,).
-        c: coefficients of each piece, highest power first, shape (4, n).
-    """
-
-    x: Array
-    c: Array
+    x: Array  # ends of the pieces, m, shape (n + 1,)
+    c: Array  # coefficients of each piece, highest power first, shape (4, n)
 
     def __call__(self, x: Array, nu: int = 0, /) -> Array:
         """Values of the `nu`-th derivative at `x` (m)."""
@@ -76,19 +71,12 @@ class PeriodicStart(Start):
 
 @dataclass(frozen=True)
 class Orbit:
-    """What the search found.
+    """What the search found."""
 
-    Attributes:
-        begin: the periodic steady state at the slider's farthest place; None where there is none to begin in.
-        multiplier: largest modulus of its Floquet multipliers; None where no periodic state was found.
-        reason: why there is none to begin in (a clause), "" if there is.
-        period: s; 0 where there is none to begin in.
-    """
-
-    begin: PeriodicStart | None
-    multiplier: float | None
-    reason: str = ""
-    period: float = 0.0
+    begin: PeriodicStart | None  # the periodic steady state at the slider's farthest place; None where there is none to begin in
+    multiplier: float | None  # largest modulus of its Floquet multipliers; None where no periodic state was found
+    reason: str = ""  # why there is none to begin in (a clause), "" if there is
+    period: float = 0.0  # s; 0 where there is none to begin in
 
     def hopeless(self, error: float) -> str:
         """Why marching from here cannot settle (a sentence); "" if it can.

@@ -55,26 +55,17 @@ _ANGLES: Final = 24  # of a turn, at which frequencies and forces of a case are 
 
 
 class OtherCases(NamedTuple):
-    """Cases of the library that fit a table which does not fit its own.
+    """Cases of the library that fit a table which does not fit its own."""
 
-    Attributes:
-        names: none where the given case fits, and where no case of the library does.
-        told: how it shows that the given case does not fit (a clause); "" where it fits.
-        sure: whether more shows it than the size of single columns.
-    """
-
-    names: tuple[str, ...] = ()
-    told: str = ""
-    sure: bool = False
+    names: tuple[str, ...] = ()  # none where the given case fits, and where no case of the library does
+    told: str = ""  # how it shows that the given case does not fit (a clause); "" where it fits
+    sure: bool = False  # whether more shows it than the size of single columns
 
 
 def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
     """Which cases of the library fit a table better than the given one.
 
-    Args:
-        run: of the table.
-        other: of an engine on the given case, in the same turn or the same state.
-        case: the given one.
+    `run` is that of the table, `other` that of an engine on the given case, in the same turn or the same state.
     """
     shown, right, expected = _of_run(run), _of_run(other), _of_mechanism(case.mechanism)
     names = [name for name in TRAITS if name in shown and name in right and name in expected]

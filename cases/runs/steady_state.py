@@ -122,8 +122,7 @@ class _Way:
             EngineFailure: a run broke down.
         """
         self.know(version=self._engine.version())
-        slider = self._mechanism.slider
-        climbs = slider.is_rigid or slider.is_linear or bool(self._request.settings)
+        climbs = not self._mechanism.slider.has_corners or bool(self._request.settings)
         self._choose_settings(climbs)
         self._cycles = self._found_cycles()
         if not climbs and self.run.averaged_cycles == 1 and not self.run.reached:
@@ -203,7 +202,7 @@ class _Way:
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
-            found, settling = settle(self._noted(march), multiplier)
+            found, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners)
         finally:
             self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         self.know(settled=settling.settled or len(found) > 1, cycles=settling.cycles, averaged_cycles=max(len(found), 1))
@@ -278,7 +277,7 @@ class _Way:
             found = self._searched(settings)
             if found is not None and found.stable:
                 return (self._one_cycle(found)[0],)
-        cycles, settling = settle(self._march(settings))
+        cycles, settling = settle(self._march(settings), rattles=self._mechanism.slider.has_corners)
         if not settling.settled:
             raise EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
         return cycles

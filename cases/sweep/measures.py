@@ -4,7 +4,7 @@ import difflib
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Final
 
@@ -28,17 +28,11 @@ NOTHING: Final[Measured] = (math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Motion:
-    """A settled motion.
-
-    Attributes:
-        mechanism: the scene.
-        run: what is known of it, as `run` would tell it.
-        finer: the orbit that finer settings lead to, and its error over that of the run; None where there is none.
-    """
+    """A settled motion."""
 
     mechanism: Mechanism
-    run: Run
-    finer: tuple[PeriodicOrbit, float] | None = None
+    run: Run  # what is known of it, as `run` would tell it
+    finer: tuple[PeriodicOrbit, float] | None = None  # the orbit of finer settings, and its error over that of the run
 
     @cached_property
     def claim(self) -> Claimed:
@@ -48,23 +42,14 @@ class Motion:
 
 @dataclass(frozen=True)
 class Measure:
-    """A number that a study may ask for.
+    """A number that a study may ask for."""
 
-    Attributes:
-        name: as asked for.
-        unit: SI.
-        meaning: in words.
-        of: takes it.
-        columns: of the cycle that it needs.
-        vibration: whether the first mode must be fitted for it, which takes longest.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    of: Callable[[Motion], Measured]
-    columns: tuple[str, ...] = ()
-    vibration: bool = False
+    name: str  # as asked for
+    unit: str  # SI
+    meaning: str  # in words
+    of: Callable[[Motion], Measured]  # takes it
+    columns: tuple[str, ...] = ()  # of the cycle that it needs
+    vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
 
 
 def measure(name: str) -> Measure:
@@ -76,153 +61,131 @@ def measure(name: str) -> Measure:
     raise CaseError("measure", None, as_written(name), "is unknown", accepted)
 
 
+def of_columns(name: str, unit: str) -> Iterator[Measure]:
+    """The measures of a column of the trajectory."""
+    kinds: tuple[tuple[str, str, Callable[[str, Motion], Measured]], ...] = (
+        ("peak", f"largest magnitude of {name} in a turn", _peak),
+        ("min", f"least value of {name} in a turn", partial(_extreme, 0)),
+        ("max", f"greatest value of {name} in a turn", partial(_extreme, 1)),
+        ("rms", f"root mean square of {name} over a turn", _rms),
+    )
+    for kind, meaning, of in kinds:
+        yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), (name,))
+
+
+def _where_given(column: str, of: Callable[[str, Motion], Measured], motion: Motion) -> Measured:
+    """What is taken of a column; nothing where the engine does not give it."""
+    return of(column, motion) if column in motion.run.cycle else NOTHING
+
+
 def _of_peak(peak: Peak | None) -> Measured:
-    if peak is None:
-        return NOTHING
-    return peak.value, math.nan if peak.error is None else peak.error
+    return NOTHING if peak is None else (peak.value, _known(peak.error))
 
 
-def _peak(name: str) -> Callable[[Motion], Measured]:
-    """Of the magnitude of a column, or of the vector whose parts are the columns `name`_x and `name`_y."""
-    return lambda motion: _of_peak((of_column if name in COLUMNS else of_vector)(name, motion.run.cycle, motion.claim))
+def _peak(name: str, motion: Motion) -> Measured:
+    return _of_peak(of_column(name, motion.run.cycle, motion.claim))
 
 
-def _extreme(column: str, which: int) -> Callable[[Motion], Measured]:
+def _bearing(name: str, motion: Motion) -> Measured:
+    return _of_peak(of_vector(name, motion.run.cycle, motion.claim))
+
+
+def _stress(what: str, motion: Motion) -> Measured:
+    stress = arm_stress(motion.mechanism, motion.run.cycle, motion.claim)
+    return _of_peak(None if stress is None else getattr(stress, what))
+
+
+def _extreme(which: int, column: str, motion: Motion) -> Measured:
     """The least (0) or greatest (1) value."""
-
-    def of(motion: Motion) -> Measured:
-        cycle = motion.run.cycle
-        if column not in cycle:
-            return NOTHING
-        found = extremes(cycle["time"], cycle[column], cycle["time"][0], cycle["time"][-1])[which]
-        estimate = motion.claim(column, float(np.interp(found.time, cycle["time"], cycle["crank_angle"])))
-        return found.value, math.nan if estimate is None else found.uncertainty + estimate
-
-    return of
+    cycle = motion.run.cycle
+    found = extremes(cycle["time"], cycle[column], cycle["time"][0], cycle["time"][-1])[which]
+    return found.value, _known(motion.claim(column, float(np.interp(found.time, cycle["time"], cycle["crank_angle"])))) + found.uncertainty
 
 
-def _rms(column: str) -> Callable[[Motion], Measured]:
-    def of(motion: Motion) -> Measured:
-        cycle = motion.run.cycle
-        if column not in cycle:
-            return NOTHING
-        time = cycle["time"]
-        return math.sqrt(float(np.trapezoid(cycle[column] ** 2, time)) / float(time[-1] - time[0])), _largest_claim(motion, column)
-
-    return of
+def _rms(column: str, motion: Motion) -> Measured:
+    time, values = motion.run.cycle["time"], motion.run.cycle[column]
+    return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0])), _largest_claim(motion, column)
 
 
-def _per_turn(column: str) -> Callable[[Motion], Measured]:
-    def of(motion: Motion) -> Measured:
-        cycle = motion.run.cycle
-        if column not in cycle:
-            return NOTHING
-        return float(cycle[column][-1] - cycle[column][0]), 2.0 * _largest_claim(motion, column)
-
-    return of
+def _per_turn(column: str, motion: Motion) -> Measured:
+    values = motion.run.cycle[column]
+    return float(values[-1] - values[0]), 2.0 * _largest_claim(motion, column)
 
 
 def _largest_claim(motion: Motion, column: str) -> float:
     begin, end = motion.run.cycle["crank_angle"][[0, -1]]
     known = [motion.claim(column, float(begin + part * (end - begin))) for part in (0.25, 0.75)]
-    return max((each for each in known if each is not None), default=math.nan) if None not in known else math.nan
+    return max(map(_known, known)) if None not in known else math.nan
 
 
-def _consensus(half: str) -> Callable[[Motion], Measured]:
-    def of(motion: Motion) -> Measured:
-        found = next((each for each in motion.run.consensus if each.half == half), None)
-        if found is None or found.first_mode_frequency is None:
-            return NOTHING
-        return found.first_mode_frequency, _sum(found.first_mode_frequency_estimate, found.uncertainty)
-
-    return of
+def _consensus(half: str, motion: Motion) -> Measured:
+    found = next((each for each in motion.run.consensus if each.half == half), None)
+    if found is None or found.first_mode_frequency is None:
+        return NOTHING
+    return found.first_mode_frequency, _known(found.first_mode_frequency_estimate) + _known(found.uncertainty)
 
 
-def _vibration(half: str, channel: str, quantity: str) -> Callable[[Motion], Measured]:
-    def of(motion: Motion) -> Measured:
-        found = next((each for each in motion.run.measures if each.half == half and each.channel == channel), None)
-        if found is None or (value := found.number(quantity)) is None:
-            return NOTHING
-        return value, _sum(found.estimate(quantity), found.number(f"{quantity}_uncertainty"))
-
-    return of
+def _vibration(half: str, channel: str, quantity: str, motion: Motion) -> Measured:
+    found = next((each for each in motion.run.measures if each.half == half and each.channel == channel), None)
+    if found is None or (value := found.number(quantity)) is None:
+        return NOTHING
+    return value, _known(found.estimate(quantity)) + _known(found.number(f"{quantity}_uncertainty"))
 
 
-def _sum(estimate: float | None, uncertainty: float | None) -> float:
-    return math.nan if estimate is None or uncertainty is None else estimate + uncertainty
-
-
-def _of_orbit(number: Callable[[PeriodicOrbit], float]) -> Callable[[Motion], Measured]:
-    def of(motion: Motion) -> Measured:
-        if motion.run.periodic_orbit is None:
-            return NOTHING
-        value = number(motion.run.periodic_orbit)
-        if motion.finer is None:
-            return value, math.nan
-        orbit, factor = motion.finer
-        return value, abs(number(orbit) - value) / abs(1.0 - factor)
-
-    return of
+def _of_orbit(number: Callable[[PeriodicOrbit], float], motion: Motion) -> Measured:
+    if motion.run.periodic_orbit is None:
+        return NOTHING
+    return _beside_finer(number(motion.run.periodic_orbit), number, motion)
 
 
 def _period(motion: Motion) -> Measured:
     time = motion.run.cycle["time"]
-    period = float(time[-1] - time[0])
+    return _beside_finer(float(time[-1] - time[0]), lambda orbit: orbit.period, motion)
+
+
+def _beside_finer(value: float, number: Callable[[PeriodicOrbit], float], motion: Motion) -> Measured:
+    """A value with the error that the orbit of finer settings gives it."""
     if motion.finer is None:
-        return period, math.nan
+        return value, math.nan
     orbit, factor = motion.finer
-    return period, abs(orbit.period - period) / abs(1.0 - factor)
+    return value, abs(number(orbit) - value) / abs(1.0 - factor)
 
 
-def _of_column(name: str, unit: str) -> Iterator[Measure]:
-    yield Measure(f"peak.{name}", unit, f"largest magnitude of {name} in a turn", _peak(name), (name,))
-    yield Measure(f"min.{name}", unit, f"least value of {name} in a turn", _extreme(name, 0), (name,))
-    yield Measure(f"max.{name}", unit, f"greatest value of {name} in a turn", _extreme(name, 1), (name,))
-    yield Measure(f"rms.{name}", unit, f"root mean square of {name} over a turn", _rms(name), (name,))
-
-
-def _of_half(half: str) -> Iterator[Measure]:
-    yield Measure(
-        f"{half}.frequency", "Hz", f"frequency of the first mode, {half}-return, over all channels", _consensus(half), CHANNELS, True
-    )
-    for channel in CHANNELS:
-        where = f"of the first mode, {half}-return, in {channel}"
-        frequency, amplitude = (_vibration(half, channel, f"first_mode_{quantity}") for quantity in ("frequency", "amplitude"))
-        yield Measure(f"{half}.frequency.{channel}", "Hz", f"frequency {where}", frequency, CHANNELS, True)
-        yield Measure(f"{half}.amplitude.{channel}", COLUMNS[channel].unit, f"RMS of the envelope {where}", amplitude, CHANNELS, True)
-
-
-def _of_stress(what: str) -> Callable[[Motion], Measured]:
-    def of(motion: Motion) -> Measured:
-        stress = arm_stress(motion.mechanism, motion.run.cycle, motion.claim)
-        return _of_peak(None if stress is None else getattr(stress, what))
-
-    return of
+def _known(number: float | None) -> float:
+    return math.nan if number is None else number
 
 
 def _declared() -> Iterator[Measure]:
     for name, column in COLUMNS.items():
         if name != "time":
-            yield from _of_column(name, column.unit)
+            yield from of_columns(name, column.unit)
     for name, where in (("pivot_force", "P"), ("crank_force", "O")):
-        yield Measure(f"peak.{name}", "N", f"largest force of the bearing {where}", _peak(name), (f"{name}_x", f"{name}_y"))
-    yield Measure("peak.stress", "Pa", "largest bending stress along the arm", _of_stress("largest"), tuple(COLUMNS))
-    yield Measure(
-        "amplitude.stress", "Pa", "half the range of the stress in a turn, where that is largest", _of_stress("amplitude"), tuple(COLUMNS)
-    )
+        yield Measure(f"peak.{name}", "N", f"largest force of the bearing {where}", partial(_bearing, name), (f"{name}_x", f"{name}_y"))
+    for name, what, meaning in (
+        ("peak", "largest", "largest bending stress along the arm"),
+        ("amplitude", "amplitude", "half the range of the stress in a turn, where that is largest"),
+    ):
+        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, what), tuple(COLUMNS))
     for half in HALVES:
-        yield from _of_half(half)
-    yield Measure(
-        "multiplier", "1", "largest modulus of the Floquet multipliers", _of_orbit(lambda orbit: math.hypot(*orbit.multipliers[0]))
-    )
-    yield Measure("multiplier.real", "1", "real part of that multiplier", _of_orbit(lambda orbit: orbit.multipliers[0][0]))
-    yield Measure("multiplier.imag", "1", "imaginary part of that multiplier", _of_orbit(lambda orbit: orbit.multipliers[0][1]))
+        meaning = f"frequency of the first mode, {half}-return, over all channels"
+        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), CHANNELS, True)
+        for channel in CHANNELS:
+            for what, unit, words in (("frequency", "Hz", "frequency"), ("amplitude", COLUMNS[channel].unit, "RMS of the envelope")):
+                meaning = f"{words} of the first mode, {half}-return, in {channel}"
+                of = partial(_vibration, half, channel, f"first_mode_{what}")
+                yield Measure(f"{half}.{what}.{channel}", unit, meaning, of, CHANNELS, True)
+    for name, meaning, number in (
+        ("multiplier", "largest modulus of the Floquet multipliers", lambda orbit: math.hypot(*orbit.multipliers[0])),
+        ("multiplier.real", "real part of that multiplier", lambda orbit: orbit.multipliers[0][0]),
+        ("multiplier.imag", "imaginary part of that multiplier", lambda orbit: orbit.multipliers[0][1]),
+    ):
+        yield Measure(name, "1", meaning, partial(_of_orbit, number))
     yield Measure("period", "s", "time of a turn", _period)
-    yield Measure(
-        "turn.drive_work", "J", "work of the drive, and of a force on the tip, in a turn", _per_turn("drive_work"), ("drive_work",)
-    )
-    dissipated = "dissipated_energy"
-    yield Measure(f"turn.{dissipated}", "J", "what the dampings take in a turn", _per_turn(dissipated), (dissipated,))
+    for name, meaning in (
+        ("drive_work", "work of the drive, and of a force on the tip, in a turn"),
+        ("dissipated_energy", "what the dampings take in a turn"),
+    ):
+        yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), (name,))
     yield Measure("solve_seconds", "s", "wall time of the solve", lambda motion: (motion.run.solve_seconds or math.nan, math.nan))
 
 

@@ -3,12 +3,12 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.jobs.job import Outcome
+from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
 from cases.runs.request import FAILED, SETTLED
 from cases.sweep.grid import Grid, job
@@ -23,25 +23,15 @@ APART: Final = 0.02
 
 @dataclass(frozen=True)
 class Study:
-    """What came of a grid.
+    """What came of a grid."""
 
-    Attributes:
-        grid: the case and its axes.
-        asked: what was measured.
-        ways: "up", "down" or both.
-        values: of each measure, shape (ways, *grid, measures); nan where it is not to be had.
-        errors: how far off each may be by the engine's own estimate, likewise.
-        statuses: how each point ended, shape (ways, *grid).
-        sentences: why, "" where it settled.
-    """
-
-    grid: Grid
-    asked: Asked
-    ways: tuple[str, ...]
-    values: NDArray[np.float64]
-    errors: NDArray[np.float64]
-    statuses: NDArray[np.object_]
-    sentences: NDArray[np.object_]
+    grid: Grid  # the case and its axes
+    asked: Asked  # what was measured
+    ways: tuple[str, ...]  # "up", "down" or both
+    values: NDArray[np.float64]  # of each measure, shape (ways, *grid, measures); nan where it is not to be had
+    errors: NDArray[np.float64]  # how far off each may be by the engine's own estimate, likewise
+    statuses: NDArray[np.object_]  # how each point ended, shape (ways, *grid)
+    sentences: NDArray[np.object_]  # why, "" where it settled
 
     @property
     def counts(self) -> dict[str, int]:
@@ -68,52 +58,36 @@ def study(grid: Grid, asked: Asked, workshop: Workshop, path: Path = "up") -> St
         KeyboardInterrupt: Ctrl-C; the rows that were computed are stored.
         UnknownEngine: see there.
     """
-    ways = ("up", "down") if path == "both" else (path,)
-    begun = [(way, place) for way in ways for place in grid.rows()]
-    asked_of = [replace(asked, engine=grid.engine_at(place, asked.engine)) for _, place in begun]
-    rows = [_Row(grid, way, place, one) for (way, place), one in zip(begun, asked_of, strict=True)]
-    outcomes = workshop.outcomes([each.job for each in rows], "points")
-    found = [each.result(outcome, workshop) for each, outcome in zip(rows, outcomes, strict=True)]
-    return _together(grid, asked, ways, begun, found)
-
-
-class _Row:
-    """A row of the grid that begins at a place, and the changes of its points in the order in which they are computed."""
-
-    def __init__(self, grid: Grid, way: str, place: tuple[int, ...], asked: Asked) -> None:
-        along = grid.along
-        places = [(*place[:along], at, *place[along + 1 :]) for at in range(grid.shape[along])]
-        self._changes = [grid.overrides(each) for each in (reversed(places) if way == "down" else places)]
-        self._case, self._asked = grid.case, asked
-        self.job = job(grid.case, self._changes, asked)
-
-    def result(self, outcome: Outcome[Row], workshop: Workshop) -> Row:
-        """The row; where its process died, its points each in a process of its own, so that one costs no other."""
-        if outcome.value is not None:
-            return outcome.value
-        alone = [job(self._case, [each], self._asked) for each in self._changes]
-        outcomes = workshop.outcomes(alone, "points of a row whose process died")
-        parts = [each.value or self._lost(each) for each in outcomes]
-        return Row(
-            np.concatenate([part.values for part in parts]),
-            np.concatenate([part.errors for part in parts]),
-            tuple(part.statuses[0] for part in parts),
-            tuple(part.sentences[0] for part in parts),
-        )
-
-    def _lost(self, outcome: Outcome[Row]) -> Row:
-        nothing = np.full((1, len(self._asked.measures)), np.nan)
-        return Row(nothing, nothing, (FAILED,), (f"its process {outcome.explanation}",))
-
-
-def _together(grid: Grid, asked: Asked, ways: tuple[str, ...], begun: Sequence[tuple[str, tuple[int, ...]]], rows: Sequence[Row]) -> Study:
+    ways, along = ("up", "down") if path == "both" else (path,), grid.along
     shape = (len(ways), *grid.shape)
-    numbers = np.full((2, *shape, len(asked.measures)), np.nan)
-    texts = np.full((2, *shape), "", dtype=object)
-    for (way, place), found in zip(begun, rows, strict=True):
-        at = (ways.index(way), *place[: grid.along], slice(None, None, -1 if way == "down" else 1), *place[grid.along + 1 :])
-        for kind, values in enumerate((found.values, found.errors)):
-            numbers[kind][at] = values
-        for kind, words in enumerate((found.statuses, found.sentences)):
-            texts[kind][at] = words
-    return Study(grid, asked, ways, numbers[0], numbers[1], texts[0], texts[1])
+    values, errors = (np.full((*shape, len(asked.measures)), np.nan) for _ in range(2))
+    statuses, sentences = (np.full(shape, "", dtype=object) for _ in range(2))
+    jobs, places = list[Job[Row]](), list[Any]()
+    for number, way in enumerate(ways):
+        for place in grid.rows():
+            before, behind, backwards = place[:along], place[along + 1 :], slice(None, None, -1 if way == "down" else 1)
+            changes = [grid.overrides((*before, at, *behind)) for at in range(grid.shape[along])][backwards]
+            jobs.append(job(grid.case, changes, replace(asked, engine=grid.engine_at(place, asked.engine))))
+            places.append((number, *before, backwards, *behind))
+    for at, row in zip(places, computed(jobs, workshop), strict=True):
+        values[at], errors[at], statuses[at], sentences[at] = row.values, row.errors, row.statuses, row.sentences
+    return Study(grid, asked, ways, values, errors, statuses, sentences)
+
+
+def computed(jobs: Sequence[Job[Row]], workshop: Workshop) -> list[Row]:
+    """The rows of jobs; where a process died, its points each in a process of its own, so that one costs no other."""
+    return [outcome.value or _point_by_point(outcome.job, workshop) for outcome in workshop.outcomes(jobs, "points")]
+
+
+def joined(rows: Sequence[Row]) -> Row:
+    """Rows as one, each behind the one before."""
+    values, errors = (np.concatenate([getattr(row, name) for row in rows]) for name in ("values", "errors"))
+    statuses, sentences = (tuple(text for row in rows for text in getattr(row, name)) for name in ("statuses", "sentences"))
+    return Row(values, errors, statuses, sentences)
+
+
+def _point_by_point(died: Job[Row], workshop: Workshop) -> Row:
+    case, changes, asked = died.arguments
+    outcomes = workshop.outcomes([job(case, [each], asked) for each in changes], "points of a row whose process died")
+    nothing = np.full((1, len(asked.measures)), np.nan)
+    return joined([each.value or Row(nothing, nothing, (FAILED,), (f"its process {each.explanation}",)) for each in outcomes])

@@ -21,12 +21,11 @@ from cases.reading import case_of
 from cases.recorded import RecordedTable
 from cases.uncertainty.covariance import UNTOLD, best_step, covariance, smooth_part, untold
 from cases.uncertainty.fit import PROBABILITY, Fit, Found
-from cases.uncertainty.parameters import Parameter, interval, overrides
+from cases.uncertainty.parameters import Parameter, distribution, overrides
 from cases.uncertainty.table_model import TableModel
 from engines.base import EngineFailure, NoSteadyState, Refusal
 from engines.own.reference import ReferenceSettings
 from engines.relative import rms
-from reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
@@ -58,16 +57,13 @@ class Free:
 
     @classmethod
     def of_text(cls, text: str, case: Case, source: str) -> "Free":
-        """From `KEY` or `KEY = A .. B`.
-
-        Raises:
-            CaseError: no such parameter, or one whose value gives no scale and that has no range.
-        """
+        """From `KEY` or `KEY = A .. B`. CaseError: no such parameter, or one whose value gives no scale and that has no range."""
         key, sign, range_ = (part.strip() for part in text.partition("="))
         parameter = Parameter.of_key(key, source)
         start = parameter.of(case.mechanism)
         if sign:
-            low, high = interval(range_, parameter, source)
+            given = distribution(f"uniform {range_}", parameter, source)
+            low, high = given.first, given.second
             return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high))
         if not math.isfinite(start) or start == 0.0:
             accepted = f'give a range, such as "{key} = 0 {parameter.quantity.unit} .. 1 {parameter.quantity.unit}"'
@@ -94,13 +90,9 @@ class Free:
 
 
 def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str = "--free") -> Fit:
-    """Find the parameters with which `reference` comes closest to a table.
+    """The parameters with which `reference` comes closest to a table from the standard start, or of the steady state.
 
-    Args:
-        case: the scene to begin from.
-        table: from the standard start, or of the steady state.
-        free: keys, each alone or with a range: `"tip.center_of_mass = 0 in .. 0.5 in"`.
-        source: named in what is wrong with `free`.
+    `free`: keys, each alone or with a range ("tip.center_of_mass = 0 in .. 0.5 in"); `source` is named in what is wrong with them.
 
     Raises:
         CaseError: keys or table that cannot be.
@@ -123,6 +115,7 @@ class _Search:
 
     def __init__(self, case: Case, model: TableModel, frees: Sequence[Free]) -> None:
         self.case, self.model, self.frees, self.document = case, model, frees, as_document(case)
+        self.bounds = tuple(np.transpose([each.bounds for each in frees]))
         self.simulations = 0
         engine, scene = model.engine, case.mechanism
         self.usual, self.fine = (engine.settings_for(accuracy, scene) for accuracy in (engine.default_accuracy, ACCURACY))
@@ -135,111 +128,108 @@ class _Search:
             raise EngineFailure(0.0, f"no steady state was found where the search begins: {reason}", "begin from other values") from reason
         weights = 1.0 / model.sizes
         for rows in model.stretches(self.case.mechanism)[:-1]:
-            at = self._fitted(at, self.usual, rows, weights)
+            at = self._fitted(at, rows, weights)
         for _ in range(FITS):
-            at = self._fitted(at, self.usual, model.rows, weights)
+            at = self._fitted(at, model.rows, weights)
             left = model.values - self._simulated(at, self.usual, model.rows)
             weights = 1.0 / np.maximum([rms(column) for column in left], BEST_KNOWN * model.sizes)
-        slopes = self._slopes(at, self.usual, model.rows)
+        slopes = self._slopes(at, model.rows)
         for _ in range(CORRECTIONS):
             left = model.values - self._simulated(at, self.fine, model.rows)
-            at = np.clip(at + best_step(slopes, left, weights), *np.transpose([each.bounds for each in self.frees]))
+            at = np.clip(at + best_step(slopes, left, weights), *self.bounds)
         left = model.values - self._simulated(at, self.fine, model.rows)
         return self._told(table, at, left, slopes, weights)
 
-    def _scene(self, at: Array) -> Mechanism:
-        values = {each.parameter: each.value(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)}
-        return case_of(self.document.overridden_by(overrides(self.case.mechanism, values))).mechanism
-
     def _simulated(self, at: Array, settings: ReferenceSettings, rows: int) -> Array:
         self.simulations += 1
-        return self.model.simulated(self._scene(at), settings, rows)
+        values = {each.parameter: each.value(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)}
+        scene = case_of(self.document.overridden_by(overrides(self.case.mechanism, values))).mechanism
+        return self.model.simulated(scene, settings, rows)
 
-    def _fitted(self, begin: Array, settings: ReferenceSettings, rows: int, weights: Array) -> Array:
+    def _fitted(self, begin: Array, rows: int, weights: Array) -> Array:
         scaled = (weights / math.sqrt(rows * len(weights)))[:, None]
         table = self.model.values[:, :rows]
         hold = HOLD * float(np.mean(weights * self.model.sizes))
 
         def residual(at: Array) -> Array:
             try:
-                apart = (self._simulated(at, settings, rows) - table) * scaled
+                apart = (self._simulated(at, self.usual, rows) - table) * scaled
             except (EngineFailure, Refusal, NoSteadyState, CaseError):
                 apart = np.full(table.shape, FAILED * float(np.max(scaled * self.model.sizes[:, None])))
             return np.concatenate([apart.ravel(), hold * (at - begin)])
 
         def jacobian(at: Array) -> Array:
-            slopes = self._slopes(at, settings, rows) * scaled[:, :, None]
+            slopes = self._slopes(at, rows) * scaled[:, :, None]
             return np.vstack([slopes.reshape(-1, len(at)), hold * np.eye(len(at))])
 
-        bounds = tuple(np.transpose([each.bounds for each in self.frees]))
-        inside = np.clip(begin, bounds[0] + 1e-6, bounds[1] - 1e-6)
-        return np.asarray(least_squares(residual, inside, jacobian, bounds, ftol=ENOUGH, xtol=None, gtol=None, max_nfev=MOST_EVALUATIONS).x)
+        inside = np.clip(begin, self.bounds[0] + 1e-6, self.bounds[1] - 1e-6)
+        found = least_squares(residual, inside, jacobian, self.bounds, ftol=ENOUGH, xtol=None, gtol=None, max_nfev=MOST_EVALUATIONS)
+        return np.asarray(found.x)
 
-    def _slopes(self, at: Array, settings: ReferenceSettings, rows: int) -> Array:
+    def _slopes(self, at: Array, rows: int) -> Array:
         """Derivatives of the columns by the coordinates, shape (C, rows, p), by central differences within the bounds."""
         columns = []
         for number, each in enumerate(self.frees):
             ends = np.clip(at[number] + np.array([-DIFFERENCE, DIFFERENCE]), *each.bounds)
-            both = [self._simulated(np.where(np.arange(len(at)) == number, end, at), settings, rows) for end in ends]
+            both = [self._simulated(np.where(np.arange(len(at)) == number, end, at), self.usual, rows) for end in ends]
             columns.append((both[1] - both[0]) / (ends[1] - ends[0]))
         return np.stack(columns, axis=-1)
 
     def _told(self, table: str, at: Array, left: Array, slopes: Array, weights: Array) -> Fit:
-        model, rows = self.model, self.model.rows
+        model = self.model
         spread, alone = covariance(left * weights[:, None], slopes * weights[:, None, None])
         sensitivities = slopes / model.sizes[:, None, None]
-        parts = np.sqrt(np.mean(sensitivities**2, axis=(0, 1)))  # relative change of the table by each coordinate
         directions = untold(sensitivities, spread)
         loose = {number for direction in directions for number in np.flatnonzero(np.abs(direction) > UNTOLD * np.max(np.abs(direction)))}
-        finer = model.engine.comparisons(self.fine, self.case.mechanism, 0.0)[0]
-        finer_settings = finer.other
-        assert isinstance(finer_settings, ReferenceSettings)
-        apart = (self._simulated(at, finer_settings, rows) - self._simulated(at, self.fine, rows)) / abs(1.0 - finer.factor)
-        moved = np.abs(best_step(slopes, apart, weights))
+        moved = np.abs(best_step(slopes, self._error(at), weights))
         sizes = np.sqrt(np.diag(spread))
         known = np.where(sizes > 0.0, sizes, 1.0)  # of a parameter without any effect all is zero
         per = np.array([each.slope(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)])
         reach = stats.norm.ppf(0.5 + 0.5 * PROBABILITY) * sizes
-        found = [
-            Found(
-                key=each.parameter.key,
-                unit=each.parameter.quantity.unit,
-                start=each.start,
-                value=each.value(float(at[k])),
-                low=min(ends := [each.value(float(np.clip(at[k] + sign * reach[k], -99.0, 99.0))) for sign in (-1.0, 1.0)]),
-                high=max(ends),
-                simulation_error=float(moved[k] * abs(per[k])),
-                determined=k not in loose and bool(parts[k] > 0.0),
-                at_end=bool(np.min(np.abs(at[k] - np.array(each.bounds))) < 1e-3),
+        found = []
+        for k, each in enumerate(self.frees):
+            ends = [each.value(float(np.clip(at[k] + sign * reach[k], -99.0, 99.0))) for sign in (-1.0, 1.0)]
+            found.append(
+                Found(
+                    key=each.parameter.key,
+                    unit=each.parameter.quantity.unit,
+                    start=each.start,
+                    value=each.value(float(at[k])),
+                    low=min(ends),
+                    high=max(ends),
+                    simulation_error=float(moved[k] * abs(per[k])),
+                    determined=k not in loose and bool(np.any(sensitivities[:, :, k])),
+                    at_end=bool(np.min(np.abs(at[k] - np.array(each.bounds))) < 1e-3),
+                )
             )
-            for k, each in enumerate(self.frees)
-        ]
-        in_si = spread * np.outer(per, per)
         return Fit(
             case=self.case,
             table=table,
             begins=model.begins,
-            rows=rows,
+            rows=model.rows,
             found=tuple(found),
-            covariance=tuple(map(tuple, in_si.tolist())),
+            covariance=tuple(map(tuple, (spread * np.outer(per, per)).tolist())),
             correlation=tuple(map(tuple, (spread / np.outer(known, known)).tolist())),
-            cannot_tell=tuple(self._words(direction, at, sensitivities) for direction in directions),
+            cannot_tell=tuple(self._words(direction, per, sensitivities) for direction in directions),
             left={name: rms(column) / float(size) for name, column, size in zip(model.names, left, model.sizes, strict=True)},
             smooth=smooth_part(left * weights[:, None]),
             widened=float(np.exp(np.mean(np.log(known / np.sqrt(np.where(sizes > 0.0, np.diag(alone), 1.0)))))),
             simulations=self.simulations,
         )
 
-    def _words(self, direction: Array, at: Array, sensitivities: Array) -> str:
+    def _error(self, at: Array) -> Array:
+        """Error of the finer simulation, shape (C, N), by a still finer one."""
+        pair = self.model.engine.comparisons(self.fine, self.case.mechanism, 0.0)[0]
+        assert isinstance(pair.other, ReferenceSettings)
+        finer, fine = (self._simulated(at, settings, self.model.rows) for settings in (pair.other, self.fine))
+        return (finer - fine) / abs(1.0 - pair.factor)
+
+    def _words(self, direction: Array, per: Array, sensitivities: Array) -> str:
         """A change of parameters, the largest by a tenth, that the table does not show."""
         step = UNTOLD * direction / np.max(np.abs(direction))
         parts = []
-        for each, coordinate, part in zip(self.frees, at, step, strict=True):
-            if abs(part) < 0.05 * UNTOLD:
-                continue
-            if each.ends is None:
-                parts.append(f"{each.parameter.key} {100.0 * math.expm1(part):+.3g} %")
-            else:
-                parts.append(f"{each.parameter.key} {part * each.slope(float(coordinate)):+.3g} {each.parameter.quantity.unit}")
+        for each, part, slope in zip(self.frees, step, per, strict=True):
+            change = f"{100.0 * math.expm1(part):+.3g} %" if each.ends is None else f"{part * slope:+.3g} {each.parameter.quantity.unit}"
+            parts += [f"{each.parameter.key} {change}"] if abs(part) >= 0.05 * UNTOLD else []
         shown = float(np.sqrt(np.mean((sensitivities @ step) ** 2)))
         return f"{' with '.join(parts)} (changes the columns by {100.0 * shown:.2g} % of their RMS)"

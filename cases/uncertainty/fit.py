@@ -19,36 +19,24 @@ SMOOTH: Final = 0.3
 
 @dataclass(frozen=True, kw_only=True)
 class Found:
-    """A parameter that was found, SI.
+    """A parameter that was found, SI."""
 
-    Attributes:
-        key: of the parameter.
-        unit: SI.
-        start: where the search began.
-        value: the best one.
-        low: lower end of the 95 % interval, by what the residuals show.
-        high: upper end.
-        simulation_error: by how much the simulation's own error may move the value; not part of the interval.
-        determined: whether the table tells it at all.
-        at_end: whether it lies at the end of its range.
-    """
-
-    key: str
-    unit: str
-    start: float
-    value: float
-    low: float
-    high: float
-    simulation_error: float
-    determined: bool
-    at_end: bool
+    key: str  # of the parameter
+    unit: str  # SI
+    start: float  # where the search began
+    value: float  # the best one
+    low: float  # lower end of the 95 % interval, by what the residuals show
+    high: float  # upper end
+    simulation_error: float  # by how much the simulation's own error may move the value; not part of the interval
+    determined: bool  # whether the table tells it at all
+    at_end: bool  # whether it lies at the end of its range
 
     @property
     def shown(self) -> tuple[str, ...]:
         """A row for people."""
-        interval_ = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
+        interval = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
         end = " (at an end of its range)" if self.at_end else ""
-        return self.key, f"{self.value:.6g}{end}", self.unit, interval_, f"{self.simulation_error:.1e}", f"{self.start:.6g}"
+        return self.key, f"{self.value:.6g}{end}", self.unit, interval, f"{self.simulation_error:.1e}", f"{self.start:.6g}"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

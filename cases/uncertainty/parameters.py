@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
-from cases.case import PATHS, dimension_of
+from cases.case import PATHS, si_value
 from cases.errors import CaseError, as_written, nearest_or_all
-from cases.units import QuantityError, parse_quantity, plain_number
+from cases.units import plain_number
 from reference_model.mechanism import Mechanism
 from reference_model.quantities import Quantity
 from reference_model.scene_values import values_of
@@ -28,15 +28,10 @@ _EXAMPLES: Final = (
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a scene by its key in a case file, such as `tip.mass`; of a list the place is added: `mechanism.gravity[2]`.
+    """A number of a scene by its key in a case file, such as `tip.mass`; of a list the place is added: `mechanism.gravity[2]`."""
 
-    Attributes:
-        path: dotted key.
-        place: in the list, from 0; None of a single number.
-    """
-
-    path: str
-    place: int | None = None
+    path: str  # dotted key
+    place: int | None = None  # in the list, from 0; None of a single number
 
     @classmethod
     def of_key(cls, key: str, source: str) -> "Parameter":
@@ -96,19 +91,12 @@ def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, 
 
 @dataclass(frozen=True)
 class Distribution:
-    """How a parameter scatters.
+    """How a parameter scatters."""
 
-    Attributes:
-        kind: "uniform", "log-uniform" or "normal".
-        first: SI; lower end, or the mean.
-        second: SI; upper end, or the standard deviation.
-        text: as written.
-    """
-
-    kind: str
-    first: float
-    second: float
-    text: str
+    kind: str  # "uniform", "log-uniform" or "normal"
+    first: float  # SI; lower end, or the mean
+    second: float  # SI; upper end, or the standard deviation
+    text: str  # as written
 
     def quantile(self, probability: Array) -> Array:
         """The values that are not exceeded with a probability from 0 to 1, SI, shape as the argument."""
@@ -149,9 +137,9 @@ def distribution(text: Any, parameter: Parameter, source: str) -> Distribution:
     if between is None or rest.count(between) != 1:
         raise wrong("is no distribution")
     ends = [part.strip() for part in rest.split(between)]
-    first = _value(ends[0], parameter, wrong)
+    first = si_value(parameter.path, ends[0], source, finite=True)
     percent = plain_number(ends[1].removesuffix("%").strip()) if kind == "normal" and ends[1].endswith("%") else None
-    second = _value(ends[1], parameter, wrong) if percent is None else abs(first) * percent / 100.0
+    second = si_value(parameter.path, ends[1], source, finite=True) if percent is None else abs(first) * percent / 100.0
     if kind == "normal" and not second > 0.0:
         raise wrong("has no positive standard deviation")
     if kind != "normal" and not first < second:
@@ -161,16 +149,3 @@ def distribution(text: Any, parameter: Parameter, source: str) -> Distribution:
     if parameter.quantity.sign != "any" and first < 0.0:
         raise wrong("holds negative values", f"{parameter.path} must be {parameter.quantity.sign}")
     return Distribution(kind, first, second, text)
-
-
-def interval(text: str, parameter: Parameter, source: str) -> tuple[float, float]:
-    """A range `A .. B` in SI. CaseError: no such range."""
-    found = distribution(f"uniform {text}", parameter, source)
-    return found.first, found.second
-
-
-def _value(text: str, parameter: Parameter, wrong: Any) -> float:
-    try:
-        return parse_quantity(text, dimension_of(parameter.path))
-    except QuantityError as problem:
-        raise wrong(f'holds "{text}", which {problem.problem}', problem.accepted) from None

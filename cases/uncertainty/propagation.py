@@ -21,11 +21,12 @@ from cases.case import Case
 from cases.errors import CaseError
 from cases.jobs.job import Job
 from cases.jobs.workshop import Workshop
-from cases.runs.request import FAILED, SETTLED
+from cases.runs.request import SETTLED
 from cases.shown import Cell, Rows, Shown
 from cases.sweep.grid import job
 from cases.sweep.measures import measure
 from cases.sweep.rows import Asked, Row
+from cases.sweep.study import computed, joined
 from cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
 
 Array = NDArray[np.float64]
@@ -157,35 +158,17 @@ class Points:
         changes = [overrides(scene, dict(zip(self.distributions, point, strict=True))) for point in self.inputs]
         return [job(self.case, changes[first : first + ROW], self.asked) for first in range(0, len(changes), ROW)]
 
-    def are_stored(self, workshop: Workshop) -> bool:
-        """Whether all of them are."""
-        return all(workshop.stored(each) is not None for each in self.jobs)
-
     def scatter(self, workshop: Workshop) -> Scatter:
         """Compute what is not stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
-        names = self.asked.measures
-        values, errors = (np.full((len(self.inputs), len(names)), math.nan) for _ in range(2))
-        statuses = np.full(len(self.inputs), FAILED, dtype=object)
-        for number, outcome in enumerate(workshop.outcomes(self.jobs, "points")):
-            if (row := outcome.value) is not None:
-                here = slice(number * ROW, (number + 1) * ROW)
-                values[here], errors[here], statuses[here] = row.values, row.errors, row.statuses
+        names, row = self.asked.measures, joined(computed(self.jobs, workshop))
         units = tuple(measure(name).unit for name in names)
-        return Scatter(self.case, self.distributions, names, units, self.inputs, values, errors, tuple(statuses))
+        return Scatter(self.case, self.distributions, names, units, self.inputs, row.values, row.errors, row.statuses)
 
 
 def planned(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int, source: str) -> Points:
-    """Quasi-random points.
+    """Quasi-random points, `samples` of them (a power of two), of distributions as texts by key.
 
-    Args:
-        case: in which all other values are.
-        uncertain: key -> distribution as text.
-        asked: what is measured, and how.
-        samples: number of points, a power of two.
-        source: named in what is wrong with `uncertain`.
-
-    Raises:
-        CaseError: a key, a distribution, a measure or a number of points that cannot be.
+    CaseError, which names `source`: a key, a distribution, a measure or a number of points that cannot be.
     """
     if not uncertain:
         raise CaseError(source, "uncertain", None, "names no parameter", 'write KEY = "uniform A .. B"')
@@ -212,21 +195,13 @@ def quantiles(values: Array, probabilities: Sequence[float] = PROBABILITIES) -> 
 
 @dataclass(frozen=True, eq=False)
 class Surrogate:
-    """A polynomial chaos: orthonormal polynomials of the parameters, fitted by least squares.
+    """A polynomial chaos: orthonormal polynomials of the parameters, fitted by least squares."""
 
-    Attributes:
-        degree: largest total degree.
-        powers: of each term in each parameter, shape (terms, p).
-        matrix: terms at the points, shape (n, terms).
-        values: at the points, shape (n,).
-        q2: part of the variance that it foretells at points left out of its fit, one at a time; nan without enough points.
-    """
-
-    degree: int
-    powers: NDArray[np.int64]
-    matrix: Array
-    values: Array
-    q2: float
+    degree: int  # largest total degree
+    powers: NDArray[np.int64]  # of each term in each parameter, shape (terms, p)
+    matrix: Array  # terms at the points, shape (n, terms)
+    values: Array  # at the points, shape (n,)
+    q2: float  # part of the variance that it foretells at points left out of its fit, one at a time; nan without enough points
 
     @classmethod
     def best(cls, distributions: Sequence[Distribution], inputs: Array, values: Array) -> "Surrogate":

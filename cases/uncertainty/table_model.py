@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from cases.case import Case
 from cases.errors import CaseError
 from cases.recorded import RecordedTable
-from cases.runs.marching import output_step, whole_cycles
+from cases.runs.marching import output_step, periodic_cycle
 from cases.runs.recorded import recorded_run
 from cases.runs.request import NOT_SETTLED, STANDARD
 from engines.accurate import run_once
@@ -37,27 +37,22 @@ class TableModel:
 
     A table that begins in the standard start is held against a simulation from there, row by row in time. Any other is held against the
     periodic steady state at equal crank angles.
-
-    Attributes:
-        begins: whether the table begins in the standard start.
-        names: columns that are compared, C of them.
-        values: of the table, SI, shape (C, N).
-        sizes: RMS of each column, shape (C,).
     """
 
     def __init__(self, case: Case, table: RecordedTable) -> None:
         run = recorded_run(table, case)
-        self.begins = run.start == STANDARD
+        self.begins = run.start == STANDARD  # whether the table begins in the standard start
         if not self.begins and run.status == NOT_SETTLED:
             raise CaseError(table.shown, None, None, "neither begins in the standard start nor has settled", run.remark)
         self.names = tuple(name for name in COMPARED if name in table.columns and np.any(table.columns[name]))
         if not self.names:
             raise CaseError(table.shown, None, None, "has no column to fit", f"give some of {', '.join(COMPARED)}")
-        self.values = np.array([table.columns[name] for name in self.names])
-        self.sizes = np.array([rms(column) for column in self.values])
+        self.values = np.array([table.columns[name] for name in self.names])  # SI, shape (C, N)
+        self.sizes = np.array([rms(column) for column in self.values])  # RMS of each column, shape (C,)
         self.engine = ReferenceEngine()
         self._time = table.columns["time"]
-        even = case.mechanism.crank.initial_angle + math.copysign(crank_pace(case.mechanism), self._speed(case.mechanism)) * self._time
+        scene = case.mechanism
+        even = scene.crank.initial_angle + math.copysign(crank_pace(scene), scene.crank.drive.initial_speed) * self._time
         self._angle = table.columns.get("crank_angle", even)
 
     @property
@@ -80,11 +75,7 @@ class TableModel:
         return found
 
     def simulated(self, scene: Mechanism, settings: ReferenceSettings, rows: int) -> Array:
-        """The columns in the first `rows` rows, shape (C, rows).
-
-        Raises:
-            EngineFailure, Refusal, NoSteadyState: the simulation cannot be had.
-        """
+        """The columns in the first `rows` rows, shape (C, rows). EngineFailure, Refusal, NoSteadyState: the simulation cannot be had."""
         if self.begins:
             time = self._time[:rows]
             step = float(np.median(np.diff(self._time)))
@@ -95,13 +86,8 @@ class TableModel:
         found = self.engine.steady_state(scene, standard_start(scene), settings)
         if found is None or not found.stable:
             raise NoSteadyState("a rigid follower or a soft joint has none that can be searched" if found is None else "it is not stable")
-        step = output_step(scene)
-        cycle = whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
+        cycle = periodic_cycle(found, output_step(scene))
         turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
-        way = math.copysign(1.0, self._speed(scene))
+        way = math.copysign(1.0, scene.crank.drive.initial_speed)
         where = np.mod(way * self._angle[:rows] - math.pi, 2.0 * math.pi)
         return np.array([CubicSpline(turned, cycle.channels[name])(where) for name in self.names])
-
-    @staticmethod
-    def _speed(scene: Mechanism) -> float:
-        return scene.crank.drive.initial_speed

@@ -60,47 +60,32 @@ UNPRINTED: Final = (
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """What the scatter does to a run: quantiles of 2.5, 50 and 97.5 %, over the points that have the number.
+    """What the scatter does to a run: quantiles of 2.5, 50 and 97.5 %, over the points that have the number."""
 
-    Attributes:
-        run: number.
-        points: how many were computed.
-        settled: how many settled.
-        compared: how many have the frequency in both halves.
-        pre: first-mode frequency before the return, Hz; empty where no point resolves it.
-        post: likewise after it.
-        ratio: frequency after the return over that before it: least, median and greatest of all points.
-        apart: points at which the halves differ as the words ask: the frequency after the return at most `1 / EXCESS` of that before.
-        strain: largest of the three gauges' peak strains.
-        sampled: standard errors of the outer quantiles from the number of points, relative, the larger of both: of `pre`, `post`, `strain`.
-        claims: how far off the simulation's numbers may be by its own estimate and their measurement, relative, medians over
-            `CLAIMED_SAMPLES` points, likewise; empty but for `CLAIMED_RUNS`.
-    """
-
-    run: int
-    points: int
-    settled: int
-    compared: int
-    pre: tuple[float, ...]
-    post: tuple[float, ...]
-    ratio: tuple[float, ...]
-    apart: int
-    strain: tuple[float, ...]
+    run: int  # number
+    points: int  # how many were computed
+    settled: int  # how many settled
+    compared: int  # how many have the frequency in both halves
+    pre: tuple[float, ...]  # first-mode frequency before the return, Hz; empty where no point resolves it
+    post: tuple[float, ...]  # likewise after it
+    ratio: tuple[float, ...]  # frequency after the return over that before it: least, median and greatest of all points
+    apart: int  # points at which the halves differ as the words ask: the frequency after the return at most `1 / EXCESS` of that before
+    strain: tuple[float, ...]  # largest of the three gauges' peak strains
+    # standard errors of the outer quantiles from the number of points, relative, the larger of both: of `pre`, `post`, `strain`
     sampled: tuple[float, ...]
+    # how far off the simulation's numbers may be by its own estimate and their measurement, relative, medians over `CLAIMED_SAMPLES`
+    # points, likewise; empty but for `CLAIMED_RUNS`
     claims: tuple[float, ...]
 
 
-def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS), *, compute: bool = True) -> list[Band]:
-    """All bands; without `compute` those of which every point is stored.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
-    """
+def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Band]:
+    """All bands of which no point is missing in the workshop. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
     uncertain: Mapping[str, str] = {each.key: each.distribution for each in UNPRINTED}
 
     def scattered(run: int, samples: int, *, claims: bool) -> Scatter | None:
         points = planned(load_case(run_name(run)), uncertain, Asked(measures=MEASURES, claims=claims), samples, "thesis")
-        return points.scatter(workshop) if compute or points.are_stored(workshop) else None
+        missing = not workshop.computes and any(each.missing for each in workshop.outcomes(points.jobs, "points"))
+        return None if missing else points.scatter(workshop)
 
     with_claims = {run: scattered(run, CLAIMED_SAMPLES, claims=True) for run in runs if run in CLAIMED_RUNS}
     claims = {run: claimed(found) for run, found in with_claims.items() if found}

@@ -18,36 +18,22 @@ _POINTS_5, _WEIGHTS_5 = np.polynomial.legendre.leggauss(5)
 
 @dataclass(frozen=True)
 class Kink:
-    """Where a point force makes the third derivative of the centre line jump.
+    """Where a point force makes the third derivative of the centre line jump."""
 
-    Attributes:
-        place: arc length of it, m, shape (rows,).
-        jump: r''' beyond it less r''' before it, 1/m², the force over EI, shape (rows, 2).
-    """
-
-    place: Array
-    jump: Array
+    place: Array  # arc length of it, m, shape (rows,)
+    jump: Array  # r''' beyond it less r''' before it, 1/m², the force over EI, shape (rows, 2)
 
 
 @dataclass(frozen=True)
 class Cable:
-    """A uniform cable of equal elements.
+    """A uniform cable of equal elements."""
 
-    Attributes:
-        length: m.
-        elements: number of elements.
-        mass_per_length: kg/m.
-        bending_stiffness: N m^2.
-        axial_stiffness: N.
-        bending_damping: N m^2 s.
-    """
-
-    length: float
-    elements: int
-    mass_per_length: float
-    bending_stiffness: float
-    axial_stiffness: float
-    bending_damping: float = 0.0
+    length: float  # m
+    elements: int  # number of elements
+    mass_per_length: float  # kg/m
+    bending_stiffness: float  # N m^2
+    axial_stiffness: float  # N
+    bending_damping: float = 0.0  # N m^2 s
 
     @property
     def element_length(self) -> float:

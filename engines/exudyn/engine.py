@@ -48,7 +48,7 @@ class ExudynEngine(Engine[ExudynSettings]):
 
     def comparisons(self, settings: ExudynSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Time, space, stretch and the slider's passing apart: their errors have different signs; a rigid follower has no elements."""
-        touches = not (mechanism.slider.is_rigid or mechanism.slider.is_linear)
+        touches = mechanism.slider.has_corners
         in_time = ladder.in_time(settings, output_step, ladder.SAFE_WITH_BLOWS if touches else ladder.SAFE_IN_TIME)
         if mechanism.follower.is_rigid:
             return (in_time,)

@@ -20,37 +20,24 @@ Motion = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class Record:
-    """The system's state on the output grid, one row per instant.
+    """The system's state on the output grid, one row per instant."""
 
-    Attributes:
-        time: s since the start, shape (rows,).
-        coordinates: total second-order coordinates, shape (rows, coordinates); `rates` and `accelerations` alike.
-        multipliers: Lagrange multipliers, shape (rows, equations).
-        impulse: integral over time of the one that prescribes the crank's speed, N m s, summed from step to step, shape (rows,).
-        lost: energy that the slider's joint took, J, summed alike: a blow may be over from one row to the next; shape (rows,).
-    """
-
-    time: Array
-    coordinates: Array
+    time: Array  # s since the start, shape (rows,)
+    coordinates: Array  # total second-order coordinates, shape (rows, coordinates); `rates` and `accelerations` alike
     rates: Array
     accelerations: Array
-    multipliers: Array
-    impulse: Array
-    lost: Array
+    multipliers: Array  # Lagrange multipliers, shape (rows, equations)
+    impulse: Array  # integral over time of the one that prescribes the crank's speed, N m s, summed from step to step, shape (rows,)
+    lost: Array  # energy that the slider's joint took, J, summed alike: a blow may be over from one row to the next; shape (rows,)
 
 
 class Model(Protocol):
-    """An assembled system that knows how to read the observables off its coordinates.
+    """An assembled system that knows how to read the observables off its coordinates."""
 
-    Attributes:
-        assembly: what was built.
-        drive_equation: index of the multiplier that prescribes the crank's speed; None where the crank is free, or there is none.
-        trajectory_type: of what `columns` are columns.
-    """
-
-    assembly: Assembly
+    assembly: Assembly  # what was built
+    # index of the multiplier that prescribes the crank's speed; None where the crank is free, or there is none
     drive_equation: int | None = None
-    trajectory_type: ClassVar[type[Trajectory]] = Trajectory
+    trajectory_type: ClassVar[type[Trajectory]] = Trajectory  # of what `columns` are columns
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
         """Set what stands still over the next stretch of the simulation, `duration` (s) long and at most `damping.LONGEST`."""

@@ -92,12 +92,9 @@ class CarriageSpring:
 
     Exudyn calls it some seven times a step, derivatives included, which makes a run a quarter to a third longer; in plain numbers,
     because arrays of two cost more.
-
-    Attributes:
-        connector: object number of what calls it.
     """
 
-    connector: Any
+    connector: Any  # object number of what calls it
 
     def __init__(self, cable: Cable, slider_start: float, law: JointLaw) -> None:
         self._h, self._last = cable.element_length, cable.elements - 1

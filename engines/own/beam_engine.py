@@ -54,11 +54,7 @@ class BeamEngine(Engine[S]):
 
     @abstractmethod
     def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
-        """The model of a scene.
-
-        Raises:
-            Refusal: the scene has what this model cannot carry.
-        """
+        """The model of a scene. Refusal: the scene has what this model cannot carry."""
 
     def joint_line(self, mechanism: Mechanism, settings: S) -> str:
         """The slider's joint in one line, for the description."""

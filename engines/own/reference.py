@@ -37,6 +37,8 @@ COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: of the modes' error that slowing it may cost where it is stiffer.
 SOFT: Final = 5e-4
 UNSEEN: Final = 5e-3
+#: Modes at least where rollers part and touch again: blows set more of them ringing than the crank does.
+MODES_OF_BLOWS: Final = 7
 #: Rate (1/s) at which the gap of a rigid joint with friction decays.
 STABILIZATION: Final = 100.0
 #: Two modes more, and two modes fewer where no more are accepted.
@@ -123,8 +125,10 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return line + (", with friction along the follower" if slider.has_friction else "")
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
-        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's."""
+        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers part."""
         usual = LADDER.pick(accuracy)
+        if isinstance(mechanism, Mechanism) and mechanism.slider.has_corners:
+            return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
         found = LADDER.pick(accuracy, gain_of(mechanism))
         if found.modes == usual.modes:
             return found

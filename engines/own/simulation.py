@@ -13,6 +13,7 @@ from reference_model import integrate
 from reference_model.columns import JOINT_COLUMNS
 from reference_model.mechanism import FollowerAlone
 from reference_model.model import BeamModel, ObservationFailed
+from reference_model.moving_boundaries.model import MovingBoundariesModel
 from reference_model.thesis.model import ThesisModel
 from reference_model.treatment import LEVER
 
@@ -42,7 +43,9 @@ class OwnSimulation(Simulation):
     `largest_spurious_power` (W).
     """
 
-    def __init__(self, model: BeamModel | ThesisModel, state: Array, tolerance: float, setup_seconds: float) -> None:
+    def __init__(
+        self, model: BeamModel | ThesisModel | MovingBoundariesModel, state: Array, tolerance: float, setup_seconds: float
+    ) -> None:
         self.setup_seconds = setup_seconds
         self.time = 0.0
         self.model = model
@@ -88,6 +91,7 @@ class OwnSimulation(Simulation):
     def _of_joint(self, joint: dict[str, Array], states: Array, output_step: float) -> dict[str, float]:
         if not joint:
             return {}
+        assert isinstance(self.model, BeamModel)
         statistics = {
             "degrees_of_freedom": float(self.model.degrees_of_freedom),
             "largest_gap_rate": float(np.max(np.abs(joint["gap_rate"]), initial=0.0)),

@@ -59,11 +59,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         return f"scipy {scipy.__version__}"
 
     def model(self, scene: Scene, settings: ThesisSettings) -> "ThesisModel":
-        """The thesis' model of a scene.
-
-        Raises:
-            Refusal: the scene has what this model or these shapes cannot carry.
-        """
+        """The thesis' model of a scene. Refusal: the scene has what this model or these shapes cannot carry."""
         from reference_model.thesis.model import ThesisModel
 
         if isinstance(scene, FollowerAlone):

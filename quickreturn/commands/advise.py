@@ -11,13 +11,8 @@ from quickreturn.commands import options
 @click.command(name="advise")
 @options.cases
 @options.tag
-@options.single(
-    "--accuracy",
-    metavar="REL",
-    read=options.number(LOWEST, HIGHEST, 1e-3),
-    default="0.01",
-    show_default=True,
-    help=f"Relative error of the tip deflection that is wanted, {HIGHEST:g} to {LOWEST:g}.",
+@options.accuracy_of(
+    default="0.01", show_default=True, help=f"Relative error of the tip deflection that is wanted, {HIGHEST:g} to {LOWEST:g}."
 )
 @options.case_assignments
 @options.json
@@ -32,9 +27,7 @@ def command(cases: Sequence[str], tag: str | None, accuracy: float, assignments:
     from quickreturn.advice import advise
     from reports.output import print_json
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
-    loaded = options.load_all(cases, tag, overrides)
+    loaded = options.load_all(cases, tag, options.read_overrides(assignments))
     found = [advise(case, accuracy) for case in loaded]
     options.tell_doubts(loaded)
     if as_json:

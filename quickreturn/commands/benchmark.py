@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 @click.command(name="benchmark")
 @options.cases
 @options.tag
-@options.engines_for(help="Engine to measure; may be given again. Default: all eight of ours.")
+@options.engines_for(help="Engine to measure; may be given again. Default: all nine of ours.")
 @options.single(
     "--repetitions",
     metavar="N",
@@ -37,7 +37,7 @@ def command(
 ) -> int:
     """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
 
-    Without a CASE: the scenes that the report compares methods on. The report shows a measurement of all eight engines in which none was
+    Without a CASE: the scenes that the report compares methods on. The report shows a measurement of all nine engines in which none was
     left out. They share one process: the time limit stands for the sum of all of them.
 
     Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;
@@ -49,9 +49,7 @@ def command(
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from reports.output import print_json
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
-    loaded = options.load_all(cases, tag, overrides, otherwise=SCENES)
+    loaded = options.load_all(cases, tag, options.read_overrides(assignments), otherwise=SCENES)
     names = engines or ENGINES
     options.refuse_missing(engines)
     _ = [case.mechanism for case in loaded]  # a scene without crank is answered before anything runs

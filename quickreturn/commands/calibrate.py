@@ -11,12 +11,8 @@ from quickreturn.commands import options
 @click.command(name="calibrate")
 @options.case
 @click.argument("file", metavar="FILE")
-@click.option(
-    "--free",
-    metavar="KEY",
-    multiple=True,
-    required=True,
-    help='Parameter to be found, alone or with a range ("tip.center_of_mass = 0 in .. 0.5 in"); again for more.',
+@options.several(
+    "--free", metavar="KEY", required=True, help='Parameter to be found, alone or with a range: "tip.center_of_mass = 0 in .. 0.5 in".'
 )
 @options.case_assignments
 @options.single("--output", metavar="CASE_FILE", help="Write the case with the values found: .toml.")
@@ -35,11 +31,9 @@ def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str
     from quickreturn.command_line import GOOD
     from reports.output import check_writable, print_json, write_file
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
-    loaded = options.load(case, overrides)
+    loaded = options.load(case, options.read_overrides(assignments))
     if output is not None:
-        check_writable(Path(output), "" if loaded.source == "library" else case, ".toml")
+        check_writable(Path(output), loaded.source, ".toml")
     found = calibrate(loaded, file, free, limits=options.limits(), quiet=options.quiet())
     if output is not None:
         write_file(Path(output), found.fitted.to_toml().encode())

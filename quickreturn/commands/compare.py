@@ -51,7 +51,7 @@ def command(
     names, texts, others = prepared([loaded], engines, settings)
     options.refuse_missing(names if engines else ())
     if output is not None:
-        check_writable(Path(output), "" if loaded.source == "library" else case, *PICTURES)
+        check_writable(Path(output), loaded.source, *PICTURES)
     tables = [*others.get(loaded.name, ()), *map(read_table, dict.fromkeys(files))]
     refuse_same_names(names, tables)
     workshop = options.opened_workshop([loaded], names)

@@ -41,8 +41,7 @@ def command(file: str, origin: str | None, assignments: Sequence[str]) -> None:
     from cases.written import as_toml
     from reports.output import write_file
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
+    overrides = options.read_overrides(assignments)
     header = _header(file)
     original = load_case(origin or EXAMPLE, overrides)
     document = replace(as_written(original), header=header)

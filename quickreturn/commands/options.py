@@ -89,6 +89,11 @@ def single(*names: str, read: Reader = lambda _, text: text, default: str | None
     return click.option(*names, multiple=True, callback=one, default=default and [default], **more)
 
 
+def several(*names: str, help: str, **more: Any) -> Callable[[Any], Any]:
+    """An option that may be given more than once."""
+    return click.option(*names, multiple=True, help=f"{help} May be given again.", **more)
+
+
 def output(told: str, metavar: str = "FILE", *, required: bool = True) -> Callable[[Any], Any]:
     """The option that says where the result goes."""
     return single("--output", metavar=metavar, required=required, help=told)
@@ -122,12 +127,8 @@ engines_for: Final = functools.partial(
 engines: Final = engines_for(default=["reference"], show_default=True, help="Engine, see `quickreturn engines`; may be given again.")
 main_engines: Final = engines_for(help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines.")
 json: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
-accuracy: Final = single(
-    "--accuracy",
-    metavar="REL",
-    read=number(LOWEST, HIGHEST, 1e-3),
-    help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.",
-)
+accuracy_of: Final = functools.partial(single, "--accuracy", metavar="REL", read=number(LOWEST, HIGHEST, 1e-3))
+accuracy: Final = accuracy_of(help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.")
 duration: Final = single(
     "--duration", metavar="S", read=seconds, help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.'
 )
@@ -158,6 +159,16 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
     return case, engines
 
 
+def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
+    """The same for subcommands without an engine: overrides of the case. UsageError: a setting of an engine was given."""
+    overrides, settings = read_assignments(assignments)
+    for engine, texts in settings.items():
+        given = "=".join(map(shortened, next(iter(texts.items()))))
+        accepted = 'give values of the case, e.g. crank.length="5 in"'
+        raise click.UsageError(f"--set {engine}.{given}: engine settings have no meaning here; {accepted}")
+    return overrides
+
+
 def _is_engine(section: str) -> bool:
     from cases.case import SECTIONS
     from engines.registry import engine_names
@@ -172,14 +183,6 @@ def refuse_missing(engines: Sequence[str]) -> None:
 
     for name in engines:
         usable_engine(name)
-
-
-def refuse_engine_settings(settings: Mapping[str, Mapping[str, str]]) -> None:
-    """For subcommands without an engine: UsageError if a setting of one was given."""
-    for engine, texts in settings.items():
-        given = "=".join(map(shortened, next(iter(texts.items()))))
-        accepted = 'give values of the case, e.g. crank.length="5 in"'
-        raise click.UsageError(f"--set {engine}.{given}: engine settings have no meaning here; {accepted}")
 
 
 def load_all(

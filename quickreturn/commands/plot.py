@@ -1,6 +1,5 @@
 """`quickreturn plot`: a picture of cases, or curves of trajectories."""
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -42,6 +41,7 @@ def command(
     from cases.recorded import is_table
     from quickreturn.commands.simulate import trajectories
     from reports.output import check_writable, write_file
+    from reports.plots.style import picture
 
     overrides, settings = options.read_assignments(assignments)
     files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
@@ -66,8 +66,6 @@ def command(
         solved = trajectories(loaded, engines, settings, accuracy)
         shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
         figure = curves(shown, columns, title=f"{loaded[0].name}: {loaded[0].title}" if len(loaded) == 1 else "")
-    picture = io.BytesIO()
-    figure.savefig(picture, format=Path(output).suffix.lower()[1:], dpi=150)
-    write_file(Path(output), picture.getvalue())
+    write_file(Path(output), picture(figure, Path(output).suffix.lower()))
     click.echo(output)
     return 0

@@ -16,15 +16,11 @@ TABLES: Final = (".csv", ".nc", ".parquet")
 @options.case
 @options.single("--speed", metavar="RANGE", help='Crank speed, prescribed: "60 rpm .. 300 rpm"; or one speed where --vary varies.')
 @options.single("--vary", metavar="RANGE", help='Another key that varies instead: tip.mass="0 g .. 100 g".')
-@click.option(
-    "--measure",
-    "measures",
-    metavar="NAME",
-    multiple=True,
-    help="Measure, such as peak.strain_2; may be given again.",
-)
+@options.several("--measure", "measures", metavar="NAME", help="Measure, such as peak.strain_2.")
 @options.accuracy
-@click.option("--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save a fifth of the time.")
+@click.option(
+    "--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save a third of the time."
+)
 @options.case_assignments
 @options.output(f"Where the table goes, {', '.join(TABLES)}; or a picture, {', '.join(PICTURES)}.", required=False)
 @options.single("--plot", metavar="FILE", help="Where a picture goes besides.")
@@ -50,37 +46,30 @@ def command(
 
     Exit code 3: no periodic motion was found in the range.
     """
-    from cases.jobs.job import Job
-    from cases.resonance_curve import SPEED, USUAL, checked_scenes, range_of, resonance_curve
+    from cases.resonance_curve import SPEED, USUAL, job, range_of
     from quickreturn.command_line import GOOD
     from quickreturn.questions import value_of
     from quickreturn.resonance_curves import Resonance, speed_of
     from reports.output import check_writable, print_json, write_file
+    from reports.plots.style import picture
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
-    loaded = options.load(case, overrides)
+    loaded = options.load(case, options.read_overrides(assignments))
     if vary is not None:
         key, _, text = vary.partition("=")
-        varied, held = range_of(key.strip(), text.strip()), None if speed is None else speed_of(speed)
+        varied, held = range_of(key.strip(), text.strip()), speed_of(speed)
     elif speed is not None:
         varied, held = range_of(SPEED, speed, "--speed"), None
     else:
         raise click.UsageError("Missing option '--speed'; give a range such as \"60 rpm .. 300 rpm\"")
-    asked = tuple(measures) or (USUAL,)
-    checked_scenes(loaded, varied, held, asked)
+    asked = job(loaded, varied, held, measures or (USUAL,), accuracy, claims)
     for file, endings in ((output, (*TABLES, *PICTURES)), (plot, PICTURES)):
         if file is not None:
-            check_writable(Path(file), "" if loaded.source == "library" else case, *endings)
+            check_writable(Path(file), loaded.source, *endings)
     workshop = options.opened_workshop([loaded], ["reference"])
-    arguments = (loaded, varied, held, asked, accuracy, claims)
-    inputs = (loaded.scene, *arguments[1:])
-    code = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes")
-    job = Job(f"{loaded.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), code, inputs)
-    found = Resonance(value_of(workshop.outcomes([job], "resonance curve")[0]))
+    found = Resonance(value_of(workshop.outcomes([asked], "resonance curve")[0]))
     for file in (each for each in (output, plot) if each is not None):
         ending = Path(file).suffix.lower()
-        write_file(Path(file), found.picture(ending) if ending in PICTURES else found.written(ending))
+        write_file(Path(file), picture(found.plot(), ending) if ending in PICTURES else found.written(ending))
     if as_json:
         print_json({"case": loaded.name, "output": output, **found.document()})
     else:

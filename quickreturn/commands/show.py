@@ -31,8 +31,7 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
     from quickreturn.questions import TELLING
     from reports.output import print_json
 
-    overrides, settings = options.read_assignments(assignments)
-    options.refuse_engine_settings(settings)
+    overrides = options.read_overrides(assignments)
     if for_others:
         if as_json:
             raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
@@ -69,15 +68,13 @@ def _document(loaded: "Case") -> dict[str, Any]:
 
 def _resonances(cases: "Sequence[Case]") -> list[dict[str, list[str]]]:
     """Lines on the motion of each case over speeds about its own."""
-    from cases.jobs.job import Job
-    from cases.resonance_curve import curve_around
-    from quickreturn.questions import asked, value_of
-    from quickreturn.resonance_curves import told_around
-    from reference_model.rigid import crank_pace
+    from cases.resonance_curve import job_around
+    from quickreturn.questions import value_of
+    from reports.findings.resonance import Around
 
-    jobs = [Job(f"{case.name} reference", curve_around, (case,)) for case in cases]
-    found = [value_of(outcome) for outcome in asked(jobs, "resonance curves", quiet=options.quiet())]
-    return [{"resonance_curve": told_around(each, crank_pace(case.mechanism))} for each, case in zip(found, cases, strict=True)]
+    jobs = [job_around(case) for case in cases]
+    outcomes = options.opened_workshop().outcomes(jobs, "resonance curves")
+    return [{"resonance_curve": Around(case, value_of(outcome)).lines} for case, outcome in zip(cases, outcomes, strict=True)]
 
 
 def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:

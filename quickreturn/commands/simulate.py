@@ -95,7 +95,7 @@ def command(
     places = _places(output, loaded, engines)
     for case, name in itertools.product(loaded, engines):
         if (file := places[case.name, name]) is not None:
-            check_writable(Path(file), "" if case.source == "library" else case.source, ".csv")
+            check_writable(Path(file), case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
     for case, name, outcome in _attempted(loaded, engines, settings, accuracy, not no_estimate):

@@ -7,6 +7,7 @@ from typing import Final
 import click
 
 from quickreturn.commands import options
+from quickreturn.commands.plot import ENDINGS as PICTURES
 
 ENDINGS: Final = (".nc", ".csv", ".parquet")
 
@@ -16,42 +17,26 @@ class _WithMeasures(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The measures; those of each column of a trajectory in four lines."""
-        from cases.sweep.measures import MEASURES
+        from cases.sweep.measures import MEASURES, of_columns
         from reference_model.columns import COLUMNS
 
-        of_columns = {f"{kind}.{name}" for kind in ("peak", "min", "max", "rms") for name in COLUMNS}
-        rows = [
-            (f"{kind}.COLUMN", f"{meaning} of a column of the trajectory in a turn.")
-            for kind, meaning in (("peak", "Largest magnitude"), ("min", "Least value"), ("max", "Greatest value"), ("rms", "RMS"))
-        ]
-        rows += [
-            (each.name, f"{each.meaning[0].upper()}{each.meaning[1:]} [{each.unit}].")
-            for each in MEASURES.values()
-            if each.name not in of_columns
-        ]
+        single = MEASURES.keys() - {each.name for name in COLUMNS for each in of_columns(name, "")}
+        shown = [*of_columns("COLUMN", "the column's unit"), *(each for name, each in MEASURES.items() if name in single)]
         with formatter.section("Measures"):
-            formatter.write_dl(rows)
+            formatter.write_dl([(each.name, f"{each.meaning[0].upper()}{each.meaning[1:]} [{each.unit}].") for each in shown])
 
 
 @click.command(name="sweep", cls=_WithMeasures)
 @options.case
-@click.option(
-    "--vary",
-    "axes",
-    metavar="AXIS",
-    multiple=True,
-    required=True,
-    help="What varies: KEY = a .. b : n, log a .. b : n, or a; b; c. May be given again.",
-)
-@click.option(
-    "--measure", "measures", metavar="NAME", multiple=True, help="What to measure; default: peak.tip_acceleration and multiplier."
-)
+@options.several("--vary", "axes", metavar="AXIS", required=True, help="What varies: KEY = a .. b : n, log a .. b : n, or a; b; c.")
+@options.several("--measure", "measures", metavar="NAME", help="What to measure; default: peak.tip_acceleration and multiplier.")
 @options.engines
 @options.accuracy
 @options.assignments
 @options.single("--path", metavar="WAY", default="up", help="Way through each row: up (default), down or both.")
 @click.option("--claims/--no-claims", default=True, help="Estimate the error of every number (default), or save half of the time.")
 @options.output("What came of every point: a .nc, .csv or .parquet file.")
+@options.single("--plot", metavar="FILE", help="Where a picture goes besides: lines over one key, a heat map over two.")
 @options.of_workshop
 @options.json
 def command(
@@ -64,6 +49,7 @@ def command(
     path: str,
     claims: bool,
     output: str,
+    plot: str | None,
     as_json: bool,
 ) -> int:
     """Measure the settled motion of every machine of a grid.
@@ -75,7 +61,7 @@ def command(
     """
     import numpy as np
 
-    from cases.sweep.grid import ENGINE, Axis, axis
+    from cases.sweep.grid import ENGINE, axis
     from engines.settings import SettingError
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from quickreturn.sweeping import USUAL, computed, dataset_of, summary, written
@@ -84,17 +70,27 @@ def command(
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
     options.refuse_missing(engines)
-    check_writable(Path(output), "" if loaded.source == "library" else case, *ENDINGS)
-    varied: list[Axis] = [axis(text) for text in axes]
-    if len(engines) > 1:
-        varied.append(Axis(ENGINE, tuple(engines), tuple(engines), ""))
+    check_writable(Path(output), loaded.source, *ENDINGS)
+    varied = [axis(text) for text in (*axes, *([f"{ENGINE} = {'; '.join(engines)}"] if len(engines) > 1 else ()))]
     texts = {name: value for given in settings.values() for name, value in given.items()}
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
+    if plot is not None:
+        from reports.plots.study import LINES, drawable
+
+        check_writable(Path(plot), "" if loaded.source == "library" else case, *PICTURES)
+        if not drawable(varied):
+            accepted = f"a picture needs a key with finite numbers in order, and at most one more, with such or up to {LINES} values"
+            raise click.UsageError(f"--plot: {accepted}; leave --plot out, or vary less")
     workshop = options.opened_workshop([loaded], engines)
     found = computed(loaded, varied, measures or USUAL, engines[0], accuracy, texts, claims, path, workshop)
     dataset = dataset_of(found)
     write_file(Path(output), written(dataset, Path(output).suffix.lower()))
+    if plot is not None:
+        from reports.plots.study import draw
+        from reports.plots.style import picture
+
+        write_file(Path(plot), picture(draw(found), Path(plot).suffix.lower()))
     if as_json:
         print_json({"case": loaded.name, "points": found.statuses.size, "statuses": found.counts, "output": output})
     else:

@@ -67,6 +67,20 @@ class ModeFamily:
         psi_ss = field(2, 0) - a * psi_x_by_s - a * psi_s_by_u / h
         return field(0, 0), psi_s, psi_ss, psi_x
 
+    def angles(self, s: float, x: Array) -> tuple[Array, Array]:
+        """psi_i and its derivative by s, for one place s (m), at arc lengths x (k,), each (k, n)."""
+        found = np.empty((2, len(x), self.squares.shape[1]))
+        place = np.array([s])
+        for span, inside in enumerate((x <= s, x > s)):
+            u = x[inside] / s if span == 0 else (x[inside] - s) / (self.length - s)
+            psi, psi_s, _, _ = self.shapes_at(place, u, span)
+            found[0, inside], found[1, inside] = psi[0], psi_s[0]
+        return found[0], found[1]
+
+    def series_at(self, s: Array) -> Array:
+        """Legendre coefficients of psi on both spans, each mapped to -1 .. 1, for places s (k,), shape (k, 2, degree, n)."""
+        return self._series(self.coefficients, s, 0)
+
     def at_slider(self, s: Array, derivative: int) -> Array:
         """psi_i(s; s) or its derivative along the moving slider, shape (k, n): the first span's series at its end, all terms 1."""
         return self._series(self.coefficients[:, 0].sum(axis=1), s, derivative)

@@ -46,19 +46,13 @@ class Conclusion:
 
 @dataclass(frozen=True)
 class Basis:
-    """What conclusions are drawn from.
+    """What conclusions are drawn from."""
 
-    Attributes:
-        results: cases shown.
-        frozen_crank: on the run that the thesis shows as its example; None if that run is not among the cases.
-        measured: quantity of a statement -> run -> ratio simulation / experiment; empty as long as no measured waveform exists.
-        finding: the recorded study of what each effect changes; empty where there is none.
-    """
-
-    results: Sequence[CaseResult]
-    frozen_crank: FrozenCrank | None
+    results: Sequence[CaseResult]  # cases shown
+    frozen_crank: FrozenCrank | None  # on the run that the thesis shows as its example; None if that run is not among the cases
+    # quantity of a statement -> run -> ratio simulation / experiment; empty as long as no measured waveform exists
     measured: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
-    finding: Sequence[Row] = ()
+    finding: Sequence[Row] = ()  # the recorded study of what each effect changes; empty where there is none
 
 
 def conclusions(basis: Basis) -> list[Conclusion]:

@@ -12,17 +12,11 @@ from reports.words import degrees, off_by, quantity
 
 @dataclass(frozen=True)
 class CaseLoads:
-    """What engines find on a case.
-
-    Attributes:
-        case: the case.
-        loads: by engine, of those with a cycle that can be used.
-        models: engines whose discretization is their model, so that a difference is no error of theirs.
-    """
+    """What engines find on a case."""
 
     case: Case
-    loads: dict[str, Loads]
-    models: frozenset[str] = frozenset()
+    loads: dict[str, Loads]  # by engine, of those with a cycle that can be used
+    models: frozenset[str] = frozenset()  # engines whose discretization is their model, so that a difference is no error of theirs
 
     @property
     def lead(self) -> str:

@@ -14,21 +14,13 @@ from reports.findings.runs import run_number
 
 @dataclass(frozen=True)
 class MeasuredHalf:
-    """One half of the turn that is measured in a recorded table, in one channel.
-
-    Attributes:
-        case: name of the case.
-        run: number of the thesis' run that the case is; None for any other.
-        table: the recorded table.
-        measure: of it.
-        engines: engine -> the same of its cycle.
-    """
+    """One half of the turn that is measured in a recorded table, in one channel."""
 
     case: str
-    run: int | None
-    table: Run
-    measure: Measure
-    engines: Mapping[str, Measure]
+    run: int | None  # number of the thesis' run that the case is; None for any other
+    table: Run  # the recorded table
+    measure: Measure  # of it
+    engines: Mapping[str, Measure]  # engine -> the same of its cycle
 
     @property
     def counts(self) -> bool:

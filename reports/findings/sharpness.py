@@ -19,27 +19,16 @@ PRECISION: Final = 1e-3
 
 @dataclass(frozen=True)
 class Sharpness:
-    """What the comparisons of one kind between two engines can find; errors and tolerances are relative.
+    """What the comparisons of one kind between two engines can find; errors and tolerances are relative."""
 
-    Attributes:
-        engine: the one in whose numbers errors are planted.
-        other: the one that it is held against.
-        kind: of numbers.
-        compared: how many.
-        tolerance: median of the tolerances, over the number itself; of an extreme over the channel's largest magnitude.
-        used: largest part of a tolerance that the difference, as measured, takes up.
-        found_somewhere: smallest planted error, of either sign, that at least one comparison finds.
-        found_mostly: smallest planted error, of either sign, that at least half of the comparisons find.
-    """
-
-    engine: str
-    other: str
-    kind: Kind
-    compared: int
-    tolerance: float
-    used: float
-    found_somewhere: float
-    found_mostly: float
+    engine: str  # the one in whose numbers errors are planted
+    other: str  # the one that it is held against
+    kind: Kind  # of numbers
+    compared: int  # how many
+    tolerance: float  # median of the tolerances, over the number itself; of an extreme over the channel's largest magnitude
+    used: float  # largest part of a tolerance that the difference, as measured, takes up
+    found_somewhere: float  # smallest planted error, of either sign, that at least one comparison finds
+    found_mostly: float  # smallest planted error, of either sign, that at least half of the comparisons find
 
 
 def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:

@@ -39,8 +39,10 @@ def main(arguments: Sequence[str]) -> int:
         print(f"python -m reports.long_studies: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
         return 2
     workshop, told = Workshop(Store()), list[str]()
+    if "--stored" in arguments:
+        workshop = workshop.as_it_is
     for study in names or CODE:
-        if found := _RECORDERS[study](workshop, "--stored" not in arguments):
+        if found := _RECORDERS[study](workshop):
             told.append(found)
             _write("about", [_made(each) if each == study else made for each in CODE if (made := about(each)) or each == study])
             about.cache_clear()
@@ -48,48 +50,48 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _benchmark(workshop: Workshop, compute: bool) -> str:
+def _benchmark(workshop: Workshop) -> str:
     cases = [load_case(name) for name in SCENES]
-    found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if compute else None)) is not None]
+    found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if workshop.computes else None))]
     if found:
         _write_benchmarks(found)
-        _write("compiling", compiling(workshop, ENGINES, compute=compute))
+        _write("compiling", compiling(workshop, ENGINES))
     return f"{len(found)} of {len(cases)} scenes of the benchmark" if found else ""
 
 
-def _hard_scenes(workshop: Workshop, compute: bool) -> str:
-    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop, compute=compute)
+def _hard_scenes(workshop: Workshop) -> str:
+    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop)
     if not matrix.cells:
         return ""
     _write_matrix(matrix)
     return f"{len(matrix.cells)} cells of the hard scenes"
 
 
-def _classes(workshop: Workshop, compute: bool) -> str:
-    scenes, reaches = classes.study(workshop, compute=compute)
+def _classes(workshop: Workshop) -> str:
+    scenes, reaches = classes.study(workshop)
     _write("classes_scenes", scenes)
     return _write("classes", reaches, f"cells of {len(scenes)} classes")
 
 
-#: Study -> what writes its tables, computing what is missing if it shall; what it tells is "" where there is nothing.
-_RECORDERS: Final[Mapping[str, Callable[[Workshop, bool], str]]] = {
+#: Study -> what writes its tables; what it tells is "" where there is nothing.
+_RECORDERS: Final[Mapping[str, Callable[[Workshop], str]]] = {
     "benchmark": _benchmark,
     "hard scenes": _hard_scenes,
-    "confirmation": lambda workshop, compute: _write("confirmation", confirming(workshop, compute=compute), "confirming solutions"),
-    "conformance": lambda workshop, compute: _write("conformance", _conforming(workshop, compute=compute), "engines' conformance"),
-    "finding": lambda workshop, compute: _write("finding", finding.study(workshop, compute=compute), "rows on the thesis' finding"),
-    "unprinted": lambda workshop, compute: _write("unprinted", bands(workshop, compute=compute), "bands of runs"),
+    "confirmation": lambda workshop: _write("confirmation", confirming(workshop), "confirming solutions"),
+    "conformance": lambda workshop: _write("conformance", _conforming(workshop), "engines' conformance"),
+    "finding": lambda workshop: _write("finding", finding.study(workshop), "rows on the thesis' finding"),
+    "unprinted": lambda workshop: _write("unprinted", bands(workshop), "bands of runs"),
     "classes": _classes,
 }
 
 
-def _conforming(workshop: Workshop, *, compute: bool) -> list[RecordedConformance]:
-    """The outcomes of all engines, from the store where they are there, those that are missing computed if they shall."""
+def _conforming(workshop: Workshop) -> list[RecordedConformance]:
+    """The outcomes of all engines, from the store where they are there, those that are missing computed unless nothing shall be."""
     found = []
     for name in ENGINES:
         job = conformance.job(name)
         outcome = workshop.stored(job)
-        if outcome is None and compute:
+        if outcome is None and workshop.computes:
             outcome = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
         if outcome is not None and outcome.value is not None:
             found.append(RecordedConformance.of(outcome.value, engine(name).version()))

@@ -46,35 +46,21 @@ class Contest:
 
 @dataclass(frozen=True)
 class Answer:
-    """What the first screen says.
+    """What the first screen says."""
 
-    Attributes:
-        cases: how many, and `compared` of them in which anything could be judged.
-        engines: names of all.
-        simulations: how many, and `settled` of them in their steady state at the accuracy asked.
-        alike: engines whose numbers agree within what is claimed, the reference first; empty where nothing could be judged.
-        departing: engines that were judged and are not alike.
-        frequency: differences of the alike from the reference in the consensus first-mode frequency.
-        amplitude: likewise in the first-mode amplitudes.
-        extreme: likewise in the extremes.
-        cubic: None where the thesis' model or the reference is missing.
-        fastest: to the second of the errors at which methods are compared; None where nothing was measured.
-        splits: what makes the halves differ as the thesis says, where that was recorded and its runs are shown.
-    """
-
-    cases: int
+    cases: int  # how many, and `compared` of them in which anything could be judged
     compared: int
-    engines: Sequence[str]
-    simulations: int
+    engines: Sequence[str]  # names of all
+    simulations: int  # how many, and `settled` of them in their steady state at the accuracy asked
     settled: int
-    alike: Sequence[str]
-    departing: Sequence[str]
-    frequency: Spread | None
-    amplitude: Spread | None
-    extreme: Spread | None
-    cubic: Cubic | None
-    fastest: Contest | None
-    splits: Sequence[Split] = ()
+    alike: Sequence[str]  # engines whose numbers agree within what is claimed, the reference first; empty where nothing could be judged
+    departing: Sequence[str]  # engines that were judged and are not alike
+    frequency: Spread | None  # differences of the alike from the reference in the consensus first-mode frequency
+    amplitude: Spread | None  # likewise in the first-mode amplitudes
+    extreme: Spread | None  # likewise in the extremes
+    cubic: Cubic | None  # None where the thesis' model or the reference is missing
+    fastest: Contest | None  # to the second of the errors at which methods are compared; None where nothing was measured
+    splits: Sequence[Split] = ()  # what makes the halves differ as the thesis says, where that was recorded and its runs are shown
 
 
 def answer_of(content: Content) -> Answer:

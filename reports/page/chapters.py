@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from reports.page.content import Content
-from reports.page.facts import agreement, classes, methods, own, runs, strength, studies, thesis
+from reports.page.facts import agreement, classes, methods, own, resonance, runs, strength, studies, thesis
 from reports.page.plot import Plot, plots_in
 from reports.tables.table import Table
 
@@ -47,6 +47,7 @@ def tables_in(values: Any) -> Iterator[Table]:
 #: Chapter, its name, and what makes its facts: None where a report has nothing for it.
 _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
     ("strength", "Will it hold?", strength.strength),
+    ("resonance", "How near is a resonance?", resonance.resonance),
     ("agreement", "Who agrees with whom", agreement.agreement),
     ("runs", "Every run on every engine", runs.runs),
     ("recorded", "Recorded tables", runs.recorded),
@@ -64,7 +65,7 @@ _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
 
 
 #: What is told first of one's own machine: itself, and what can be done next. Who agrees with whom comes after it.
-_OWN_FIRST: Final = ("strength", "each", "runs", "recorded", "next")
+_OWN_FIRST: Final = ("strength", "resonance", "each", "runs", "recorded", "next")
 
 
 def chapters_of(content: Content) -> list[Chapter]:

@@ -17,6 +17,7 @@ from reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
 from reports.findings.failures import troubles
 from reports.findings.loads import CaseLoads, loads_of_cases
 from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
+from reports.findings.resonance import Around
 from reports.findings.runs import thesis_runs
 from reports.long_studies import About
 from reports.verification import Verification
@@ -42,6 +43,7 @@ class Content:
         facts: about the machine.
         code: fingerprint of the code that computed the results.
         notices: sentences of the store on damaged entries.
+        around: the resonance curves of one's own machines, around their speeds.
     """
 
     results: Sequence[CaseResult]
@@ -59,6 +61,7 @@ class Content:
     facts: Mapping[str, str] = field(default_factory=dict)
     code: str = ""
     notices: Sequence[str] = ()
+    around: Sequence[Around] = ()
 
     @property
     def thesis_results(self) -> list[CaseResult]:

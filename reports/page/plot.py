@@ -13,23 +13,27 @@ class Series:
         name: in the legend.
         of: engine, signal or other name whose look it has; a series of an engine is switched on and off with it.
         x: values on the horizontal axis.
-        y: values on the vertical axis, as many.
+        y: values on the vertical axis, as many; None in both: a gap in the line.
         text: what is told of each point when it is pointed at or touched, besides the name; one per point, or nothing.
         hollow: whether its marks are hollow, as those of variants.
         line: whether the points are joined.
         broad: whether it is the broad band behind the others.
         bars: spread of each point: from and to on the horizontal axis, from and to on the vertical one; or nothing.
+        marked: whether each point has a mark.
+        labels: what is written at each mark; or nothing.
     """
 
     name: str
     of: str
-    x: Sequence[float | str]
-    y: Sequence[float]
+    x: Sequence[float | str | None]
+    y: Sequence[float | None]
     text: Sequence[str] = ()
     hollow: bool = False
     line: bool = True
     broad: bool = False
     bars: Sequence[Sequence[float]] = ()
+    marked: bool = True
+    labels: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,7 @@ class Plot:
         categories: where one axis has texts instead of numbers, these: each is a row, and `y` belongs to the horizontal axis.
         limit: a value that is marked by a line across the rows, and what it is.
         regions: areas behind the points: their corners as pairs of values.
+        here: a value on the horizontal axis that is marked by a line, and what it is.
     """
 
     file: str
@@ -57,6 +62,7 @@ class Plot:
     categories: Sequence[str] = ()
     limit: tuple[float, str] | None = None
     regions: Sequence[Sequence[tuple[float, float]]] = ()
+    here: tuple[float, str] | None = None
 
     @property
     def document(self) -> dict[str, Any]:

@@ -29,6 +29,7 @@ KINDS: Final = {
     "multiplier": "constraint force",
     "stiff-spring": "stiff spring",
     "nodal-load": "force on nodes",
+    "moving-boundaries": "two moving spans",
 }
 
 
@@ -81,6 +82,7 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         answer=answer,
         answers=content.loads if any(each.lead for each in content.loads) else [],
+        curves=[around.case.name for around in content.around if around.curve],
         shown=shown.case.name,
         of_thesis=len(content.thesis_results) == len(results),
         title_of_case=title_of_case,

@@ -43,21 +43,13 @@ _PLACES: Final = ("time", "crank_angle", "follower_angle")
 
 @dataclass
 class View:
-    """All that the script draws.
+    """All that the script draws."""
 
-    Attributes:
-        axis: over which column curves are drawn: "crank_angle" of a cycle, "time" of a trajectory.
-        engines: names.
-        runs: one per case, in the form that the script reads.
-        blobs: the packed motions of each of them.
-        drawn: names of whatever else is drawn on the page.
-    """
-
-    axis: str
-    engines: Sequence[str]
-    runs: list[dict[str, Any]] = field(default_factory=list)
-    blobs: list[str] = field(default_factory=list)
-    drawn: Sequence[str] = ()
+    axis: str  # over which column curves are drawn: "crank_angle" of a cycle, "time" of a trajectory
+    engines: Sequence[str]  # names
+    runs: list[dict[str, Any]] = field(default_factory=list)  # one per case, in the form that the script reads
+    blobs: list[str] = field(default_factory=list)  # the packed motions of each of them
+    drawn: Sequence[str] = ()  # names of whatever else is drawn on the page
 
     def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str], loads: CaseLoads | None = None) -> None:
         """A case with the columns of each engine that has a motion; `facts` says a word on each engine, `loads` how the arm is stressed."""

@@ -1,6 +1,5 @@
 """Recorded tables over the turn that is compared, with the engines that they are held against."""
 
-import io
 from collections.abc import Sequence
 from typing import Final
 
@@ -13,7 +12,7 @@ from cases.runs.comparison import CaseResult
 from cases.runs.recorded import GROWING, TELLING
 from reference_model.columns import COLUMNS
 from reports.plots.cycle import direction, fraction, stacked_panels
-from reports.plots.style import PER_INCH, all_looks, legend_above, new_figure, note
+from reports.plots.style import all_looks, legend_above, new_figure, note, picture
 
 #: Columns drawn of a table.
 MOST_PANELS: Final = 8
@@ -21,9 +20,7 @@ MOST_PANELS: Final = 8
 
 def drawn(results: Sequence[CaseResult], ending: str) -> bytes:
     """A picture file of them all; `ending` is ".png", ".svg" or ".pdf"."""
-    file = io.BytesIO()
-    draw_recorded(results).savefig(file, format=ending.removeprefix("."), dpi=PER_INCH)
-    return file.getvalue()
+    return picture(draw_recorded(results), ending)
 
 
 def draw_recorded(results: Sequence[CaseResult]) -> Figure:

@@ -4,6 +4,7 @@ Pictures are 480 CSS pixels wide: two stand side by side on a screen, one fills 
 below 10, and printed it is 127 mm wide. Engines look as on the page.
 """
 
+import io
 import math
 from collections.abc import Sequence
 from typing import Any, Final
@@ -12,6 +13,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from reports.looks import Look, looks
@@ -58,6 +60,13 @@ def _of_line(found: Look) -> dict[str, Any]:
     return {"color": found.light, "linestyle": style, "linewidth": width, "zorder": 2.0 + 0.05 * (found.order - 1)}
 
 
+def picture(figure: Figure, ending: str) -> bytes:
+    """A figure as the content of a file with this ending, such as ".svg"."""
+    file = io.BytesIO()
+    figure.savefig(file, format=ending.removeprefix("."), dpi=PER_INCH)
+    return file.getvalue()
+
+
 def new_figure(height: float) -> Figure:
     """An empty figure of the common width and a height in inches (rounded up to whole pixels), with constrained layout."""
     return Figure(figsize=(WIDTH, math.ceil(WHOLE * height) / WHOLE), layout="constrained", facecolor="white")
@@ -71,6 +80,14 @@ def tidy(axes: Axes, y_label: str = "") -> None:
         spine.set_linewidth(0.6)
     axes.set_axisbelow(True)
     axes.grid(color="#CFCFCF", linewidth=0.5)
+
+
+def logarithmic(axes: Axes) -> None:
+    """A logarithmic ordinate with plain numbers at 1, 2 and 5 of each decade."""
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def note(axes: Axes, x: float, y: float, text: str, **keywords: Any) -> None:

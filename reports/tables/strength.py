@@ -29,23 +29,14 @@ NAMES: Final = {
 
 @dataclass(frozen=True)
 class Number:
-    """A number of `NAMES`, in SI units; what is not known is None.
+    """A number of `NAMES`, in SI units; what is not known is None."""
 
-    Attributes:
-        quantity: its name.
-        value: the number.
-        unit: SI.
-        error: how far off it may be.
-        place: arc length from P, m.
-        crank_angle: rad, from 0 to a turn.
-    """
-
-    quantity: str
-    value: float
-    unit: str
-    error: float | None = None
-    place: float | None = None
-    crank_angle: float | None = None
+    quantity: str  # its name
+    value: float  # the number
+    unit: str  # SI
+    error: float | None = None  # how far off it may be
+    place: float | None = None  # arc length from P, m
+    crank_angle: float | None = None  # rad, from 0 to a turn
 
 
 def numbers(loads: Loads) -> Iterator[Number]:

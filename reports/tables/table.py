@@ -30,6 +30,7 @@ SHOWN: Final = {
     "kN/m": ("N/m", 1e-3),
     "MPa": ("Pa", 1e-6),
     "°": ("rad", 180.0 / math.pi),
+    "rpm": ("rad/s", 30.0 / math.pi),
 }
 #: Letters of a text that is kept on one line.
 LONGEST_LINE: Final = 26
@@ -37,23 +38,15 @@ LONGEST_LINE: Final = 26
 
 @dataclass(frozen=True)
 class Cell:
-    """A value with what a reader should know about it.
+    """A value with what a reader should know about it."""
 
-    Attributes:
-        value: in SI units, as it goes into the CSV file; None where there is none.
-        text: what the page shows instead of the formatted value.
-        note: a remark: in the page shown by a click, in the CSV file in a column of its own.
-        mark: "missed" a tolerance, "failed", "open" (no answer, for a reason), "good", "model" (a good answer of a model that is not).
-        run: case that it opens on the first screen.
-        tint: CSS colour behind it.
-    """
-
-    value: Value
-    text: str = ""
-    note: str = ""
+    value: Value  # in SI units, as it goes into the CSV file; None where there is none
+    text: str = ""  # what the page shows instead of the formatted value
+    note: str = ""  # a remark: in the page shown by a click, in the CSV file in a column of its own
+    # "missed" a tolerance, "failed", "open" (no answer, for a reason), "good", "model" (a good answer of a model that is not)
     mark: Mark = ""
-    run: str = ""
-    tint: str = ""
+    run: str = ""  # case that it opens on the first screen
+    tint: str = ""  # CSS colour behind it
 
 
 Row = Mapping[str, Cell]
@@ -61,29 +54,17 @@ Row = Mapping[str, Cell]
 
 @dataclass(frozen=True)
 class Column:
-    """A column.
+    """A column."""
 
-    Attributes:
-        key: heading in the CSV file, without the unit.
-        head: heading in the page; the key in words where it is not given.
-        unit: in the page; "" for texts and counts, "1" is not shown, and in brackets it is told by each cell.
-        form: format of numbers in the page, e.g. ".3f"; "" for texts, which are aligned left.
-        in_page: whether the page shows it; the CSV file has it anyway.
-        uncertainty: key of the column that is shown behind this one's values, after ±.
-        group: heading above this and its neighbours of the same group.
-        meaning: told above the table.
-        words: value -> what the page shows in its place.
-    """
-
-    key: str
-    head: str = ""
-    unit: str = ""
-    form: str = ""
-    in_page: bool = True
-    uncertainty: str = ""
-    group: str = ""
-    meaning: str = ""
-    words: Callable[[Any], str] | None = None
+    key: str  # heading in the CSV file, without the unit
+    head: str = ""  # heading in the page; the key in words where it is not given
+    unit: str = ""  # in the page; "" for texts and counts, "1" is not shown, and in brackets it is told by each cell
+    form: str = ""  # format of numbers in the page, e.g. ".3f"; "" for texts, which are aligned left
+    in_page: bool = True  # whether the page shows it; the CSV file has it anyway
+    uncertainty: str = ""  # key of the column that is shown behind this one's values, after ±
+    group: str = ""  # heading above this and its neighbours of the same group
+    meaning: str = ""  # told above the table
+    words: Callable[[Any], str] | None = None  # value -> what the page shows in its place
 
     @property
     def page_head(self) -> str:

@@ -222,3 +222,34 @@ def test_a_known_multiplier_keeps_a_fast_part_from_hiding_the_slow_one() -> None
 
 def settles(settling: Settling, values: list[float]) -> bool:
     return any(settling.feed(cycle(number, np.sin(ANGLES) + 1.0 + value * np.cos(ANGLES))) for number, value in enumerate(values))
+
+
+def judged(values: list[float], *, rattles: bool = True) -> bool:
+    """Whether the last 30 of these cycles count as ones that keep changing; `values`: their distances from a mean cycle."""
+    cycles = [cycle(number, np.sin(ANGLES) + 1.0 + value * np.cos(ANGLES)) for number, value in enumerate(values)]
+    settling = Settling()
+    for each in cycles:
+        settling.feed(each)
+    return settling.keeps_changing(cycles[-30:], rattles)
+
+
+def test_mild_rattling_may_come_and_go_and_wander_a_little() -> None:
+    """Changes of about 0.01 that are three times as large in one half of the cycles, about a mean that moves by 0.01."""
+    random = np.random.default_rng(3)
+    wandering = [(0.01 if number < 45 else 0.0033) * random.standard_normal() + 0.01 * (number < 45) for number in range(60)]
+    assert judged(wandering)
+    assert not judged(wandering, rattles=False)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        [0.97**number for number in range(60)],
+        [1e-4 * 1.15**number * (-1.0) ** number for number in range(60)],
+        [0.002 * number for number in range(60)],
+        [0.1 * (number < 45) + 0.02 * (-1.0) ** number for number in range(60)],
+    ],
+    ids=["approach", "growth", "drift", "jump"],
+)
+def test_what_has_not_come_to_rest_does_not_pass_for_rattling(values: list[float]) -> None:
+    assert not judged(values)

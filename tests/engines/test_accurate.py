@@ -10,6 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from engines.accurate import LARGEST_REST, LEAST_FACTOR, Compared, Result, run_once, shown_factor, simulate
 from engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
@@ -50,6 +51,26 @@ def test_estimate_is_the_known_error(step: float) -> None:
     assert result.error_estimate == pytest.approx(error_of(step), rel=2e-3)
     assert result.error_estimates["strain_1"] == pytest.approx(error_of(step), rel=2e-3)
     assert result.error_estimates["slider_force"] is None, "zero throughout: no relative error"
+
+
+def test_linear_algebra_keeps_to_one_thread_and_gives_the_others_back() -> None:
+    seen = []
+
+    class Watching(FakeEngine):
+        def settings_for(self, accuracy: float, mechanism: Mechanism) -> FakeSettings:
+            seen.append(threads())
+            return FakeSettings()
+
+    with threadpool_limits(limits=2, user_api="blas"):
+        given = threads()
+        run(engine=Watching())
+        assert threads() == given
+    assert set(seen[0]) == {1}
+
+
+def threads() -> list[int]:
+    """Threads that each library of linear algebra may use."""
+    return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
 
 
 def test_ladder_climbs_until_the_estimate_is_good_enough() -> None:

@@ -49,7 +49,7 @@ def nodal(elements: int, distribution: str) -> Trajectory:
 
 
 def test_rivals_are_listed_after_the_main_engines() -> None:
-    assert engine_names()[4:8] == RIVALS
+    assert engine_names()[4:9] == RIVALS
     assert all(engine(name).name == name and engine(name).unavailable() is None for name in RIVALS)
 
 

@@ -44,6 +44,11 @@ def test_every_name_is_there_and_listed() -> None:
     assert not hasattr(qr, "_ipython_display_")
 
 
+def test_no_name_is_that_of_a_module() -> None:
+    """Whoever imports the module would get it under the name from then on."""
+    assert not [name for name in qr.__all__ if (Path(qr.__file__).parent / f"{name}.py").exists()]
+
+
 def test_importing_it_loads_nothing_else() -> None:
     code = "import sys; before = set(sys.modules); import quickreturn; print(*sorted(set(sys.modules) - before))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()

@@ -12,7 +12,8 @@ import xarray as xr
 
 import quickreturn as qr
 from cases.resonance_curve import range_of, scene_with
-from quickreturn.resonance_curves import told_around
+from reports.findings.resonance import Around
+from reports.plots.style import picture
 from tests.quickreturn.conftest import Call
 
 RPM = math.pi / 30.0
@@ -66,7 +67,7 @@ def test_a_picture_tells_stable_from_unstable(found: qr.Resonance) -> None:
     assert styles == {"-", "--"}
     marks = [line for line in axes.lines if line.get_label() == "fold"]
     assert marks[0].get_xdata() == pytest.approx(found.special["value"] / RPM)
-    assert found.picture(".png").startswith(b"\x89PNG")
+    assert picture(found.plot(), ".png").startswith(b"\x89PNG")
 
 
 def test_the_command_writes_what_python_gives(call: Call, tmp_path: Path) -> None:
@@ -108,8 +109,7 @@ def test_answers_to_mistakes(call: Call, typed: tuple[str, ...], words: tuple[st
 
 
 def test_other_values_replace_what_excludes_them() -> None:
-    scene = qr.case("thesis-24").mechanism
-    held = scene_with(scene, {"crank.prescribed_speed": 10.0, "tip.mass": 0.02})
+    held = scene_with(qr.case("thesis-24"), {"crank.prescribed_speed": 10.0, "tip.mass": 0.02})
     assert not held.crank_is_free
     assert held.crank.drive.initial_speed == 10.0
     assert held.tip_body.mass == 0.02
@@ -119,7 +119,7 @@ def test_other_values_replace_what_excludes_them() -> None:
 def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -> None:
     fold = found.special["value"].item()
     pace = 0.998 * fold
-    lines = told_around(found.curve, pace)
+    lines = Around(qr.case("thesis-24", {"crank.prescribed_speed": f"{pace!r} rad/s"}), found.curve).lines
     assert lines[0].startswith(f"the machine runs at {pace / RPM:.5g} rpm, its mean speed")
     assert {line.rpartition(", ")[2] for line in lines[1:3]} == {"stable", "unstable: fold"}
     assert lines[3].startswith("no peak between 237.5 and 241 rpm")

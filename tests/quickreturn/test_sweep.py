@@ -85,3 +85,23 @@ def test_where_nothing_can_be_the_code_says_so(call: Call) -> None:
     assert answer.code == 3
     assert "crank.length" in answer.errors
     assert set(pd.read_csv("map.csv")["status"]) == {"loop cannot close"}
+
+
+def test_a_picture_goes_beside_the_table(call: Call) -> None:
+    answer = call(*USUAL, "--no-claims", "--output", "map.csv", "--plot", "map.svg")
+    assert answer.code == 0, answer.errors
+    assert "<svg" in Path("map.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (("--vary", "tip.mass = 0 g; 1 g", "--vary", "engine = reference; mujoco", "--plot", "map.svg"), "at most one more"),
+        (("--plot", "map.txt"), ".svg"),
+    ],
+)
+def test_what_has_no_picture_is_refused_before_anything_runs(call: Call, more: tuple[str, ...], told: str) -> None:
+    answer = call(*USUAL, *more, "--output", "map.csv")
+    assert answer.code == 2
+    assert told in answer.errors
+    assert not Path("map.csv").exists()

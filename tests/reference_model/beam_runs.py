@@ -1,6 +1,6 @@
 """Runs of the one beam, with its own tables or with finer ones."""
 
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +9,9 @@ from reference_model.beam.modes import ModeFamily, mode_family
 from reference_model.beam.tables import slider_range, span_tables
 from reference_model.integrate import REACHED_END
 from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel, _of_family
+from reference_model.model import BeamModel
 from reference_model.motion.parameters import parameters
+from reference_model.moving_boundaries.model import MovingBoundariesModel
 from reference_model.shapes import clamped_free_modes
 from reference_model.thesis.model import ThesisModel
 from reference_model.treatment import CLOSED, Treatment
@@ -36,15 +37,15 @@ def with_fine_tables(
     """Shapes that follow the slider, in tables whose errors are 1e-8 and less: what is left is the equations' own."""
     usual, family = BeamModel.following(mechanism, modes, treatment), fine_family(mechanism, modes)
     constants = parameters(mechanism, modes, span_tables(family, points, intervals), family.high, treatment)
-    return BeamModel(mechanism, constants, partial(_of_family, family), usual._size)
+    return BeamModel(mechanism, constants, family.angles, usual._size)
 
 
 def run(
-    model: BeamModel | ThesisModel, duration: float, intervals: int, tolerance: float, state: Array | None = None
+    model: BeamModel | ThesisModel | MovingBoundariesModel, duration: float, intervals: int, tolerance: float, state: Array | None = None
 ) -> tuple[Array, dict[str, Array]]:
     """States and observables on a uniform grid, from the standard start or a given state."""
     assert isinstance(model.scene, Mechanism)
-    crank, begin = model.scene.crank, model.straight_state if isinstance(model, BeamModel) else model.initial_state
+    crank, begin = model.scene.crank, model.initial_state if isinstance(model, ThesisModel) else model.straight_state
     y = begin(crank.initial_angle, crank.drive.initial_speed) if state is None else state
     result = model.integrate(y, duration / intervals, intervals, tolerance)
     assert result.status == REACHED_END

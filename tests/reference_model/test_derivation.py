@@ -9,8 +9,8 @@ import engines
 import reference_model
 
 PACKAGE = Path(reference_model.__file__).parent
-#: Of the thesis' model, which has a document of its own: its files cite that one, all others the main one.
-THESIS = PACKAGE / "thesis"
+#: Models with a document of their own: their files cite that one, all others the main one.
+OWN = (PACKAGE / "thesis", PACKAGE / "moving_boundaries")
 ENGINES = Path(engines.__file__).parent
 NUMBER = r"(\d+)\.(\d+)"
 CITATION = re.compile(rf"(thesis,\s+)?[Ee]quations?\s+((?:{NUMBER}(?:,\s+|\s+and\s+|\s+to\s+)?)+)")
@@ -40,9 +40,9 @@ def numbered(text: str) -> list[Equation]:
 
 def files(folder: Path) -> list[Path]:
     """Those that cite the folder's document."""
-    if folder == THESIS:
-        return sorted(THESIS.rglob("*.py"))
-    return [path for path in sorted([*PACKAGE.rglob("*.py"), *ENGINES.rglob("*.py")]) if THESIS not in path.parents]
+    if folder in OWN:
+        return sorted(folder.rglob("*.py"))
+    return [path for path in sorted([*PACKAGE.rglob("*.py"), *ENGINES.rglob("*.py")]) if not set(OWN) & set(path.parents)]
 
 
 def everything_cited(folder: Path) -> set[Equation]:
@@ -50,7 +50,7 @@ def everything_cited(folder: Path) -> set[Equation]:
     return set().union(*(cited(path.read_text(encoding="utf-8"), within) for path in files(folder)))
 
 
-BOTH = pytest.mark.parametrize("folder", [PACKAGE, THESIS], ids=["one beam", "thesis"])
+EACH = pytest.mark.parametrize("folder", [PACKAGE, *OWN], ids=["one beam", *(folder.name for folder in OWN)])
 
 
 def test_citations_are_read_as_meant() -> None:
@@ -60,17 +60,17 @@ def test_citations_are_read_as_meant() -> None:
     assert cited("(thesis, equations 4.2 and 4.3)", within) == set()
 
 
-@BOTH
+@EACH
 def test_every_cited_equation_exists(folder: Path) -> None:
     assert everything_cited(folder) - set(numbered(document(folder))) == set()
 
 
-@BOTH
+@EACH
 def test_every_equation_is_cited(folder: Path) -> None:
     assert set(numbered(document(folder))) - everything_cited(folder) == set()
 
 
-@BOTH
+@EACH
 def test_equations_are_numbered_in_order_and_once(folder: Path) -> None:
     numbers = numbered(document(folder))
     assert numbers == sorted(set(numbers))
@@ -79,7 +79,7 @@ def test_equations_are_numbered_in_order_and_once(folder: Path) -> None:
         assert mine == list(range(1, 1 + len(mine)))
 
 
-@BOTH
+@EACH
 def test_references_within_the_documents_exist(folder: Path) -> None:
     texts = [document(folder)] + ([(PACKAGE / "RIVALS.md").read_text(encoding="utf-8")] if folder == PACKAGE else [])
     found = {(int(section), int(number)) for text in texts for section, number in re.findall(rf"\({NUMBER}\)", text)}

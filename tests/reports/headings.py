@@ -147,6 +147,24 @@ def strength(tables: Tables) -> list[str]:
     return found
 
 
+def resonance(tables: Tables) -> list[str]:
+    """How near is a resonance? Of the first case."""
+    rows = tables["resonances"][tables["resonances"]["case"] == tables["resonances"]["case"][0]]
+    own = rows[rows["point"] == "your machine"].iloc[0]
+
+    def nearest(points: pd.DataFrame, otherwise: str) -> str:
+        if points.empty:
+            return f"no {otherwise} within 15 %"
+        found = points.loc[points["distance"].abs().idxmin()]
+        way = "faster" if found["distance"] > 0.0 else "slower"
+        return f"{number(30.0 / np.pi * found['speed'], '.5g')} rpm{{}}, {size(found['distance'])} {way}"
+
+    peaks, changes = rows[rows["point"] == "peak"], rows[~rows["point"].isin(["peak", "your machine"])]
+    order = "" if peaks.empty else f" (order {peaks.loc[peaks['distance'].abs().idxmin(), 'order']:.0f})"
+    found = [f"your machine runs at {number(30.0 / np.pi * own['speed'], '.5g')} rpm"]
+    return [*found, nearest(peaks, "peak").format(order), nearest(changes, "fold and no loss of stability").format("")]
+
+
 def agreement(tables: Tables) -> list[str]:
     """Who agrees with whom."""
     compared, beyond = _judged(tables)
@@ -349,6 +367,7 @@ def files(tables: Tables) -> list[str]:
 EXPECTED: Final[Mapping[str, Callable[[Tables], list[str]]]] = {
     "answer": answer,
     "strength": strength,
+    "resonance": resonance,
     "agreement": agreement,
     "runs": runs,
     "recorded": recorded,

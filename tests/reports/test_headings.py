@@ -19,6 +19,7 @@ from tests.cases.made_up_map import made_up_map
 from tests.reports.headings import EXPECTED, headings, mistakes, numbers_in, tables_in
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.made_up_finding import made_up_finding
+from tests.reports.made_up_resonance import made_up_around
 from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import reported_result
 from tests.reports.test_hard_scenes_page import matrix
@@ -44,7 +45,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         facts=machine_facts(),
     )
     write(content, place)
-    missing = set(EXPECTED) - {"answer", "next", "strength"} - {chapter.id for chapter in chapters_of(content)}
+    missing = set(EXPECTED) - {"answer", "next", "strength", "resonance"} - {chapter.id for chapter in chapters_of(content)}
     assert not missing
     return place
 
@@ -87,10 +88,10 @@ def test_another_number_in_a_table_is_noticed(folder: Path, chapter: str, table:
 
 
 def test_a_report_on_ones_own_case_says_what_its_tables_say(tmp_path: Path) -> None:
-    write(Content(results=[reported_result("example", {"exudyn": "failed"})], facts=machine_facts()), tmp_path)
+    write(Content(results=[reported_result("example", {"exudyn": "failed"})], around=[made_up_around()], facts=machine_facts()), tmp_path)
     told, tables = of(tmp_path)
     del told["answer"]  # it names strengths and lengths of the case, too, which no table has
-    assert {"next", "strength"} <= set(told)
+    assert {"next", "strength", "resonance"} <= set(told)
     assert mistakes(told, tables) == []
 
 

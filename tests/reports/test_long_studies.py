@@ -107,7 +107,7 @@ def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypa
     for module in (long_studies, recording):
         monkeypatch.setattr(module, "FOLDER", tmp_path)
     monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "store"))
-    monkeypatch.setattr(recording.classes, "study", lambda workshop, compute: (list(made_up_map().scenes), list(made_up_map().reaches)))
+    monkeypatch.setattr(recording.classes, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().reaches)))
     (tmp_path / "about.csv").write_text(text_of([About("finding", "2001-02-03", "numpy 1", "f" * 64)]))
     long_studies.about.cache_clear()
     assert main(["--stored", "classes"]) == 0
@@ -133,7 +133,7 @@ def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
 @pytest.mark.verify
 def test_two_packages_confirm_the_converged_solution() -> None:
     """Kept where the report finds it."""
-    found = confirming(Workshop(Store()), compute=True)
+    found = confirming(Workshop(Store()))
     assert {run.engine for run in found} == {"exudyn", "mujoco"}
     assert max(run.errors["tip_deflection"] for run in found) <= CONFIRMED
 

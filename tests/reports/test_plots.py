@@ -23,6 +23,9 @@ from tests.reports.plotted_results import made_up_result, with_table
 #: Bytes: three pictures are kept in the repository.
 LARGEST = 100_000
 
+#: Methods of which the made-up benchmark has no mark.
+NOT_DRAWN = ("nodal-load", "moving-boundaries", "mujoco", "fixed-shapes", "stiff-spring")
+
 TROUBLES = {
     "settled": made_up_result("thesis-24"),
     "failed": made_up_result("thesis-01", {"exudyn": "failed", "reference": "failed"}),
@@ -124,7 +127,7 @@ def test_methods_that_completed_nothing_have_no_mark() -> None:
 
 
 def test_the_file_keeps_the_colours_of_its_lines() -> None:
-    names = [name for name in looks((*MAIN, *RIVALS)) if name not in ("nodal-load", "mujoco", "fixed-shapes", "stiff-spring")]
+    names = [name for name in looks((*MAIN, *RIVALS)) if name not in NOT_DRAWN]
     colours = Image.open(io.BytesIO(png(work_precision.draw(made_up_benchmark())))).convert("RGB").getcolors(100_000)
     assert {to_rgb(look.light) for look in looks(names).values()} <= {tuple(part / 255.0 for part in colour) for _, colour in colours or []}
 

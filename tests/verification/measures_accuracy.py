@@ -119,9 +119,8 @@ def accuracy(vibration: float, samples: int, seed: int, drifts: tuple[float, flo
 def first_modes_of(scale: TimeScale, drawn: SyntheticHalf) -> dict[str, FirstMode]:
     """The first mode in every channel of a synthetic half."""
     grid = half_cycle(scale, drawn.time[0], drawn.time[-1], CubicSpline(drawn.time, drawn.crank_angle))
-    return fit_first_modes(
-        {name: channel_half(scale, grid, name, CubicSpline(drawn.time, signal)) for name, signal in drawn.signals.items()}
-    )
+    channels = {name: channel_half(scale, grid, name, CubicSpline(drawn.time, signal)) for name, signal in drawn.signals.items()}
+    return fit_first_modes([channels])[0]
 
 
 def _against_claims(errors: NDArray[np.float64], claimed: NDArray[np.float64]) -> tuple[float, float]:

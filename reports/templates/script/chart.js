@@ -22,7 +22,7 @@ class Axis {
     }
     Object.assign(this, { low, high, logarithmic, pixels });
     const round = ticks(low, high, most), whole = values.every(Number.isInteger) ? round.filter(Number.isInteger) : round, powers = logarithmic ? this.decades(most) : [];
-    this.ticks = powers.length ? powers : whole;
+    this.ticks = powers.length > 2 ? powers : whole;
   }
 
   place(value) {
@@ -39,6 +39,16 @@ class Axis {
   }
 }
 
+/** Where the label of a mark may stand, from the mark, px. */
+const LABELS = [[0, -16], [0, 19], [24, -16], [-24, -16], [24, 16], [-24, 16]];
+
+/** The parts of a line between its gaps. */
+function unbroken(points) {
+  const parts = [[]];
+  for (const point of points) if (point) parts.at(-1).push(point); else parts.push([]);
+  return parts.filter((part) => part.length);
+}
+
 class Chart {
   constructor(holder, plot) {
     Object.assign(this, { holder, plot });
@@ -51,7 +61,9 @@ class Chart {
     this.marks = [];
     const picture = shown.length ? this.plot.categories.length ? this.rows(shown, width) : this.axes(shown, width) : svg("svg");
     picture.append(this.ring = svg("circle", { r: 9, fill: "none", stroke: colour("accent"), "stroke-width": 2, visibility: "hidden" }));
+    for (const [name, value] of [["tabindex", 0], ["role", "application"], ["aria-label", "Chart. Left and right go along a series, up and down to another one."]]) picture.setAttribute(name, value);
     for (const event of ["pointermove", "pointerdown"]) picture.addEventListener(event, (about) => this.point(about, picture));
+    picture.addEventListener("keydown", (about) => this.key(about));
     picture.addEventListener("pointerleave", (about) => { if (about.pointerType === "mouse") this.tell(null); });
     const take = textOf("button", "SVG", "take");
     take.type = "button";
@@ -59,7 +71,7 @@ class Chart {
     take.addEventListener("click", () => save(`${this.plot.file.replace(/\.csv$/, "")}.svg`, new XMLSerializer().serializeToString(picture), "image/svg+xml"));
     this.told = textOf("p", "", "reading");
     this.told.setAttribute("role", "status");
-    this.holder.replaceChildren(keyOf(shown.map((series) => ({ ...series, line: series.line }))), picture, this.told, take);
+    this.holder.replaceChildren(keyOf(shown), picture, this.told, take);
     this.tell(null);
   }
 
@@ -67,14 +79,26 @@ class Chart {
   point(event, picture) {
     const box = picture.getBoundingClientRect(), [x, y] = [event.clientX - box.left, event.clientY - box.top];
     const near = (found) => Math.hypot(found.x - x, found.y - y);
-    const nearest = this.marks.reduce((best, found) => !best || near(found) < near(best) ? found : best, null);
+    const nearest = this.marks.reduce((best, found) => !best || near(found) <= near(best) ? found : best, null);
     this.tell(nearest && near(nearest) < (event.pointerType === "mouse" ? 24 : 40) ? nearest : null);
   }
 
+  /** Left and right go along a series, up and down to the nearest mark of another one. */
+  key(event) {
+    const along = { ArrowRight: 1, ArrowLeft: -1 }[event.key], across = { ArrowDown: 1, ArrowUp: -1 }[event.key], { found, marks } = this;
+    if (!(along || across) || !marks.length) return;
+    event.preventDefault();
+    if (!found) { this.tell(marks[0]); return; }
+    const all = [...new Set(marks.map(({ series }) => series))], next = all[(all.indexOf(found.series) + (across ?? 0) + all.length) % all.length];
+    const its = marks.filter(({ series }) => series === next), far = ({ x, y }) => Math.hypot(x - found.x, y - found.y);
+    this.tell(along ? its[its.indexOf(found) + along] ?? found : its.reduce((best, other) => far(other) < far(best) ? other : best));
+  }
+
   tell(found) {
+    this.found = found;
     if (found) for (const [name, value] of [["cx", found.x], ["cy", found.y]]) this.ring.setAttribute(name, value);
     this.ring.setAttribute("visibility", found ? "visible" : "hidden");
-    this.told.textContent = found ? [found.series.name, found.series.text[found.index]].filter(Boolean).join(": ") : "Point at a mark, or touch it, to read what it is.";
+    this.told.textContent = found ? [found.series.name, found.series.text[found.index]].filter(Boolean).join(": ") : "Point at a mark or a line, or touch it, or use the arrow keys, to read what it is.";
   }
 
   frame(width, height) {
@@ -83,8 +107,8 @@ class Chart {
 
   /** Points and lines over two axes. */
   axes(shown, width) {
-    const { plot } = this, named = width >= 760, height = width < 500 ? 320 : 380, [above, below] = [30, 44];
-    const marked = (axis) => [...shown.flatMap((series) => [...series[axis ? "y" : "x"], ...series.bars.flatMap((bar) => bar.slice(2 * axis, 2 * axis + 2))]), ...plot.regions.flat().map((corner) => corner[axis])];
+    const { plot } = this, named = width >= 760, height = width < 500 ? 320 : 380, [above, below] = [plot.here ? 60 : 30, 44];
+    const marked = (axis) => [...shown.flatMap((series) => [...series[axis ? "y" : "x"].filter((value) => value !== null), ...series.bars.flatMap((bar) => bar.slice(2 * axis, 2 * axis + 2))]), ...plot.regions.flat().map((corner) => corner[axis])];
     const vertical = new Axis(marked(1), plot.log.includes("y"), [height - below, above], 7);
     const left = 14 + Math.max(...vertical.ticks.map((value) => wide(onAxis(value)))), right = named ? 24 + Math.max(...shown.map(({ name }) => wide(name, NAME))) : 14;
     const horizontal = new Axis(marked(0), plot.log.includes("x"), [left, width - right], Math.floor((width - left - right) / 60));
@@ -102,38 +126,60 @@ class Chart {
     made.append(svg("path", { d: `M${left} ${above}V${height - below}H${width - right}`, fill: "none", stroke: colour("soft") }));
     made.append(words(4, 16, plot.y, { anchor: "start", fill: colour("ink"), size: NAME }));
     made.append(words((left + width - right) / 2, height - 6, plot.x, { fill: colour("ink"), size: NAME }));
-    const places = new Map(shown.map((series) => [series, series.x.map((x, k) => [horizontal.place(x), vertical.place(series.y[k])])]));
+    const here = [];  // what the marked value covers
+    if (plot.here) {
+      const x = horizontal.place(plot.here[0]), half = wide(plot.here[1], NAME) / 2 + 2, middle = Math.min(Math.max(x, half), width - half);
+      made.append(svg("line", { x1: x, x2: x, y1: above - 20, y2: height - below, stroke: colour("ink"), "stroke-dasharray": "2 3" }));
+      made.append(words(middle, above - 25, plot.here[1], { fill: colour("ink"), size: NAME }));
+      here.push(around([x, height / 2], 1, height), around([middle, above - 29], half, 9));
+    }
+    const places = new Map(shown.map((series) => [series, series.x.map((x, k) => x === null ? null : [horizontal.place(x), vertical.place(series.y[k])])]));
     const inOrder = [...shown].sort((a, b) => b.broad - a.broad || lookOf(a.of).order - lookOf(b.of).order);
     for (const series of inOrder) {
-      const points = places.get(series), path = points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" "), group = svg("g", { "data-series": series.name, "data-of": series.of });
-      if (series.broad) group.append(svg("polyline", { points: path, fill: "none", stroke: colour("line"), "stroke-width": 14, "stroke-linecap": "round", "stroke-linejoin": "round" }));
-      else {
-        if (series.line) group.append(svg("polyline", { points: path, ...strokeOf(series.of) }));
+      const points = places.get(series), group = svg("g", { "data-series": series.name, "data-of": series.of }), about = series.broad
+        ? { fill: "none", stroke: colour("line"), "stroke-width": 14, "stroke-linecap": "round", "stroke-linejoin": "round" } : strokeOf(series.of);
+      if (series.line || series.broad) for (const path of unbroken(points)) group.append(svg("polyline", { points: path.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" "), ...about }));
+      if (!series.broad) {
         series.bars.forEach(([from, to, low, high], k) => group.append(svg("path", {
           d: `M${horizontal.place(from)} ${points[k][1]}H${horizontal.place(to)}M${points[k][0]} ${vertical.place(low)}V${vertical.place(high)}`, stroke: lookOf(series.of).colour, "stroke-opacity": 0.45,
         })));
-        points.forEach(([x, y], index) => { group.append(mark(series.of, x, y, 5, series.hollow)); this.marks.push({ x, y, series, index }); });
+        points.forEach((point, index) => {
+          if (!point) return;
+          const [x, y] = point;
+          if (series.marked) group.append(mark(series.of, x, y, 5, series.hollow));
+          this.marks.push({ x, y, series, index });
+        });
       }
       made.append(group);
     }
-    if (named) this.name(made, shown.filter((series) => !series.broad), places, width, height - below);
+    const taken = this.marks.map(({ x, y }) => around([x, y], 7, 7));
+    taken.push(...here);
+    for (const { series, index, x, y } of this.marks) if (series.labels[index]) this.write(made, series.labels[index], LABELS.map(([dx, dy]) => [x + dx, y + dy]), taken, [left, 20, width, height - below]);
+    if (named) this.name(made, shown.filter((series) => !series.broad), places, taken, [0, 20, width, height - below]);
     return made;
   }
 
   /** Names at the lines' ends, as far as they cover no mark and no other name and no other end is nearer: the legend has them all. */
-  name(made, shown, places, width, bottom) {
-    const taken = this.marks.map(({ x, y }) => around([x, y], 7, 7)), ends = shown.map((series) => places.get(series).at(-1));
+  name(made, shown, places, taken, inside) {
+    const endOf = (series) => places.get(series).findLast(Boolean), ends = shown.map(endOf);
     for (const series of shown) {
-      const [x, y] = places.get(series).at(-1), half = wide(series.name, NAME) / 2;
-      const found = [[9, 0], [9, -13], [9, 13], [-half, -15], [-half, 18]].map(([dx, dy]) => [x + dx + half, y + dy]).find((centre) => {
-        const box = around(centre, half + 2, 8), far = ([endX, endY]) => Math.hypot(Math.max(box[0] - endX, 0, endX - box[2]), endY - centre[1]);
-        if (ends.some((end) => far(end) < far([x, y]))) return false;
-        return box[2] < width && box[1] > 20 && box[3] < bottom && !taken.some((other) => overlap(box, other));
+      const [x, y] = endOf(series), half = wide(series.name, NAME) / 2, centres = [[9, 0], [9, -13], [9, 13], [-half, -15], [-half, 18]].map(([dx, dy]) => [x + dx + half, y + dy]);
+      this.write(made, series.name, centres, taken, inside, (box, centre) => {
+        const far = ([endX, endY]) => Math.hypot(Math.max(box[0] - endX, 0, endX - box[2]), endY - centre[1]);
+        return ends.every((end) => far(end) >= far([x, y]));
       });
-      if (!found) continue;
-      taken.push(around(found, half + 2, 8));
-      made.append(words(found[0], found[1] + 4.5, series.name, { fill: colour("ink"), size: NAME, stroke: colour("ground"), "stroke-width": 3, "paint-order": "stroke" }));
     }
+  }
+
+  /** A text about the first of some centres where it covers nothing that is taken; it is left out where there is none. */
+  write(made, text, centres, taken, [left, top, right, bottom], fits = () => true) {
+    const half = wide(text, NAME) / 2 + 2, found = centres.find((centre) => {
+      const box = around(centre, half, 8);
+      return box[0] >= left && box[1] > top && box[2] < right && box[3] < bottom && fits(box, centre) && !taken.some((other) => overlap(box, other));
+    });
+    if (!found) return;
+    taken.push(around(found, half, 8));
+    made.append(words(found[0], found[1] + 4.5, text, { fill: colour("ink"), size: NAME, stroke: colour("ground"), "stroke-width": 3, "paint-order": "stroke" }));
   }
 
   grid(made, horizontal, width, top, bottom) {

@@ -60,7 +60,7 @@ def test_no_run_begins_that_would_end_too_late(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_a_method_that_was_stopped_is_stored_as_such_and_one_that_crashed_is_tried_again(tmp_path: Path) -> None:
-    workshop, true = Workshop(Store(tmp_path)), measurement.Truth(truth_of(case_of(CENTRE)), None)  # type: ignore[arg-type]
+    workshop, true = Workshop(Store(tmp_path)), truth_of(case_of(CENTRE))
     for name, failure, status in (("mujoco", f"{STOPPED} of 120 s", TOO_SLOW), ("exudyn", "killed by SIGSEGV", "failed")):
         kept = _kept(workshop, Outcome(_job(CENTRE, name, true), failure=failure))
         assert (workshop.stored(_job(CENTRE, name, true)) is not None) == (name == "mujoco")
@@ -70,7 +70,7 @@ def test_a_method_that_was_stopped_is_stored_as_such_and_one_that_crashed_is_tri
 
 
 def test_what_is_not_stored_is_left_out(tmp_path: Path) -> None:
-    assert study(Workshop(Store(tmp_path)), compute=False, among=[CENTRE]) == ([], [])
+    assert study(Workshop(Store(tmp_path)).as_it_is, [CENTRE]) == ([], [])
 
 
 def test_the_first_the_next_and_the_factor_are_those_of_the_times() -> None:

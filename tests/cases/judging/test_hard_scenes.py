@@ -61,7 +61,7 @@ def test_what_is_stored_is_not_computed_again(short: Matrix, workshop: Workshop,
     monkeypatch.setattr(LocalProcesses, "run", computed)
     again = judge_scenes(short.cases, workshop, ENGINES)
     assert again == replace(short, cases=again.cases)
-    elsewhere = judge_scenes([replace(case, duration=0.2) for case in short.cases], workshop, ENGINES, compute=False)
+    elsewhere = judge_scenes([replace(case, duration=0.2) for case in short.cases], workshop.as_it_is, ENGINES)
     assert elsewhere.cells == {}
     assert elsewhere.silently_wrong == ()
 

@@ -1,0 +1,104 @@
+"""The engine `moving-boundaries`: a linear beam across the line from pivot to slider, the crank at a known speed (Beale and Scott)."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.base import USUAL, Comparison, FollowerEngine, Refusal
+from engines.own.beam_engine import BeamEngine, BeamSettings
+from engines.settings import setting
+from reference_model.mechanism import Mechanism, TorqueDrive
+from reference_model.natural_modes import frozen_crank_modes
+
+if TYPE_CHECKING:
+    from reference_model.moving_boundaries.model import MovingBoundariesModel
+
+#: Tolerance for an error of the tip deflection against the model's own equations (`reference_model/RIVALS.md`, section 4).
+TOLERANCE_PER_ERROR: Final = 1e-4
+#: Factor between the tolerances of two runs that are compared, and at most this part of its error is left with the tighter one.
+TIGHTER: Final = 0.01
+PART_OF_TIGHTER: Final = 0.3
+LOOSEST: Final = 1e-5
+TIGHTEST: Final = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True)
+class MovingBoundariesSettings(BeamSettings):
+    """Settings of `moving-boundaries`."""
+
+    modes: int = setting(2, "modes of the beam supported at the slider", low=1, high=8)
+    foreshortening: bool = setting(False, "shortening of the bent beam along the line, to second order: the axial force that stiffens it")
+    tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=TIGHTEST, high=LOOSEST)
+
+    @property
+    def shape_count(self) -> int:
+        return self.modes
+
+
+class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
+    """Few modes on domains that move are the model: accuracy asked and error estimate are the integration's."""
+
+    name = "moving-boundaries"
+    method = "linear beam across the line from pivot to slider, modes on domains that move with it, crank at known speed, DOP853"
+    default_accuracy = 1e-3
+    estimates = "integration"
+    settings_type = MovingBoundariesSettings
+    kind_of_shapes = "shapes that follow the slider"
+    quantities = tuple(name for name in USUAL if name != "crank.torque")
+
+    def check(self, mechanism: Mechanism) -> None:
+        """Refuse also a driven crank, with the speed to prescribe instead."""
+        if isinstance(drive := mechanism.crank.drive, TorqueDrive):
+            speed = drive.torque / drive.damping if drive.damping else drive.initial_speed
+            raise Refusal(
+                f"crank.torque: {drive.torque:.6g} N*m is not modelled by engine {self.name}, whose frame turns with a crank of known"
+                f' speed; accepted: crank.prescribed_speed, such as the mean speed "{speed:.6g} rad/s"'
+            )
+        super().check(mechanism)
+
+    def opens_loop(self, mechanism: Mechanism) -> bool:
+        """The slider's place is known from the crank's angle."""
+        return False
+
+    def joint_line(self, mechanism: Mechanism, settings: MovingBoundariesSettings) -> str:
+        return "slider supports the beam where it meets the line (known from the crank's angle)"
+
+    def model(self, mechanism: Mechanism, settings: MovingBoundariesSettings) -> "MovingBoundariesModel":  # type: ignore[override]
+        from reference_model.moving_boundaries.model import MovingBoundariesModel
+
+        return MovingBoundariesModel(mechanism, settings.modes, settings.foreshortening)
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> MovingBoundariesSettings:
+        """Integration tolerance for an error against the model's own equations."""
+        return MovingBoundariesSettings(tolerance=min(max(accuracy * TOLERANCE_PER_ERROR, TIGHTEST), LOOSEST))
+
+    def ladder(self, mechanism: Mechanism) -> tuple[MovingBoundariesSettings, ...]:
+        """Numbers of modes: what is wrong with this model is not its integration. Of a crank that it refuses one rung tells."""
+        return tuple(MovingBoundariesSettings(modes=modes) for modes in ((2,) if mechanism.crank_is_free else (1, 2, 3, 4, 6)))
+
+    def comparisons(self, settings: MovingBoundariesSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        """A hundredth of the tolerance, or a hundred times one that is too tight for that."""
+        times, factor = TIGHTER, PART_OF_TIGHTER
+        if settings.tolerance * TIGHTER < TIGHTEST:
+            times, factor = 1.0 / TIGHTER, 1.0 / PART_OF_TIGHTER
+        return (Comparison(settings, settings.replaced(tolerance=times * settings.tolerance), factor),)
+
+    def finer(self, settings: MovingBoundariesSettings, excess: tuple[float, ...], output_step: float) -> MovingBoundariesSettings | None:
+        """A tenth of the tolerance."""
+        return settings.replaced(tolerance=0.1 * settings.tolerance) if settings.tolerance > 10.0 * TIGHTEST else None
+
+    def natural_frequencies(
+        self, mechanism: Mechanism, crank_angle: float, count: int, settings: MovingBoundariesSettings
+    ) -> NDArray[np.float64]:
+        """Converged: the shapes are the natural modes with the crank held."""
+        self.check(mechanism)
+        return frozen_crank_modes(mechanism, crank_angle, min(count, settings.modes)).frequencies
+
+    def follower_alone(self) -> FollowerEngine[MovingBoundariesSettings]:
+        """Refuse: without a slider there is no boundary that moves."""
+        raise Refusal(
+            f"[slider]: this scene has no slider and no [crank], and in engine {self.name} the slider's place divides the follower;"
+            " use engine reference"
+        )

@@ -1,0 +1,119 @@
+"""The model of one scene: shapes, equations, integration and observables under one roof."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_model.constants import characteristic_frequency, constants
+from reference_model.integrate import Equations, Integration, dop853
+from reference_model.mechanism import Mechanism
+from reference_model.motion.address import Placed
+from reference_model.motion.equations import evaluate
+from reference_model.moving_boundaries import tables as t
+from reference_model.moving_boundaries.equations import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, Workspace, kernel
+from reference_model.moving_boundaries.observables import observables
+from reference_model.periodic import eigenvalues
+from reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
+
+Array = NDArray[np.float64]
+
+
+class MovingBoundariesModel:
+    """A beam across the line from the pivot to the slider, the crank at constant speed.
+
+    Args:
+        scene: the mechanism, its crank's speed prescribed, its slider's joint rigid and without rotary inertia.
+        modes: number of shapes, at least 1; a rigid follower has none.
+        foreshortening: whether the beam's shortening along the line is counted, to second order.
+
+    Attributes:
+        made_before: wall time (s) that parts took which were kept from an earlier model.
+        shapes: number of shapes.
+    """
+
+    closes_loop = True
+
+    def __init__(self, scene: Mechanism, modes: int, foreshortening: bool) -> None:
+        self.scene = scene
+        self._shapes = t.shapes_of(scene, modes, foreshortening)
+        self.made_before, self.shapes = self._shapes.seconds, 0 if scene.follower.is_rigid else modes
+        known = {**constants(scene), "EI": scene.follower.bending_stiffness}
+        inertia, moment = follower_inertia(scene)
+        self.parameters = Parameters(
+            **{name: known[name] for name in Parameters._fields if name in known},
+            n=self.shapes,
+            inertia=inertia,
+            moment=moment,
+            low=self._shapes.low,
+            high=self._shapes.high,
+            coefficients=self._shapes.coefficients,
+        )
+        rows, signals = np.zeros((3, self.parameters.coefficients.shape[2])), np.zeros((t.VECTORS + t.MATRICES, 4))
+        self.workspace = Workspace(rows, signals, np.zeros(4), np.zeros(2))
+        self._at = Placed(self.parameters, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
+
+    def straight_state(self, crank_angle: float, crank_speed: float) -> Array:
+        """State vector (2 n + 4,) with the follower straight and moving as the rigid mechanism does."""
+        y = np.zeros(2 * self.shapes + 4)
+        y[0], y[self.shapes + 1] = crank_angle, crank_speed
+        return y
+
+    def bent_state(
+        self, crank_angle: float, crank_speed: float, slider: tuple[float, float], x: Array, angle: Array, angle_rate: Array
+    ) -> Array:
+        """State vector closest to a given shape; see `reference_model.model.BeamModel.bent_state`. Rates are those of equation 2.4."""
+        y, n = self.straight_state(crank_angle, crank_speed), self.shapes
+        line = rigid_motion(self.scene, np.array(crank_angle), crank_speed)
+        assert self._shapes.family is not None
+        psi, psi_l = self._shapes.family.angles(float(line.slider_position), x)
+        y[1 : n + 1] = np.linalg.lstsq(psi, angle, rcond=None)[0]
+        moved = psi_l @ y[1 : n + 1] * line.slider_speed
+        y[n + 2 : 2 * n + 2] = np.linalg.lstsq(psi, angle_rate - moved, rcond=None)[0]
+        return y
+
+    def rate(self, y: Array) -> Array:
+        """dy/dt of a state, nan where it cannot be; forces and signals are left in the workspace."""
+        rate, equations = np.empty_like(y), self.equations
+        evaluate(equations.function, equations.parameters, equations.workspace, y, rate)
+        return rate
+
+    def can_move(self, y: Array) -> bool:
+        """Whether the accelerations exist in the state `y`."""
+        return bool(np.all(np.isfinite(self.rate(y))))
+
+    @property
+    def equations(self) -> Equations:
+        """The equations of motion as the integrator takes them."""
+        p, w = self._at
+        return Equations(kernel(), p.address, w.address, self.workspace.slider)
+
+    def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
+        """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
+        return dop853(self.equations, y, output_step, intervals, self._scales(y, tolerance), self._shapes.reach, first_step)
+
+    def multipliers(self, crank_speed: float, tolerance: float = 1e-9) -> NDArray[np.complex128]:
+        """Eigenvalues of the monodromy matrix (equation 5.4), largest modulus first, shape (2 n,): what a turn makes of disturbances.
+
+        Args:
+            crank_speed: rad/s.
+            tolerance: of the integration.
+        """
+        straight, free = self.straight_state(np.pi, crank_speed), np.r_[1 : self.shapes + 1, self.shapes + 2 : 2 * self.shapes + 2]
+        scales = self._scales(straight, tolerance)
+        sizes, starts = scales[free] / tolerance, np.tile(straight, (1 + len(free), 1))
+        starts[1:, free] = np.diag(sizes)
+        turn = 2.0 * np.pi / abs(crank_speed)
+        ends = np.array([dop853(self.equations, y, turn, 1, scales, np.inf).states[-1, free] for y in starts])
+        return eigenvalues((ends[1:] - ends[0]).T / sizes[:, None])
+
+    def observe(self, states: Array) -> dict[str, Array]:
+        """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`."""
+        left = [(self.rate(y), self.workspace.signals.copy(), self.workspace.facts.copy()) for y in np.ascontiguousarray(states)]
+        _, signals, facts = map(np.array, zip(*left, strict=True))
+        return observables(self.scene, self._shapes, states, signals, facts)
+
+    def _scales(self, y: Array, tolerance: float) -> Array:
+        """Absolute local error of the states that are controlled; sizes as `reference_model.model.BeamModel` has them."""
+        follower, n, frequency = self.scene.follower, self.shapes, characteristic_frequency(self.parameters)
+        size = deflection_scale(self.scene) * np.sqrt((follower.mass_per_length or 1.0) * follower.length)
+        speed = 0.1 * max(abs(float(y[n + 1])), 1.0)
+        return tolerance * np.array([0.1, *[size] * n, speed, *[size * frequency] * n])

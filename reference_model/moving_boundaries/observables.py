@@ -1,0 +1,108 @@
+"""Observables of states, the shapes shown as they are (section 6 of DERIVATION.md)."""
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from reference_model.columns import MOMENTS, PLACES, SHAPE
+from reference_model.mechanism import Mechanism
+from reference_model.moving_boundaries import tables as t
+from reference_model.moving_boundaries.equations import ACCELERATION, FORCE, KINETIC, RATE, STRAIN, TORQUE, VALUE
+from reference_model.rigid import RigidMotion, follower_inertia, rigid_motion
+from reference_model.tip_force import tip_force
+
+Array = NDArray[np.float64]
+
+_RATES: Final = [VALUE, RATE, ACCELERATION]
+
+
+def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: Array, facts: Array) -> dict[str, Array]:
+    """Columns by name, each of shape (k,).
+
+    Args:
+        mechanism: the scene.
+        shapes: of its beam.
+        states: (k, 2 n + 4).
+        signals: what the equations leave of each state in their workspace, (k, *its shape there).
+        facts: likewise.
+    """
+    n = states.shape[1] // 2 - 2
+    q1, q1_rate = states[:, 0], states[:, n + 1]
+    line = rigid_motion(mechanism, q1, q1_rate)
+    follower, tip, moment = mechanism.follower, mechanism.tip_body, follower_inertia(mechanism)[1]
+    L, distance, gravity = follower.length, line.slider_position, complex(*mechanism.gravity)
+    unit, crank = np.exp(1j * line.follower_angle), np.exp(1j * q1)
+
+    def seen(straight: float, short: int, across: int) -> Array:
+        """A place or a first moment from P, along and across the line, and its rates; (k, 3)."""
+        return np.array([straight, 0.0, 0.0]) - signals[:, t.VECTORS + short, _RATES] + 1j * signals[:, across, _RATES]
+
+    # the tip's place and the follower's first moment (equation 6.1)
+    end, mass = seen(L, t.PULLED, t.END), seen(moment, t.HANGING, t.WEIGHT)
+    place, base = mechanism.pivot_distance + unit * end[:, 0], signals[:, t.BASE, VALUE]
+    places = L * np.arange(1, PLACES + 1) / (PLACES + 1)
+    shown = np.column_stack([distance, np.tile([*follower.strain_gauges, *places, L], (len(q1), 1))])
+    across_base, slope, bend = _fields(shapes, distance, L, states[:, 1 : n + 1], shown)
+    across, slope = across_base + base[:, None] * shown, slope + base[:, None]
+
+    # forces of the slider and of the bearings (equations 6.3 and 6.4)
+    weighs, tool = follower.mass + tip.mass, tip_force(tip, q1)
+    of_slider = facts[:, FORCE] * (1j - slope[:, 0]) * unit
+    at_pivot = unit * _acceleration(line, mass) - of_slider - weighs * gravity - (tool[0] + 1j * tool[1])
+    at_crank = of_slider - mechanism.crank_moment * q1_rate**2 * crank - mechanism.crank_mass * gravity
+    height = weighs * mechanism.pivot_distance + unit * mass[:, 0] + mechanism.crank_moment * crank
+    found = {
+        "crank_angle": q1,
+        "crank_speed": q1_rate,
+        "follower_angle": line.follower_angle + base,
+        "slider_position": distance + signals[:, t.VECTORS + t.SHORTENED, VALUE],
+        "tip_x": place.real,
+        "tip_y": place.imag,
+        "tip_deflection": (np.exp(-1j * base) * end[:, 0]).imag,
+        "tip_acceleration": (np.exp(-1j * slope[:, -1]) * _acceleration(line, end)).imag,
+        **{f"strain_{k}": 0.5 * follower.thickness * bend[:, k] for k in (1, 2, 3)},
+        "slider_force": facts[:, FORCE],
+        "crank_torque": facts[:, TORQUE],
+        "kinetic_energy": facts[:, KINETIC],
+        "strain_energy": facts[:, STRAIN],
+        "dissipated_energy": states[:, -2],
+        "drive_work": states[:, -1],
+        "gravity_energy": -(np.conj(gravity) * height).real,
+        "constraint_gap": np.abs(across[:, 0]),
+        "pivot_force_x": at_pivot.real,
+        "pivot_force_y": at_pivot.imag,
+        "crank_force_x": at_crank.real,
+        "crank_force_y": at_crank.imag,
+        **dict(zip(SHAPE, (np.cos(base)[:, None] * across[:, 4:-1] - np.sin(base)[:, None] * places).T, strict=True)),
+    }
+    if n:
+        moments = follower.bending_stiffness * bend
+        found |= {**dict(zip(MOMENTS, moments[:, 4:-1].T, strict=True)), "moment_slider": moments[:, 0]}
+    return {name: np.ascontiguousarray(values) for name, values in found.items()}
+
+
+def _fields(shapes: t.Shapes, distance: Array, L: float, eta: Array, x: Array) -> tuple[Array, Array, Array]:
+    """Deflection across the tangent at P, slope relative to it and curvature at arc lengths x (k, m), each (k, m)."""
+    if shapes.family is None:
+        return (np.zeros_like(x),) * 3
+    lengths = np.stack([distance, L - distance], axis=1)[:, :, None]
+    angle = np.einsum("ksdn,kn->ksd", shapes.family.series_at(distance), eta)  # Legendre coefficients on both domains
+    deflection = legendre.legint(angle, lbnd=-1, axis=2) * (0.5 * lengths)
+    deflection[:, 1, 0] += deflection[:, 0].sum(axis=1)
+    inboard, start = x <= distance[:, None], distance[:, None]
+    place = np.where(inboard, 2.0 * x / start - 1.0, 2.0 * (x - start) / (L - start) - 1.0)
+    polynomials = legendre.legvander(place, angle.shape[2])
+
+    def at(series: Array) -> Array:
+        chosen = np.where(inboard[:, :, None], series[:, :1], series[:, 1:])
+        return np.asarray(np.einsum("kmd,kmd->km", polynomials[:, :, : series.shape[2]], chosen))
+
+    return at(deflection), at(angle), at(legendre.legder(angle, axis=2) * (2.0 / lengths))
+
+
+def _acceleration(line: RigidMotion, z: Array) -> NDArray[Any]:
+    """Second rate of a vector z (k, 3), along and across the line with its rates, in the line's frame (equation 6.2)."""
+    turn = line.follower_speed
+    return np.asarray(z[:, 2] + 2j * turn * z[:, 1] + (1j * line.follower_acceleration - turn**2) * z[:, 0])

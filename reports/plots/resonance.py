@@ -1,0 +1,39 @@
+"""A resonance curve as a picture: stable parts as lines, unstable ones dashed, special points as marks, peaks with their orders."""
+
+from matplotlib.figure import Figure
+
+from cases.resonance_curve import PEAKS, ResonanceCurve
+from reference_model.columns import COLUMNS
+from reports.looks import looks
+from reports.plots.style import FONT_SIZE, MARKERS, SMALL, logarithmic, look, tidy
+
+
+def draw(figure: Figure, curve: ResonanceCurve, mark: float | None = None) -> None:
+    """Draw a panel for each measure over what varies.
+
+    Args:
+        figure: an empty one.
+        curve: the curve.
+        mark: a value of what varies (SI) at which a machine runs; None: none.
+    """
+    panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
+    shown = curve.values / curve.range.size
+    for axes, (name, heights) in zip(panels, curve.measures.items(), strict=True):
+        for part, unstable in curve.stretches():
+            kind = "unstable" if unstable else "stable"
+            known = axes.get_legend_handles_labels()[1]
+            axes.plot(shown[part], heights[part], label="" if kind in known else kind, **look(kind))
+        for kind in dict.fromkeys(each.kind for each in curve.special):
+            at, its = [each.at for each in curve.special if each.kind == kind], looks([kind])[kind]
+            axes.plot(shown[at], heights[at], MARKERS[its.marker], markersize=4.0, color=its.light, label=kind, zorder=3.0)
+        for peak in curve.peaks if name == next(iter(curve.measures)) else ():
+            place = (peak.value / curve.range.size, peak.height)
+            axes.annotate(f"{peak.order}×", place, (0, 3), textcoords="offset points", ha="center", fontsize=FONT_SIZE)
+        if mark is not None:
+            axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
+        logarithmic(axes)
+        axes.margins(y=0.1)
+        tidy(axes, f"{name} [{COLUMNS[PEAKS[name]].unit.replace('^2', '²')}]")
+    panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
+    panels[0].legend(fontsize=SMALL, frameon=False)
+    figure.suptitle(f"{curve.case}; at peaks the multiple of the crank's speed", fontsize=FONT_SIZE)

@@ -1,0 +1,189 @@
+"""A study over one or two keys as a picture: lines, or heat maps. Points that did not settle are marked by how they ended."""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+import matplotlib
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from cases.case import dimension_of
+from cases.runs.request import FAILED
+from cases.sweep.grid import Axis
+from cases.sweep.measures import MEASURES
+from cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, REFUSED, UNSTABLE
+from cases.sweep.study import Study
+from cases.units import parse_quantity
+from reports.plots.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
+
+#: Values of a second key that are drawn as lines; more of them make a map.
+LINES: Final = 6
+#: Ratio of the values from which on their axis is logarithmic.
+DECADE: Final = 10.0
+#: Colours of a map, about: a logarithmic scale has at least so many.
+COLOURS: Final = 10
+#: Steps of a logarithmic scale within a decade, from coarse to fine.
+STEPS: Final = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
+#: How a point ended that did not settle -> its hatch in maps and its mark on lines.
+ENDINGS: Final = {
+    UNSTABLE.format("period doubling"): ("////", "o"),
+    UNSTABLE.format("torus"): ("xxxx", "s"),
+    UNSTABLE.format("fold"): ("----", "D"),
+    LEFT: ("....", "X"),
+    NOT_CONVERGED: ("\\\\\\\\", "v"),
+    OPEN: ("oooo", "^"),
+    REFUSED: ("||||", "P"),
+    FAILED: ("++++", "*"),
+}
+#: Colours from low to high: those of viridis that are bright enough for a dark hatch.
+BRIGHT: Final = matplotlib.colormaps["viridis"](np.linspace(0.25, 1.0, 256))
+_DARK: Final = "#222222"
+
+
+def drawable(axes: Sequence[Axis]) -> bool:
+    """Whether a study has a picture: it needs a key with finite numbers in order, and at most one more, with such numbers or few values."""
+    numbers = [np.array(each.values, dtype=float) for each in axes if each.unit]
+    ordered = all(np.isfinite(each).all() and len(set(np.sign(np.diff(each)))) == 1 for each in numbers)
+    return bool(numbers) and ordered and len(axes) <= 2 and all(bool(each.unit) or len(each.texts) <= LINES for each in axes)
+
+
+def draw(found: Study) -> Figure:
+    """A panel for each measure; of maps also for each way through them. The study must be `drawable`."""
+    axes = found.grid.axes
+    along = max((place for place, each in enumerate(axes) if each.unit), key=lambda place: len(axes[place].texts))
+    mapped = len(axes) == 2 and len(axes[1 - along].texts) > LINES
+    ways = found.ways if mapped else ("",)
+    panels = list(itertools.product(range(len(found.asked.measures)), range(len(ways))))
+    figure = new_figure(0.6 + (2.3 if mapped else 2.0) * len(panels))
+    statuses = [each for each in ENDINGS if each in found.statuses]
+    handles: list[Artist] = []
+    for (measure, way), panel in zip(panels, figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], strict=True):
+        about = MEASURES[found.asked.measures[measure]]
+        label = f"{about.name} [{about.unit.replace('^2', '²')}]"
+        if mapped:
+            values, endings = (np.moveaxis(each[way], along, 1) for each in (found.values[..., measure], found.statuses))
+            handles = _map(panel, axes[along], axes[1 - along], values, endings, statuses, label)
+            panel.set_title(f"the way {ways[way]}" if len(ways) > 1 else "", fontsize=SMALL)
+        else:
+            handles = _lines(panel, found, along, measure, statuses)
+            tidy(panel, label)
+    panel.set_xlabel(_scaled(axes[along])[1], fontsize=FONT_SIZE)
+    if handles:
+        legend_above(figure, handles, 3)
+    return figure
+
+
+def _scaled(axis: Axis) -> tuple[Array, str]:
+    """The values in the unit in which they were given, or in SI where that are several, and the label with it."""
+    units = {text.partition(" ")[2] for text in axis.texts}
+    unit = units.pop() if len(units) == 1 else axis.unit
+    size = parse_quantity(f"1 {unit}", dimension_of(axis.key)) if unit and unit != "1" else 1.0
+    return np.array(axis.values, dtype=float) / size, f"{axis.key} [{unit or 1}]"
+
+
+def _wide(values: Array) -> bool:
+    known = values[np.isfinite(values)]
+    return bool(known.size and known.min() > 0.0 and known.max() > DECADE * known.min())
+
+
+def _lines(panel: Axes, found: Study, along: int, measure: int, statuses: Sequence[str]) -> list[Artist]:
+    """A measure over a key, a line for each way and each value of the other key; what the legend says."""
+    x, lines = _scaled(found.grid.axes[along])[0], list(_each_line(found, along))
+    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.75, len(lines)))
+    handles: list[Artist] = []
+    for (label, place), colour, dash in zip(lines, colours, itertools.cycle(("-", "--", "-.", ":"))):
+        values = found.values[(*place, measure)]
+        handles += panel.plot(x, values, color=colour, linestyle=dash, linewidth=1.2, label=label)
+        look: dict[str, Any] = {"linestyle": "none", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": colour}
+        for status in statuses:
+            (_, mark), there = ENDINGS[status], found.statuses[place] == status
+            lost = there & ~np.isfinite(values)
+            panel.plot(x[there], values[there], marker=mark, **look)
+            panel.plot(x[lost], np.full(lost.sum(), 0.04), marker=mark, transform=panel.get_xaxis_transform(), **look)
+    if _wide(found.values[..., measure]):
+        logarithmic(panel)
+    panel.set_xscale("log" if _is_geometric(x) else "linear")
+    of_points: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgecolor": _DARK}
+    marks = [Line2D([], [], marker=ENDINGS[status][1], label=status, **of_points) for status in statuses]
+    return [*(handles if len(lines) > 1 else []), *marks]
+
+
+def _each_line(found: Study, along: int) -> Iterator[tuple[str, tuple[int | slice, ...]]]:
+    """Label and place in the study's arrays of each line."""
+    others = [(axis, range(len(axis.texts))) for place, axis in enumerate(found.grid.axes) if place != along]
+    for way, *at in itertools.product(range(len(found.ways)), *(places for _, places in others)):
+        place: list[int | slice] = list(at)
+        place.insert(along, slice(None))
+        told = [axis.texts[each] for (axis, _), each in zip(others, at, strict=True)]
+        yield ", ".join([*told, *([found.ways[way]] if len(found.ways) > 1 else [])]), (way, *place)
+
+
+def _map(
+    panel: Axes, across: Axis, up: Axis, values: Array, endings: NDArray[np.object_], statuses: Sequence[str], label: str
+) -> list[Artist]:
+    """A measure, shape (up, across), in steps of colour, with cells hatched that did not settle; what the legend says."""
+    (x, _), (y, y_label) = _scaled(across), _scaled(up)
+    columns, rows = _edges(x), _edges(y)
+    if np.isfinite(values).any():
+        levels = _levels(values)
+        colours = ListedColormap(BRIGHT).resampled(len(levels) - 1)
+        mesh = panel.pcolormesh(columns, rows, values, cmap=colours, norm=BoundaryNorm(levels, len(levels) - 1))
+        bar = panel.figure.colorbar(mesh, ax=panel, ticks=levels, format="%g", pad=0.02)
+        bar.set_label(label, fontsize=SMALL)
+        bar.ax.tick_params(labelsize=SMALL)
+        bar.minorticks_off()
+    handles: list[Artist] = []
+    for status in statuses:
+        (hatch, _), there = ENDINGS[status], endings == status
+        known = bool(np.isfinite(values[there]).all())
+        look: dict[str, Any] = {"facecolor": "none" if known else LIGHT, "edgecolor": _DARK, "hatch": hatch, "linewidth": 0.0}
+        cells = [_cell(columns[j : j + 2], rows[i : i + 2]) for i, j in np.argwhere(there)]
+        if cells:
+            panel.add_patch(PathPatch(Path.make_compound_path(*cells), **look))
+        handles.append(Patch(label=status, **look))
+    tidy(panel, y_label)
+    panel.grid(visible=False)
+    panel.set(xscale="log" if _is_geometric(x) else "linear", yscale="log" if _is_geometric(y) else "linear")
+    panel.set(xlim=(columns[0], columns[-1]), ylim=(rows[0], rows[-1]))
+    return handles
+
+
+def _levels(values: Array) -> Array:
+    """Round bounds of the steps of colour."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if not _wide(values):
+        return np.asarray(MaxNLocator(COLOURS + 2).tick_values(low, high))
+    for steps in STEPS:
+        powers = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+        bounds = np.unique(np.outer(powers, steps))
+        first, last = np.searchsorted(bounds, low, "right") - 1, np.searchsorted(bounds, high)
+        if last - first >= COLOURS:
+            break
+    return bounds[first : last + 1]
+
+
+def _is_geometric(values: Array) -> bool:
+    """Whether neighbours have equal ratios."""
+    return bool(np.all(values > 0.0) and len(values) > 2 and np.ptp(np.diff(np.log(values))) < 1e-6)
+
+
+def _edges(values: Array) -> Array:
+    """Bounds of the cells about some values, half-way between them."""
+    if _is_geometric(values):
+        return np.exp(_edges(np.log(values)))
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.array([2.0 * values[0] - middle[0], *middle, 2.0 * values[-1] - middle[-1]])
+
+
+def _cell(x: Array, y: Array) -> Path:
+    (left, right), (low, high) = x, y
+    return Path([(left, low), (right, low), (right, high), (left, high), (left, low)], closed=True)

@@ -1,0 +1,66 @@
+"""The resonance curves around the speeds of one's own machines: their points, and what is remarkable on them."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+from reports.findings.resonance import Around
+from reports.tables.table import CASE, Column, Table
+
+_SPEED: Final = Column("speed", "crank speed", "rpm", ".5g")
+_HEIGHT: Final = Column("tip_acceleration", "largest tip acceleration in a turn", "m/s²", ".4g")
+#: What the page calls the machine itself on its curve.
+OWN: Final = "your machine"
+PEAK: Final = "peak"
+
+
+def resonances(cases: Sequence[Around]) -> Table:
+    """The machine, peaks and special points, from the slowest to the fastest."""
+    rows = [{"case": around.case.name, **row} for around in cases if around.curve for row in remarkable(around)]
+    distance, reason = Column("distance", "from your speed", "%", "+.2f"), Column("reason", "the curve ends because")
+    ends = [reason] if any(row["reason"] for row in rows) else []
+    found = Table("resonances", (CASE, "point", "stability", Column("order", form="d"), _SPEED, distance, _HEIGHT, *ends))
+    for row in rows:
+        found.add(row)
+    return found
+
+
+def remarkable(around: Around) -> Iterator[dict[str, Any]]:
+    """The rows of a machine."""
+    curve = around.known
+    rows = [_row(around, OWN, around.pace, height, kind) for height, kind in around.own]
+    rows += [_row(around, PEAK, each.value, each.height, curve.kinds[each.at], each.order) for each in curve.peaks]
+    for each in curve.special:
+        order = around.order_at(each.value) if each.kind == "fold" else None
+        rows.append(_row(around, each.kind, each.value, float(around.heights[each.at]), None, order, each.reason))
+    yield from sorted(rows, key=lambda row: abs(row["speed"]))
+
+
+def _row(
+    around: Around, point: str, speed: float, height: float, kind: str | None, order: int | None = None, reason: str = ""
+) -> dict[str, Any]:
+    stability = "" if kind is None else f"unstable: {kind}" if kind else "stable"
+    row = {"point": point, "stability": stability, "order": order, "speed": speed}
+    return row | {"distance": around.faster(speed), "tip_acceleration": height, "reason": reason}
+
+
+def resonance_curve(cases: Sequence[Around]) -> Table:
+    """Every point of every curve."""
+    columns = (CASE, Column("arclength", unit="1"), _SPEED, _HEIGHT, Column("multiplier", unit="1"), "stability", "special")
+    found = Table("resonance_curve", columns, in_page=False)
+    for around in cases:
+        curve = around.curve
+        if curve is None:
+            continue
+        special = {each.at: each.kind for each in curve.special}
+        for at, kind in enumerate(curve.kinds):
+            found.add(
+                case=around.case.name,
+                arclength=float(curve.arclength[at]),
+                speed=float(curve.values[at]),
+                tip_acceleration=float(around.heights[at]),
+                multiplier=math.hypot(*curve.multipliers[at]),
+                stability=f"unstable: {kind}" if kind else "stable",
+                special=special.get(at, ""),
+            )
+    return found
