@@ -1,0 +1,158 @@
+"""A slender flexible beam in a frame that moves, as mass points at Gauss abscissae (thesis, section 4.2)."""
+
+from collections.abc import Callable, Sequence
+from functools import partial, reduce
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.polynomial import Polynomial, legendre
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from quickreturn.derive.system import System, column, turned
+from quickreturn.derive.units import DescriptionError
+
+Array = NDArray[np.float64]
+#: A quantity along the beam: arc lengths (m, a column) to values, a column.
+Field = Callable[[ca.SX], ca.SX]
+
+
+class _Line(NamedTuple):
+    """Arc lengths, tangent's angles and places in the frame at all points and ends of cells; lengths of the cells."""
+
+    s: ca.SX
+    psi: ca.SX
+    x: ca.SX
+    y: ca.SX
+    lengths: list[ca.SX]
+
+
+class Beam:
+    """An Euler beam that leaves `origin` at `angle`, inextensible unless `stretch` is given.
+
+    Args:
+        system: that it is part of.
+        name: of the beam.
+        origin: place of its begin.
+        angle: of its frame from n1, rad.
+        edges: arc lengths (m) of the cells, from the begin to the end. Each has Gauss points; a moving slider's place is a frozen edge.
+        mass_per_length: kg/m.
+        tangent: angle of the tangent in the frame, rad: places follow without approximation. Or
+        deflection: across the frame's first axis, m, with
+        stretch: displacement along it, m, and
+        foreshortening: whether a deflection draws the points back, by half the integral of its slope's square (thesis, section 4.2).
+        bending_stiffness: N m^2; none where the strain energy is stated otherwise.
+        axial_stiffness: N.
+        damping: per length, on the velocity in the frame, N s/m^2.
+        points: Gauss points per cell.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        name: str,
+        *,
+        origin: Any,
+        angle: Any,
+        edges: Sequence[Any],
+        mass_per_length: Any,
+        tangent: Field | None = None,
+        deflection: Field | None = None,
+        stretch: Field | None = None,
+        foreshortening: bool = True,
+        bending_stiffness: Any = 0.0,
+        axial_stiffness: Any = 0.0,
+        damping: Any = 0.0,
+        points: int = 6,
+    ) -> None:
+        if (tangent is None) == (deflection is None):
+            raise DescriptionError(f"beam {name!r} needs one of tangent and deflection")
+        self._tangent, self._deflection, self._stretch, self._shortens = tangent, deflection, stretch, foreshortening
+        self.origin, self.angle, self._points = origin, ca.SX(angle), points
+        self._whole = line = self._line(edges)
+        inner = [k for k in range(line.s.numel()) if (k + 1) % (points + 1)]
+        dx = column(*(h * ca.SX(0.5 * legendre.leggauss(points)[1]) for h in line.lengths))
+        x, y = line.x[inner], line.y[inner]
+        system.mass_points(name, mass_per_length * dx, x, y, origin, angle)
+        curvature = _derivative(tangent or (lambda s: _derivative(deflection, s)), line.s)
+        strain = _derivative(stretch, line.s) if stretch else ca.SX(line.s.numel(), 1)
+        system.energy(name, 0.5 * ca.dot(dx, (bending_stiffness * curvature**2 + axial_stiffness * strain**2)[inner]))
+        system.damper(name, column(x, y), column(damping * dx, damping * dx))
+
+    def place(self, s: Any) -> ca.SX:
+        """Place of the line at an arc length (m), which may move: then its rate is that of a load which travels on the beam."""
+        return self._end(self._line([0, s]), -1)
+
+    def slope(self, s: Any) -> ca.SX:
+        """The tangent's angle from n1 at an arc length (m), which may move."""
+        return self.angle + self._line([0, s]).psi[-1]
+
+    def end(self, cell: int = -1) -> ca.SX:
+        """Place of a cell's end, the last one's unless said otherwise."""
+        return self._end(self._whole, cell)
+
+    def end_slope(self, cell: int = -1) -> ca.SX:
+        """The tangent's angle from n1 at a cell's end."""
+        return self.angle + self._whole.psi[self._points :: self._points + 1][cell]
+
+    def slider(self, cell: int, advance: ca.SX, curvature: Any) -> ca.SX:
+        """Place of a slider that takes a cell's end along; `advance` is its arc length less the frozen one.
+
+        The line there is a parabola along the tangent: exact in place, velocity and acceleration where advance is zero.
+        """
+        return self.end(cell) + turned(self.end_slope(cell), advance, 0.5 * curvature * advance**2)
+
+    def _end(self, line: _Line, cell: int) -> ca.SX:
+        return self.origin + turned(self.angle, *(each[self._points :: self._points + 1][cell] for each in (line.x, line.y)))
+
+    def _line(self, edges: Sequence[Any]) -> _Line:
+        u = ca.SX(np.append(0.5 * (legendre.leggauss(self._points)[0] + 1.0), 1.0))
+        lengths = [ca.SX(b) - a for a, b in pairwise(edges)]
+        s = column(*(a + h * u for a, h in zip(edges[:-1], lengths, strict=True)))
+        if self._tangent:
+            psi = self._tangent(s)
+            return _Line(s, psi, self._integral(ca.cos(psi), lengths), self._integral(ca.sin(psi), lengths), lengths)
+        deflection = self._deflection or (lambda s: 0.0 * s)
+        slope = _derivative(deflection, s)
+        x = s + (self._stretch(s) if self._stretch else 0.0)
+        x -= self._integral(0.5 * slope**2, lengths) if self._shortens else 0.0
+        return _Line(s, slope, x, deflection(s), lengths)
+
+    def _integral(self, f: ca.SX, lengths: list[ca.SX]) -> ca.SX:
+        """From the begin to every point and end, of the polynomial through the points of each cell."""
+        n, (gauss, weights) = self._points, legendre.leggauss(self._points)
+        series = (np.arange(n)[:, None] + 0.5) * (legendre.legvander(gauss, n - 1) * weights[:, None]).T
+        to_points = ca.SX(0.5 * legendre.legval(np.append(gauss, 1.0), legendre.legint(series, lbnd=-1)).T)
+        found = [ca.SX(0)]
+        for k, h in enumerate(lengths):
+            found.append(found[-1][-1] + h * (to_points @ f[k * (n + 1) : k * (n + 1) + n]))
+        return column(*found[1:])
+
+
+def _derivative(field: Any, s: ca.SX) -> ca.SX:
+    """The derivative of a field by the arc length."""
+    at = ca.SX.sym("s", s.numel())
+    return ca.substitute(ca.jtimes(field(at), at, ca.SX.ones(s.numel())), at, s)
+
+
+def natural_shapes(supports: str, count: int) -> list[Field]:
+    """Deflections of the first natural modes of a uniform beam as functions of x/L, by Ritz's method in polynomials.
+
+    Args:
+        supports: of begin and end, each free, pinned or clamped, as in "clamped-free"; motions of the rigid beam come first.
+        count: how many.
+    """
+    begin, end = ({"free": 0, "pinned": 1, "clamped": 2}[each] for each in supports.split("-"))
+    held = Polynomial([0.0, 1.0]) ** begin * Polynomial([1.0, -1.0]) ** end
+    basis = [held * legendre.Legendre.basis(k, domain=[0.0, 1.0]).convert(kind=Polynomial) for k in range(count + 8)]
+    gauss, weights = legendre.leggauss(count + 12)
+    value, curvature = (np.array([each.deriv(order)(0.5 * gauss + 0.5) for each in basis]) for order in (0, 2))
+    _, vectors = eigh(curvature * weights @ curvature.T, value * weights @ value.T)
+    powers = np.array([np.pad(each.coef, (0, begin + end + len(basis) - len(each.coef))) for each in basis])
+    return [partial(_polynomial, vectors[:, k] @ powers) for k in range(count)]
+
+
+def _polynomial(coefficients: Array, u: ca.SX) -> ca.SX:
+    return reduce(lambda found, c: found * u + float(c), coefficients[::-1], 0.0 * u)

@@ -1,0 +1,164 @@
+"""d'Alembert's principle (Kane's method): partial velocities are Jacobians, bias accelerations second derivatives along the velocity.
+
+Time is one more coordinate, whose rate is 1: z = (q, t), w = (v, 1). With e any place or angle,
+
+    partial velocity   V = de/dz                         rate               e' = V w
+    bias acceleration  A = the second derivative of e along w, which is e'' without q''
+    mass matrix        M = sum m V^T V                   forces             Q = sum V^T F - sum m V^T (A - gravity)
+    loops gap(z) = 0   G = d gap/dz,  G (q'', 0) = -b    equations          M (q'', 0) = Q + G^T force
+
+as in the thesis, equation 4.5. The row of time is the power that prescribed motions take.
+"""
+
+from typing import Any, Literal
+
+import casadi as ca
+
+from quickreturn.derive.system import SHOWN, Points, System, column, turned
+from quickreturn.derive.units import DescriptionError, per
+
+Form = Literal["projection", "multipliers"]
+
+
+class Equations:
+    """A system's equations of motion as expressions in time, coordinates, speeds, parameters and rows of tables.
+
+    Args:
+        system: as described.
+        form: "projection" on the free speeds, the loops solved for the coordinates that they give; or Lagrange "multipliers".
+        feedback: 1/s, rate at which a gap that the integration's error leaves decays; 0: none.
+
+    Attributes:
+        M, Q: mass matrix and forces, with the row of time last.
+        gap, G, bias: of all loops.
+        q, v, a: coordinates, their rates and accelerations.
+        free: indices of the speeds that the state contains.
+        acceleration, force: q'' and the loops' forces.
+        state, rates: coordinates, speeds, dissipated energy and work; their rates.
+        outputs: name -> expression and unit.
+    """
+
+    def __init__(self, system: System, form: Form = "projection", feedback: float = 100.0) -> None:
+        each, loops = system.coordinates, system.loops
+        self.q, self.v, self.a = (column(*(getattr(c, kind) for c in each)) for kind in "qva")
+        self._z, self._w = column(self.q, system.time), column(self.v, 1)
+        n, gravity = len(each), system.gravity
+        M, Q, potential, work, heat = ca.SX(n + 1, n + 1), ca.SX(n + 1, 1), ca.SX(0), ca.SX(0), ca.SX(0)
+        for points in system.points:
+            more_M, more_Q, place = self._moving(points, gravity)
+            M, Q, potential = M + more_M, Q + more_Q, potential - ca.dot(gravity, place)
+        for inertia, angle in system.turning:
+            V = ca.jacobian(angle, self._z)
+            M, Q = M + inertia * (V.T @ V), Q - inertia * V.T * self._bias(angle)
+        for value in system.energies:
+            potential, Q = potential + value, Q - ca.jacobian(value, self._z).T
+        for on, value in system.loads:
+            work, Q = work + ca.dot(value, self._rate(on)), Q + ca.jacobian(on, self._z).T @ value
+        for on, coefficient in system.dampers:
+            drag = coefficient * self._rate(on)
+            heat, Q = heat + ca.dot(drag, self._rate(on)), Q - ca.jacobian(on, self._z).T @ drag
+        if ca.depends_on(Q, column(self.a, *(loop.force for loop in loops))):
+            raise DescriptionError(f"a load of {system.name!r} depends on an acceleration or on a loop's force; only outputs may")
+        gap, forces = column(*(loop.gap for loop in loops)), column(*(loop.force for loop in loops))
+        found = [M, Q, gap, ca.jacobian(gap, self._z), self._bias(gap), 0.5 * ca.bilin(M, self._w, self._w), potential, work, heat]
+        # all derivatives are taken: frozen values become present ones
+        present = column(*system.frozen.values()), column(*(self.q[k] for k in system.frozen))
+        found = _replaced([*found, *(e for e, _ in system.outputs.values())], *present)
+        self.M, self.Q, self.gap, self.G, self.bias, kinetic, potential, work, heat, *results = found
+
+        self._given = [k for loop in loops for k in loop.gives]
+        if form == "projection":
+            if len(self._given) != gap.numel() or len(set(self._given)) != gap.numel():
+                raise DescriptionError(
+                    f"the loops of {system.name!r} have {gap.numel()} rows and give {[each[k].name for k in self._given]}: projection needs"
+                    " as many coordinates, each once; name them by gives=[...], or take the form 'multipliers'"
+                )
+            self.free = [k for k in range(n) if k not in self._given]
+            self.acceleration, self.force, velocity, q_rate = self._projected(feedback)
+        else:
+            self.free, velocity, q_rate = list(range(n)), self.v, self.v
+            self.acceleration, self.force = self._with_multipliers(feedback)
+        driven = self.M[n, :n] @ self.acceleration - self.Q[n] - ca.dot(self.G[:, n], self.force)
+        lost, done = ca.SX.sym("dissipated"), ca.SX.sym("work")
+        self.state = column(self.q, self.v[self.free], lost, done)
+        self.rates = column(q_rate, self.acceleration[self.free], heat, work + driven)
+        shown = {c.name: (c.q, c.unit) for c in each} | {c.rate_name: (c.v, per(c.unit, "s")) for c in each}
+        shown |= {force.name(): (force, per("J", loop.unit)) for loop in loops for force in ca.vertsplit(loop.force)}
+        shown |= {name: (e, unit) for (name, (_, unit)), e in zip(system.outputs.items(), results, strict=True)}
+        energies = (kinetic, potential, lost, done, kinetic + potential + lost - done)
+        shown |= {name: (e, "J") for name, e in zip(SHOWN[1:], energies, strict=True)}
+        # what is said of accelerations and forces, then of the speeds that the loops give
+        values = _replaced([self.rates, *(e for e, _ in shown.values())], column(self.a, forces), column(self.acceleration, self.force))
+        self.acceleration, self.force, self.rates, *values = _replaced([self.acceleration, self.force, *values], self.v, velocity)
+        self.outputs = {name: (e, unit) for (name, (_, unit)), e in zip(shown.items(), values, strict=True)}
+
+    def _rate(self, expression: ca.SX) -> ca.SX:
+        return ca.jtimes(expression, self._z, self._w)
+
+    def _bias(self, expression: ca.SX) -> ca.SX:
+        return self._rate(self._rate(expression))
+
+    def _moving(self, points: Points, gravity: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Mass matrix, forces and first moment of mass points; in the components of their own frame, which are the shortest."""
+        m, x, y, origin, angle = points
+        frame = ca.horzcat(turned(angle, 1.0), turned(angle, 0.0, 1.0))
+        ones, turn, spin, spin_up = ca.SX.ones(x.numel()), ca.jacobian(angle, self._z), self._rate(angle), self._bias(angle)
+        V0, A0 = frame.T @ ca.jacobian(origin, self._z), frame.T @ (self._bias(origin) - gravity)
+        Vx = ones @ V0[0, :] - y @ turn + ca.jacobian(x, self._z)
+        Vy = ones @ V0[1, :] + x @ turn + ca.jacobian(y, self._z)
+        Ax = A0[0] - spin_up * y - spin**2 * x - 2.0 * spin * self._rate(y) + self._bias(x)
+        Ay = A0[1] + spin_up * x - spin**2 * y + 2.0 * spin * self._rate(x) + self._bias(y)
+        M = Vx.T @ (ca.diag(m) @ Vx) + Vy.T @ (ca.diag(m) @ Vy)
+        moment = ca.sum1(m) * origin + frame @ column(ca.dot(m, x), ca.dot(m, y))
+        return _symmetric(M), -Vx.T @ (m * Ax) - Vy.T @ (m * Ay), moment
+
+    def _projected(self, feedback: float) -> tuple[ca.SX, ...]:
+        """On the free speeds u: v = B u + c, q'' = B u' + c0, so that B^T (M q'' - Q) = 0 contains no force of a loop."""
+        n, free, given = self.q.numel(), self.free, self._given
+        inverse = ca.inv_minor(self.G[:, given]) if given else ca.SX(0, 0)
+        B, c, c0, back = ca.SX(n, len(free)), ca.SX(n, 1), ca.SX(n, 1), ca.SX(n, 1)
+        B[free, :] = ca.SX.eye(len(free))
+        if given:
+            B[given, :], c[given] = -inverse @ self.G[:, free], -inverse @ self.G[:, n]
+            c0[given], back[given] = -inverse @ self.bias, -feedback * (inverse @ self.gap)
+        M, Q = self.M[:n, :n], self.Q[:n]
+        acceleration = B @ _solved(_symmetric(B.T @ (M @ B)), B.T @ (Q - M @ c0)) + c0
+        velocity = B @ self.v[free] + c
+        force = inverse.T @ (M @ acceleration - Q)[given] if given else ca.SX(0, 1)
+        return acceleration, force, velocity, velocity + back
+
+    def _with_multipliers(self, feedback: float) -> tuple[ca.SX, ca.SX]:
+        """With the loops' forces as unknowns; the mass matrix may be singular where loops hold what has no inertia."""
+        n = self.q.numel()
+        M, Q, G = self.M[:n, :n], self.Q[:n], self.G[:, :n]
+        if not G.size1():
+            return _solved(M, Q), ca.SX(0, 1)
+        wanted = -self.bias - 2.0 * feedback * (self.G @ self._w) - feedback**2 * self.gap
+        # G^T G times any positive weight, with the same on the right side, changes no solution and makes the matrix positive definite
+        weight = ca.trace(M) / ca.trace(G.T @ G)
+        held = _solved(M + weight * (G.T @ G), ca.horzcat(Q + weight * (G.T @ wanted), G.T))
+        force = _solved(G @ held[:, 1:], wanted - G @ held[:, 0])
+        return held[:, 0] + held[:, 1:] @ force, force
+
+
+def _solved(A: ca.SX, b: ca.SX) -> ca.SX:
+    """The solution x of A x = b with a symmetric positive definite matrix, by L D L^T without pivots or roots."""
+    n = A.size1()
+    L, D, x = ca.SX.eye(n), [ca.SX(0)] * n, [b[i, :] for i in range(n)]
+    for i in range(n):
+        for j in range(i):
+            L[i, j] = (A[i, j] - sum((L[i, k] * L[j, k] * D[k] for k in range(j)), ca.SX(0))) / D[j]
+        D[i] = A[i, i] - sum((L[i, k] ** 2 * D[k] for k in range(i)), ca.SX(0))
+        x[i] -= sum((L[i, k] * x[k] for k in range(i)), ca.SX(1, b.size2()))
+    for i in reversed(range(n)):
+        x[i] = x[i] / D[i] - sum((L[k, i] * x[k] for k in range(i + 1, n)), ca.SX(1, b.size2()))
+    return ca.vertcat(ca.SX(0, b.size2()), *x)
+
+
+def _symmetric(M: ca.SX) -> ca.SX:
+    """The same by its lower half: equal elements are computed once."""
+    return ca.tril2symm(ca.tril(M))
+
+
+def _replaced(expressions: list[ca.SX], old: ca.SX, new: ca.SX) -> list[Any]:
+    return list(ca.substitute(expressions, [old], [ca.densify(new)]))

@@ -1,0 +1,68 @@
+"""How outputs change with parameters: the equations of motion differentiated, and integrated along with the motion."""
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from quickreturn.derive.machine_code import MachineCode
+from quickreturn.derive.model import Model, Values
+from quickreturn.derive.system import column
+from quickreturn.derive.units import DescriptionError, in_si, per
+
+
+def sensitivities(
+    model: Model, to: Sequence[str], start: Values, duration: float, step: float, tolerance: float = 1e-9, parameters: Values | None = None
+) -> pd.DataFrame:
+    """Derivatives of all outputs by parameters on a uniform grid of time, exact but for the integration.
+
+    Args:
+        model: in the form "projection", without tables.
+        to: names of the parameters.
+        start: see `Model.simulate`; coordinates that the loops give change with the parameters.
+        duration: s.
+        step: s, of the output.
+        tolerance: see `Model.simulate`.
+        parameters: changed values, in their units.
+
+    Returns:
+        Columns "OUTPUT by PARAMETER", units in `attrs["units"]`.
+    """
+    e, system = model.equations, model.system
+    if system.tables or len(e.free) + e.gap.numel() != e.q.numel():
+        raise DescriptionError(
+            f"sensitivities of {system.name!r} need the form 'projection', and no tables: nothing tells what those depend on"
+        )
+    p, y = model.values(parameters), model.start(start, parameters)
+    chosen, size = [list(model.parameters).index(name) for name in to], len(y)
+    # y' = f(y, p) and S = dy/dp: S' = df/dy S + df/dp, a derivative along (S, dp)
+    S = ca.SX.sym("S", size, len(chosen))
+    along = [column(0, S[:, k], ca.SX(np.eye(len(p))[:, which])) for k, which in enumerate(chosen)]
+    rates, shown = (
+        column(*(ca.jtimes(f, model.inputs, each) for each in along)) for f in (e.rates, column(*(f for f, _ in e.outputs.values())))
+    )
+    inputs = column(model.inputs, ca.vec(S))
+    code = MachineCode(inputs, column(e.rates, rates), [f"rate {k}" for k in range(size * (1 + len(chosen)))])
+    # at the start G dq + d gap/dp = 0 in the coordinates that the loops give
+    begin = np.zeros((size, len(chosen)))
+    if given := [k for loop in system.loops for k in loop.gives if system.coordinates[k].name not in start]:
+        loops = ca.Function("loops", [model.inputs], [e.G[:, given], ca.jacobian(e.gap, model.constants)[:, chosen]])
+        by_q, by_p = (np.array(each) for each in loops(model.input(0.0, y, p)))
+        begin[given] = -np.linalg.solve(by_q, by_p)
+
+    def rate(time: float, Y: NDArray[np.float64]) -> NDArray[np.float64]:
+        return code(np.concatenate([[time], Y[:size], p, Y[size:]]))
+
+    times, sizes = np.linspace(0.0, duration, round(duration / step) + 1), np.append(model.error_sizes(), np.full(begin.size, np.inf))
+    Y = np.concatenate([y, begin.T.ravel()])
+    found = solve_ivp(rate, (0.0, duration), Y, "DOP853", times, rtol=tolerance, atol=tolerance * sizes)
+    every = np.vstack([found.t, found.y[:size], np.tile(p[:, None], len(found.t)), found.y[size:]])
+    values = np.array(ca.Function("changes", [inputs], [ca.densify(shown)])(every)).T
+    units = {f"{output} by {name}": per(unit, system.parameters[name][2]) for name in to for output, (_, unit) in e.outputs.items()}
+    frame = pd.DataFrame(values, columns=list(units)) / [in_si(unit)[0] for unit in units.values()]
+    frame.insert(0, "time", found.t)
+    frame.attrs["units"] = {"time": "s"} | units
+    return frame

@@ -1,0 +1,106 @@
+"""Equilibrium, and small vibrations about a configuration at rest."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh, null_space
+
+from quickreturn.derive.model import Model, Values
+from quickreturn.derive.system import column
+from quickreturn.derive.units import DescriptionError, in_si
+
+Array = NDArray[np.float64]
+
+
+class Linear(NamedTuple):
+    """M x'' + D x' + K x = 0 for small motions q = q0 + Z x that keep the loops closed, SI."""
+
+    M: Array
+    D: Array
+    K: Array
+    Z: Array
+
+
+class Statics:
+    """Forces of a system at rest, and how they change with its coordinates.
+
+    Args:
+        model: of the system.
+        hold: names of coordinates that do not move.
+        parameters: changed values, in their units.
+    """
+
+    def __init__(self, model: Model, hold: Sequence[str] = (), parameters: Values | None = None) -> None:
+        e, system, names = model.equations, model.system, [c.name for c in model.system.coordinates]
+        if unknown := set(hold) - set(names):
+            raise DescriptionError(f"{sorted(unknown)[0]!r} is no coordinate of {system.name!r}; there are {', '.join(names)}")
+        self._model, self._parameters, self._names, n = model, parameters, names, len(names)
+        self._held = [names.index(name) for name in hold]
+        self._moving = [k for k in range(n) if k not in self._held]
+        force, now = ca.SX.sym("force", e.gap.numel()), ca.SX.sym("now", n)
+        M, Q, G, gap = e.M[:n, :n], e.Q[:n], e.G[:, :n], e.gap
+        # what a table says changes with its coordinate
+        moved = column(*(t.row + t.row_slope * (e.q[t.index] - now[t.index]) for t in system.tables))
+        M, Q, G, gap = ca.substitute([M, Q, G, gap], [column(*(t.row for t in system.tables))], [moved])
+        balance = Q + G.T @ force
+        found = [balance, gap, G, M, -ca.jacobian(Q, e.v), -ca.jacobian(balance, e.q)]
+        tables = [each for t in system.tables for each in (t.row, t.row_slope)]
+        inputs = column(system.time, e.q, now, e.v, force, model.constants, *tables)
+        self._evaluate = ca.Function("statics", [inputs], [ca.densify(each) for each in found])
+
+    def equilibrium(self, start: Values) -> dict[str, float]:
+        """Coordinates at rest under the forces, by name in their units, found from a start by Newton's method.
+
+        Raises:
+            DescriptionError: none is found.
+        """
+        system, moving = self._model.system, self._moving
+        q = self._model.start(start, self._parameters)[: len(self._names)]
+        force = np.zeros(self._model.equations.gap.numel())
+        for _ in range(100):
+            balance, gap, G, _, _, K = self._at(q, force)
+            J = np.block([[-K[np.ix_(moving, moving)], G[:, moving].T], [G[:, moving], np.zeros((len(gap), len(gap)))]])
+            lacking = np.concatenate([balance[moving], gap])
+            step = np.linalg.lstsq(J, -lacking, rcond=None)[0]
+            if np.linalg.norm(J @ step + lacking) > 1e-6 * np.linalg.norm(lacking) + 1e-12 * np.linalg.norm(J):
+                break  # no motion balances the forces
+            q[moving] += step[: len(moving)]
+            force += step[len(moving) :]
+            rounding = 1e-14 * np.abs(J) @ np.abs(np.concatenate([q[moving], force]))
+            if np.all(np.abs(step) < 1e-12) or np.all(np.abs(lacking) <= rounding):
+                return {c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates)}
+        raise DescriptionError(f"no equilibrium of {system.name!r} is found from this start; give one that is nearer, or a spring")
+
+    def linearised(self, at: Values) -> Linear:
+        """Small motions about a configuration at rest, whose other coordinates the loops give."""
+        q = self._model.start(at, self._parameters)[: len(self._names)]
+        nothing = np.zeros(self._model.equations.gap.numel())
+        balance, _, G, _, _, _ = self._at(q, nothing)
+        force = np.asarray(np.linalg.lstsq(G[:, self._moving].T, -balance[self._moving], rcond=None)[0], dtype=np.float64)
+        _, _, G, M, D, K = self._at(q, force)
+        Z = null_space(np.vstack([G, np.eye(len(q))[self._held]]))
+        return Linear(Z.T @ M @ Z, Z.T @ D @ Z, 0.5 * Z.T @ (K + K.T) @ Z, Z)
+
+    def _at(self, q: Array, force: Array) -> list[Array]:
+        """Balance, gaps, G, M, D and K."""
+        rows = [t.at(q[t.index], slope) for t in self._model.system.tables for slope in (False, True)]
+        constants = self._model.values(self._parameters)
+        found = self._evaluate(np.concatenate([[0.0], q, q, np.zeros(len(q)), force, constants, *rows]))
+        return [np.array(each).ravel() if k < 2 else np.array(each) for k, each in enumerate(found)]
+
+
+def natural_frequencies(model: Model, at: Values, hold: Sequence[str] = (), parameters: Values | None = None) -> Array:
+    """Undamped natural frequencies (Hz, ascending) of small vibrations about a configuration at rest; below zero: unstable.
+
+    Args:
+        model: of the system.
+        at: coordinates by name; the others are zero, or as the loops give them.
+        hold: names of coordinates that do not move.
+        parameters: changed values, in their units.
+    """
+    small = Statics(model, hold, parameters).linearised(at)
+    squares = eigh(small.K, small.M, eigvals_only=True)
+    return np.sign(squares) * np.sqrt(np.abs(squares)) / (2.0 * np.pi)

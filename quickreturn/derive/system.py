@@ -1,0 +1,190 @@
+"""The description of a planar mechanism: coordinates, bodies, loads, loops, outputs (thesis, section 4.4)."""
+
+from collections.abc import Iterable
+from types import SimpleNamespace
+from typing import Any, Final, NamedTuple
+
+import casadi as ca
+
+from quickreturn.derive.tables import Table
+from quickreturn.derive.units import DescriptionError, in_si
+
+#: Results that every model shows, besides coordinates, rates and forces of loops.
+SHOWN: Final = ("time", "kinetic_energy", "potential_energy", "dissipated_energy", "work", "energy_balance")
+
+
+def column(*parts: Any) -> ca.SX:
+    """All parts below each other; none: a column without rows."""
+    return ca.vertcat(ca.SX(0, 1), *parts)
+
+
+def vector(x: Any, y: Any) -> ca.SX:
+    """A vector by its components along n1 and n2."""
+    return ca.vertcat(ca.SX(x), ca.SX(y))
+
+
+def turned(angle: Any, x: Any, y: Any = 0.0) -> ca.SX:
+    """The vector (x, y) of a frame that stands at an angle (rad), by its components along n1 and n2."""
+    c, s = ca.cos(angle), ca.sin(angle)
+    return vector(c * x - s * y, s * x + c * y)
+
+
+class Coordinate(NamedTuple):
+    """A coordinate q, its speed and acceleration as symbols, and what a simulation needs to know of it, in SI."""
+
+    name: str
+    rate_name: str
+    unit: str
+    size: float  # what its error is relative to
+    guess: float  # where the search for the start begins
+    q: ca.SX
+    v: ca.SX
+    a: ca.SX
+
+
+class Points(NamedTuple):
+    """Mass points at (x, y), columns, of a frame."""
+
+    mass: ca.SX
+    x: ca.SX
+    y: ca.SX
+    origin: ca.SX
+    angle: ca.SX
+
+
+class Loop(NamedTuple):
+    """Expressions that stay zero, the indices of the coordinates that they give, and the forces that this takes."""
+
+    name: str
+    gap: ca.SX
+    unit: str
+    gives: list[int]
+    force: ca.SX
+
+
+class System:
+    """A planar mechanism as its parts, of which `Model` derives the equations of motion.
+
+    Places are vectors along the fixed n1 and n2 (`vector`, `turned`), angles count from n1, counter-clockwise. Values are given in any
+    unit and kept in SI. `gravity` may be set, in m/s^2.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name, self.time, self.gravity = name, ca.SX.sym("time"), vector(0.0, 0.0)
+        self.parameters: dict[str, tuple[ca.SX, float, str]] = {}
+        self.coordinates: list[Coordinate] = []
+        self.points: list[Points] = []
+        self.turning: list[tuple[ca.SX, ca.SX]] = []  # inertia and angle
+        self.loads: list[tuple[ca.SX, ca.SX]] = []  # what it acts on, and value
+        self.dampers: list[tuple[ca.SX, ca.SX]] = []
+        self.energies: list[ca.SX] = []
+        self.loops: list[Loop] = []
+        self.outputs: dict[str, tuple[ca.SX, str]] = {}
+        self.tables: list[Table] = []
+        self.frozen: dict[int, ca.SX] = {}
+        self.stated: list[tuple[str, ca.SX, str]] = []  # what an expression is, and the unit that it must have
+
+    def constants(self, **values: tuple[float, str]) -> SimpleNamespace:
+        """Parameters by name, each as (value, unit), which simulations may change; their symbols come back as attributes."""
+        for name, (value, unit) in values.items():
+            self._new(name)
+            self.parameters[name] = (ca.SX.sym(name), value * in_si(unit)[0], unit)
+        return SimpleNamespace(**{name: self.parameters[name][0] for name in values})
+
+    def coordinate(self, name: str, unit: str, rate: str = "", size: float = 1.0, guess: float = 0.0) -> ca.SX:
+        """A coordinate; its rate is called NAME_rate, or as given. `size` and `guess` are in its unit."""
+        rate, factor = rate or f"{name}_rate", in_si(unit)[0]
+        self._new(name, rate)
+        symbols = (ca.SX.sym(name), ca.SX.sym(rate), ca.SX.sym(f"{rate}_rate"))
+        self.coordinates.append(Coordinate(name, rate, unit, size * factor, guess * factor, *symbols))
+        return symbols[0]
+
+    def amplitudes(self, name: str, count: int, unit: str, size: float = 1.0) -> ca.SX:
+        """Coordinates NAME_1 to NAME_count as a column."""
+        return column(*(self.coordinate(f"{name}_{k}", unit, size=size) for k in range(1, count + 1)))
+
+    def rate(self, expression: ca.SX) -> ca.SX:
+        """Time derivative of an expression in coordinates and time; of such a rate, the acceleration."""
+        q, v, a = (column(*(getattr(c, kind) for c in self.coordinates)) for kind in "qva")
+        return ca.jtimes(expression, column(q, v, self.time), column(v, a, 1))
+
+    def freeze(self, coordinate: ca.SX) -> ca.SX:
+        """The present value of a coordinate, put in after differentiation: points move with a slider, the material does not."""
+        k = self._index(coordinate)
+        return self.frozen.setdefault(k, ca.SX.sym(f"{self.coordinates[k].name} now"))
+
+    def table(self, coordinate: ca.SX, low: float, step: float, coefficients: Any) -> Table:
+        """Functions of a coordinate that are looked up outside the equations, see `Table`."""
+        k = self._index(coordinate)
+        self.tables.append(Table(k, self.coordinates[k].unit, coordinate - self.freeze(coordinate), low, step, coefficients))
+        return self.tables[-1]
+
+    def body(self, name: str, mass: Any = 0.0, place: Any = None, inertia: Any = 0.0, angle: Any = None) -> None:
+        """A rigid body: mass (kg) at the place of its centre, inertia (kg m^2) about that centre, which turns by an angle."""
+        if place is not None:
+            self.mass_points(name, mass, ca.SX(0), ca.SX(0), place, 0.0)
+        if angle is not None:
+            self.turning.append((ca.SX(inertia), ca.SX(angle)))
+            self.states(f"inertia of {name!r}", inertia, "kg*m^2")
+            self.states(f"angle of {name!r}", angle, "rad")
+
+    def mass_points(self, name: str, mass: Any, x: Any, y: Any, origin: Any, angle: Any) -> None:
+        """Mass points (kg) at the places (x, y), columns, of a frame that moves."""
+        self.points.append(Points(ca.SX(mass), x, y, ca.SX(origin), ca.SX(angle)))
+        self.states(f"mass of {name!r}", mass, "kg")
+        self.states(f"place of {name!r}", column(x, y, origin), "m")
+
+    def load(self, name: str, on: Any, value: Any) -> None:
+        """A force (N) on a place or a torque (N m) on an angle; it may depend on coordinates, rates and time."""
+        self.loads.append((ca.SX(on), ca.SX(value)))
+        self.states(f"load {name!r} times what it acts on", ca.SX(value) * on, "J")
+
+    def damper(self, name: str, on: Any, coefficient: Any) -> None:
+        """A force of minus the coefficient times the rate of a place, a length or an angle."""
+        self.dampers.append((ca.SX(on), ca.SX(coefficient)))
+        self.states(f"coefficient of damper {name!r} times the square of what it acts on", coefficient * ca.SX(on) ** 2, "J*s")
+
+    def spring(self, name: str, extension: Any, stiffness: Any) -> None:
+        """A spring of given extension (m, or a turn in rad) and stiffness."""
+        self.energy(name, 0.5 * ca.sum1(ca.SX(stiffness) * ca.SX(extension) ** 2))
+
+    def energy(self, name: str, value: Any) -> None:
+        """A potential energy (J) of any kind."""
+        self.energies.append(ca.SX(value))
+        self.states(f"energy of {name!r}", value, "J")
+
+    def loop(self, name: str, gap: Any, unit: str = "m", gives: Iterable[ca.SX] = ()) -> ca.SX:
+        """A closed loop, or a prescribed motion: `gap` stays zero. It determines the coordinates `gives`, as many as it has rows.
+
+        Returns:
+            The forces that keep it closed. They act along `gap`: on its first place, and reversed on the place subtracted.
+        """
+        gap = ca.SX(gap)
+        names = [f"{name}_force"] if gap.numel() == 1 else [f"{name}_force_{k}" for k in range(1, gap.numel() + 1)]
+        self._new(*names)
+        self.loops.append(Loop(name, gap, unit, [self._index(each) for each in gives], column(*map(ca.SX.sym, names))))
+        self.states(f"gap of loop {name!r}", gap, unit)
+        return self.loops[-1].force
+
+    def output(self, name: str, expression: Any, unit: str) -> None:
+        """A named result: of coordinates, their rates, accelerations (`rate` of a rate), forces of loops and time."""
+        self._new(name)
+        self.outputs[name] = (ca.SX(expression), unit)
+        self.states(f"output {name!r}", expression, unit)
+
+    def states(self, what: str, expression: Any, unit: str) -> None:
+        """Remember that an expression must have a unit; `Model` checks it."""
+        in_si(unit)
+        self.stated.append((what, ca.SX(expression), unit))
+
+    def _index(self, coordinate: ca.SX) -> int:
+        for k, each in enumerate(self.coordinates):
+            if ca.is_equal(each.q, coordinate):
+                return k
+        raise DescriptionError(f"{coordinate} is no coordinate of {self.name!r}; declare it with coordinate(...)")
+
+    def _new(self, *names: str) -> None:
+        taken = {*SHOWN, *self.parameters, *self.outputs, *(name for c in self.coordinates for name in (c.name, c.rate_name))}
+        for name in names:
+            if name in taken or name in [force.name() for loop in self.loops for force in ca.vertsplit(loop.force)]:
+                raise DescriptionError(f"the name {name!r} is used twice in {self.name!r}")

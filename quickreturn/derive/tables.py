@@ -1,0 +1,57 @@
+"""Functions of a coordinate that are looked up outside the equations, such as shapes that follow a slider."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Table:
+    """Columns that are cubic in a coordinate s on intervals of equal length; the equations see their values at the present s.
+
+    Args:
+        index: the coordinate's place among the coordinates.
+        unit: of the coordinate.
+        away: s less its frozen value: 0, whose derivative by s is 1.
+        low: smallest s, in SI.
+        step: length of the intervals, in SI.
+        coefficients: shape (intervals, 4, columns), of powers of s less the interval's begin, the highest first.
+    """
+
+    def __init__(self, index: int, unit: str, away: ca.SX, low: float, step: float, coefficients: Any) -> None:
+        self.index, self._unit, self.low, self.step = index, unit, low, step
+        self.coefficients: Array = np.ascontiguousarray(coefficients, dtype=np.float64)
+        self.high = low + step * len(self.coefficients)
+        self.row = ca.SX.sym("row", self.coefficients.shape[2])
+        self.row_slope = ca.SX.sym("row slope", self.coefficients.shape[2])
+        self.units: dict[int, str] = {}  # column -> unit, of those that are used
+        self._away = away
+
+    def function(self, unit: str, columns: Sequence[int], first: Sequence[int] = (), second: Sequence[int] = ()) -> ca.SX:
+        """f(s) = f0 + f1 d + f2 d^2 / 2 about the present s, d = 0, as a column: its derivatives by s are what the table says.
+
+        Args:
+            unit: of f, in SI.
+            columns: of the table, which hold f0.
+            first: which hold the first derivative of each by s; none: it does not depend on s.
+            second: which hold the second.
+        """
+        found = ca.SX.zeros(len(columns))
+        for power, more in enumerate((columns, first, second)):
+            if len(more):
+                found += self.row[list(more)] * self._away**power / max(power, 1)
+                self.units |= dict.fromkeys(more, f"({unit})/({self._unit})**{power}")
+        return found
+
+    def at(self, s: float, slope: bool = False) -> Array:
+        """The row at a place, or its derivative by s; outside the table no number, which makes an integrator take shorter steps."""
+        if not self.low <= s <= self.high:
+            return np.full(self.row.numel(), np.nan)
+        k = min(int((s - self.low) / self.step), len(self.coefficients) - 1)
+        h = s - self.low - k * self.step
+        powers = np.array([3.0 * h * h, 2.0 * h, 1.0, 0.0] if slope else [h**3, h * h, h, 1.0])
+        return powers @ self.coefficients[k]
