@@ -18,9 +18,7 @@ TABLES: Final = (".csv", ".nc", ".parquet")
 @options.single("--vary", metavar="RANGE", help='Another key that varies instead: tip.mass="0 g .. 100 g".')
 @options.several("--measure", "measures", metavar="NAME", help="Measure, such as peak.strain_2.")
 @options.accuracy
-@click.option(
-    "--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save a third of the time."
-)
+@click.option("--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save a third of the time.")
 @options.case_assignments
 @options.output(f"Where the table goes, {', '.join(TABLES)}; or a picture, {', '.join(PICTURES)}.", required=False)
 @options.single("--plot", metavar="FILE", help="Where a picture goes besides.")
