@@ -22,7 +22,7 @@ DRIFT = 0.7  # median changes by which the mean cycles of two halves may differ:
 #: The same where the slider rattles mildly: run 4 with a clearance of 0.2 mm wanders by 3 median changes of 0.7 %, ...
 WANDER = 5.0
 WANDERED = 0.03  # ... and by so much of the signals' RMS at most: its means are then known to that
-BURSTS = 4.0  # times that its changes may be larger in one half than in the other
+BURSTS = 4.0  # times that its changes may be larger in one half than in the other: 2.4 in run 5, 3.1 in run 7
 SCATTER = 2.0  # times the median of all later ones that a change may be once they shrink no longer
 
 
