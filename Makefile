@@ -7,6 +7,9 @@ READY := $(VENV)/.ready
 TEST := $(VENV)/.test
 VERIFY := $(VENV)/.verify
 PARALLEL ?= 2
+# Folders that install as quickreturn.NAME; for the type checker links lay them out as they install.
+INNER := reference_model engines cases reports
+TYPED := build/typed/quickreturn
 
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
@@ -29,12 +32,13 @@ verify: $(VERIFY)
 
 # For the project itself: results of the long studies as tables that the report shows where the user's own are missing.
 record: $(READY)
-	$(BIN)/python -m reports.long_studies
+	$(BIN)/python -m quickreturn.reports.long_studies
 
 lint: $(TEST)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy reference_model engines cases reports quickreturn tests/verification
+	mkdir -p $(TYPED) && ln -sfn $(addprefix $(CURDIR)/,$(wildcard quickreturn/*) $(INNER)) $(TYPED)
+	$(BIN)/mypy $(TYPED) tests/verification
 
 compile: $(TEST)
 	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name) for name in ("thesis", "reference", "mujoco")]'
@@ -42,7 +46,7 @@ compile: $(TEST)
 $(READY): EXTRA :=
 $(TEST): EXTRA := [test]
 $(VERIFY): EXTRA := [verify]
-$(READY) $(TEST) $(VERIFY): pyproject.toml constraints.txt
+$(READY) $(TEST) $(VERIFY): pyproject.toml setup.py constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.$(EXTRA)'
 	touch $@

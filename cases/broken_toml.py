@@ -3,7 +3,7 @@
 import re
 from typing import Final
 
-from cases.errors import CaseError, as_written
+from quickreturn.cases.errors import CaseError, as_written
 
 _ACCEPTED: Final = 'write [section] or key = "number unit", such as length = "4 in"'
 #: What the parser says at the end of a text, and the quote that nothing closes: the last one that there is.

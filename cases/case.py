@@ -5,17 +5,17 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from cases.errors import CaseError
-from cases.errors import as_written as shown
-from cases.shown import Cell, Rows, Shown
-from cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity
-from reference_model.mechanism import Mechanism, Scene
-from reference_model.quantities import Quantity, quantities_of, quantity
-from reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
-from reference_model.scene_values import values_of
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.errors import as_written as shown
+from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
+from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
+from quickreturn.reference_model.scene_values import values_of
 
 if TYPE_CHECKING:
-    from cases.document import Document
+    from quickreturn.cases.document import Document
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -46,8 +46,8 @@ class Case(Shown):
 
     def _parts(self) -> Iterator[Cell]:
         """Name, title, notes, and a row for each value that is written or not as by default: in SI, and as it was written."""
-        from cases.copies import as_written
-        from cases.document import in_words
+        from quickreturn.cases.copies import as_written
+        from quickreturn.cases.document import in_words
 
         yield f"{self.name}: {self.title}"
         yield from (f"note: {note}" for note in self.notes)
@@ -75,8 +75,8 @@ class Case(Shown):
         Raises:
             CaseError: a value that no file can hold, such as NaN.
         """
-        from cases.copies import as_written
-        from cases.written import as_toml
+        from quickreturn.cases.copies import as_written
+        from quickreturn.cases.written import as_toml
 
         return as_toml(replace(as_written(self), header={"name": self.name, "title": self.title, "tags": list(self.tags)}))
 
@@ -99,7 +99,7 @@ class Case(Shown):
         Raises:
             CaseError: a mistake in the overrides, or neither is given.
         """
-        from cases.copies import copy_of
+        from quickreturn.cases.copies import copy_of
 
         return copy_of(self, overrides or {}, name)
 

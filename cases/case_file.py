@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from numbers import Real
 
-from cases.case import Case
-from cases.document import Document, read_document
-from cases.doubts import doubts
-from cases.errors import CaseError, as_written, nearest, path_shown
-from cases.library import case_names, library_case, library_document
-from cases.library.hard import IMPOSSIBLE
-from cases.reading import case_of, misfit
-from cases.text_file import file_alike, read_text
+from quickreturn.cases.case import Case
+from quickreturn.cases.document import Document, read_document
+from quickreturn.cases.doubts import doubts
+from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown
+from quickreturn.cases.library import case_names, library_case, library_document
+from quickreturn.cases.library.hard import IMPOSSIBLE
+from quickreturn.cases.reading import case_of, misfit
+from quickreturn.cases.text_file import file_alike, read_text
 
 
 def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Case:

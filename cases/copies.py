@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from cases.case import Case
-from cases.document import OVERRIDE, Document, document_of, header_of, in_words
-from cases.errors import CaseError
-from cases.errors import as_written as value_as_written
-from cases.reading import case_of
+from quickreturn.cases.case import Case
+from quickreturn.cases.document import OVERRIDE, Document, document_of, header_of, in_words
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.errors import as_written as value_as_written
+from quickreturn.cases.reading import case_of
 
 #: Characters of a name at most, as `header_of` accepts it.
 LONGEST_NAME: Final = 64

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from cases.broken_toml import broken_toml
-from cases.case import HEADER, PATHS, SECTIONS, Case, dimension_of, shown_value
-from cases.errors import CaseError, as_written, nearest_or_all, shortened
-from reference_model.scene_values import replaced_by
+from quickreturn.cases.broken_toml import broken_toml
+from quickreturn.cases.case import HEADER, PATHS, SECTIONS, Case, dimension_of, shown_value
+from quickreturn.cases.errors import CaseError, as_written, nearest_or_all, shortened
+from quickreturn.reference_model.scene_values import replaced_by
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000

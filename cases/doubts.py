@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from reference_model.mechanism import Follower, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
 
 #: Lengths of a follower in m: from a watch's lever to a crane's jib.
 _LENGTHS: Final = (1e-3, 20.0)

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.relative import rms
+from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.registry import engine
-from reference_model.mechanism import Mechanism
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.engines.registry import engine
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 Array = NDArray[np.float64]
 

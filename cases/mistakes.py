@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
-from cases.explanation import Hypothesis, explain
-from engines.relative import rms
-from reference_model.columns import COLUMNS
-from reference_model.mechanism import Mechanism, Scene
+from quickreturn.cases.explanation import Hypothesis, explain
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 Array = NDArray[np.float64]
 

@@ -4,13 +4,13 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from cases.case import PATHS, SECTIONS, Case, dimension_of
-from cases.document import Document, header_of, read_document, with_changes
-from cases.doubts import doubts
-from cases.errors import CaseError
-from cases.units import QuantityError, parse_quantity
-from reference_model.mechanism import ImpossibleMechanism
-from reference_model.scene_values import MissingQuantity, scene_of
+from quickreturn.cases.case import PATHS, SECTIONS, Case, dimension_of
+from quickreturn.cases.document import Document, header_of, read_document, with_changes
+from quickreturn.cases.doubts import doubts
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.units import QuantityError, parse_quantity
+from quickreturn.reference_model.mechanism import ImpossibleMechanism
+from quickreturn.reference_model.scene_values import MissingQuantity, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # a table of a gigabyte
 _LARGEST_ANGLE: Final = math.radians(1e6)  # there a double is still exact to 4e-12 rad; far beyond, a crank would turn in jumps

@@ -19,10 +19,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, shortened
-from cases.text_file import read_text
-from cases.units import DIMENSIONS, QuantityError, plain_number, unit_size
-from reference_model.columns import COLUMNS
+from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, shortened
+from quickreturn.cases.text_file import read_text
+from quickreturn.cases.units import DIMENSIONS, QuantityError, plain_number, unit_size
+from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
 
@@ -152,7 +152,7 @@ def experiment_tables() -> list[RecordedTable]:
     Raises:
         CaseError: no such folder, or a file that is no such table.
     """
-    place = Path(os.environ.get(FOLDER_VARIABLE) or str(files("cases.experiment") / "curves"))
+    place = Path(os.environ.get(FOLDER_VARIABLE) or str(files("quickreturn.cases.experiment") / "curves"))
     if not place.is_dir():
         raise CaseError(path_shown(str(place)), None, None, "is no folder", f"{FOLDER_VARIABLE} names a folder of CSV files")
     tables = [read_table(str(path), of_experiment=True) for path in sorted(place.glob("*.csv"))]

@@ -10,24 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from cases.case import PATHS, Case, si_value
-from cases.document import document_of
-from cases.errors import CaseError, as_written, nearest_or_all
-from cases.jobs.job import Job
-from cases.loads.peak import Peak, peak_of
-from cases.loads.resonance import resonance
-from cases.sweep.grid import OF_START
-from engines import progress
-from engines.base import EngineFailure, Refusal
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from reference_model.columns import OBSERVED
-from reference_model.continuation import Branch, BranchPoint, NotConverged, branch
-from reference_model.cycle_family import CycleFamily
-from reference_model.mechanism import Mechanism
-from reference_model.periodic import NoPeriodicOrbit
-from reference_model.rigid import crank_pace
-from reference_model.scene_values import replaced_by, scene_of
-from reference_model.section_map import CycleBroken
+from quickreturn.cases.case import PATHS, Case, si_value
+from quickreturn.cases.document import document_of
+from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.loads.peak import Peak, peak_of
+from quickreturn.cases.loads.resonance import resonance
+from quickreturn.cases.sweep.grid import OF_START
+from quickreturn.engines import progress
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.reference_model.columns import OBSERVED
+from quickreturn.reference_model.continuation import Branch, BranchPoint, NotConverged, branch
+from quickreturn.reference_model.cycle_family import CycleFamily
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.periodic import NoPeriodicOrbit
+from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.scene_values import replaced_by, scene_of
+from quickreturn.reference_model.section_map import CycleBroken
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,12 @@ MULTIPLIER_TOLERANCE: Final = 1e-3
 #: Part of its own speed within which the curve around a machine goes.
 NEAR: Final = 0.15
 #: What a curve depends on besides what the simulation does.
-CODE: Final = ("cases.resonance_curve", "cases.loads", "cases.measures.extremes", "cases.document")
+CODE: Final = (
+    "quickreturn.cases.resonance_curve",
+    "quickreturn.cases.loads",
+    "quickreturn.cases.measures.extremes",
+    "quickreturn.cases.document",
+)
 
 
 @dataclass(frozen=True)

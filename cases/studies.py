@@ -4,22 +4,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from cases.case_file import load_case
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from cases.measures import on_common_grid, relative_change
-from cases.runs.campaign import Work, carry_out
-from cases.runs.marching import Columns, channels_of
-from cases.runs.request import Run, RunRequest
-from engines.accurate import ESTIMATED, run_once, simulate
-from engines.base import AnyEngine
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.registry import MAIN, engine
-from engines.relative import relative_error
-from engines.settings import Settings, as_texts
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures import on_common_grid, relative_change
+from quickreturn.cases.runs.campaign import Work, carry_out
+from quickreturn.cases.runs.marching import Columns, channels_of
+from quickreturn.cases.runs.request import Run, RunRequest
+from quickreturn.engines.accurate import ESTIMATED, run_once, simulate
+from quickreturn.engines.base import AnyEngine
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.registry import MAIN, engine
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.settings import Settings, as_texts
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism
 
 #: The case on which accuracy is shown, and the settings whose three solutions confirm each other.
 ACCURACY_CASE: Final = "thesis-24"
@@ -116,7 +116,7 @@ def run_studies(workshop: Workshop) -> Studies:
     )
 
 
-_CODE: Final = ("cases.studies",)
+_CODE: Final = ("quickreturn.cases.studies",)
 
 Name = tuple[str, ...]
 Runs = Mapping[Name, Run]

@@ -7,7 +7,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from cases.errors import CaseError, as_alike, path_shown
+from quickreturn.cases.errors import CaseError, as_alike, path_shown
 
 #: Entries of a folder that are looked at; more are no folder of a person's own files.
 _MOST_ENTRIES: Final = 10_000

@@ -17,8 +17,8 @@ from decimal import Context, Decimal
 from types import MappingProxyType
 from typing import Any, Final
 
-from cases import slips
-from cases.errors import as_written
+from quickreturn.cases import slips
+from quickreturn.cases.errors import as_written
 
 Exponents = tuple[int, int, int, int]  # of metre, kilogram, second, radian
 

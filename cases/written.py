@@ -9,10 +9,10 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.case import PATHS, SECTIONS, dimension_of
-from cases.document import Document
-from reference_model.quantities import Quantity
-from reference_model.scene_values import ALTERNATIVES, DESCRIPTIONS, OPTIONAL_SECTIONS, SPIN_UP
+from quickreturn.cases.case import PATHS, SECTIONS, dimension_of
+from quickreturn.cases.document import Document
+from quickreturn.reference_model.quantities import Quantity
+from quickreturn.reference_model.scene_values import ALTERNATIVES, DESCRIPTIONS, OPTIONAL_SECTIONS, SPIN_UP
 
 _WIDTH: Final = 110  # characters of a line of prose
 _COLUMN: Final = 50  # where comments begin, unless a value is longer

@@ -22,12 +22,23 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from engines import progress
-from engines.base import Comparison, EngineFailure, EstimateOf, ModelDescription, Refusal, SceneT, Simulation, Solver, StartT, first_line
-from engines.relative import rms
-from engines.settings import SettingError, Settings
-from engines.trajectory import Trajectory
-from reference_model.columns import BEARINGS, BENDING
+from quickreturn.engines import progress
+from quickreturn.engines.base import (
+    Comparison,
+    EngineFailure,
+    EstimateOf,
+    ModelDescription,
+    Refusal,
+    SceneT,
+    Simulation,
+    Solver,
+    StartT,
+    first_line,
+)
+from quickreturn.engines.relative import rms
+from quickreturn.engines.settings import SettingError, Settings
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.columns import BEARINGS, BENDING
 
 R = TypeVar("R")
 Q = TypeVar("Q")

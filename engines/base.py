@@ -15,11 +15,11 @@ from typing import Any, ClassVar, Final, Generic, Literal, TypeVar, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.settings import Settings as AnySettings
-from engines.start import Start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.scene_values import NAMED, values_of
+from quickreturn.engines.settings import Settings as AnySettings
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.scene_values import NAMED, values_of
 
 S = TypeVar("S", bound=AnySettings)
 SceneT = TypeVar("SceneT", bound=Scene)

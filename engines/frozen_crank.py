@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import AnyEngine, EngineFailure
-from engines.settings import Settings
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.base import AnyEngine, EngineFailure
+from quickreturn.engines.settings import Settings
+from quickreturn.reference_model.mechanism import Mechanism
 
 _SHOWN = 60  # characters of what an engine returned
 

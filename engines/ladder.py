@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, Generic, TypeVar
 
-from engines.settings import Settings
+from quickreturn.engines.settings import Settings
 
 S = TypeVar("S", bound=Settings)
 Climbing = TypeVar("Climbing", bound=Settings)

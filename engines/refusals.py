@@ -1,8 +1,8 @@
 """What several engines refuse, each thing in the same words. All functions raise `Refusal` if the scene has it."""
 
-from engines.base import Refusal
-from reference_model.mechanism import Mechanism
-from reference_model.shapes import ShapeSet
+from quickreturn.engines.base import Refusal
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.shapes import ShapeSet
 
 
 def of_massless_parts(name: str, mechanism: Mechanism, why: str) -> None:

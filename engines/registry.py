@@ -13,8 +13,8 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, ClassVar, Final, NoReturn, cast
 
-from engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
-from engines.settings import Settings as AnySettings
+from quickreturn.engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
+from quickreturn.engines.settings import Settings as AnySettings
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
@@ -23,15 +23,15 @@ GROUP: Final = "quickreturn.engines"
 _LONGEST_NAME: Final = 60  # characters of an unknown name that are shown
 
 _MODULES: Final = {
-    "thesis": "engines.own.thesis:ThesisEngine",
-    "reference": "engines.own.reference:ReferenceEngine",
-    "exudyn": "engines.exudyn.engine:ExudynEngine",
-    "mujoco": "engines.mujoco.engine:MujocoEngine",
-    "fixed-shapes": "engines.own.fixed_shapes:FixedShapesEngine",
-    "multiplier": "engines.own.multiplier:MultiplierEngine",
-    "stiff-spring": "engines.own.stiff_spring:StiffSpringEngine",
-    "nodal-load": "engines.own.nodal_load:NodalLoadEngine",
-    "moving-boundaries": "engines.own.moving_boundaries:MovingBoundariesEngine",
+    "thesis": "quickreturn.engines.own.thesis:ThesisEngine",
+    "reference": "quickreturn.engines.own.reference:ReferenceEngine",
+    "exudyn": "quickreturn.engines.exudyn.engine:ExudynEngine",
+    "mujoco": "quickreturn.engines.mujoco.engine:MujocoEngine",
+    "fixed-shapes": "quickreturn.engines.own.fixed_shapes:FixedShapesEngine",
+    "multiplier": "quickreturn.engines.own.multiplier:MultiplierEngine",
+    "stiff-spring": "quickreturn.engines.own.stiff_spring:StiffSpringEngine",
+    "nodal-load": "quickreturn.engines.own.nodal_load:NodalLoadEngine",
+    "moving-boundaries": "quickreturn.engines.own.moving_boundaries:MovingBoundariesEngine",
 }
 
 

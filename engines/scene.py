@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
-from engines import accurate
-from engines.accurate import Result
-from engines.base import AnyEngine, ModelDescription, Solver
-from engines.start import Start, standard_start
-from reference_model.mechanism import FollowerAlone, Scene
+from quickreturn.engines import accurate
+from quickreturn.engines.accurate import Result
+from quickreturn.engines.base import AnyEngine, ModelDescription, Solver
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 
 
 def simulate_scene(

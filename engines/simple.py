@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import Radau
 
-from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, installed
-from engines.ladder import Ladder
-from engines.settings import SettingError, Settings, setting
-from engines.start import Start, standard_start
-from engines.trajectory import REQUIRED, Trajectory
-from reference_model.columns import COLUMNS
-from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, installed
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.settings import SettingError, Settings, setting
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import REQUIRED, Trajectory
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism
 
 
 class Field(Protocol):

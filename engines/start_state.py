@@ -13,9 +13,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from engines.base import EngineFailure
-from engines.start import Field, Start
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.start import Field, Start
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 

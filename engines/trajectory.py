@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import COLUMNS
+from quickreturn.reference_model.columns import COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd

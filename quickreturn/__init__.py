@@ -12,21 +12,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from cases.case import Case
-    from cases.conformance import conform
-    from cases.errors import CaseError
-    from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
-    from engines.registry import UnknownEngine, engine
-    from engines.settings import SettingError, Settings, setting
-    from engines.simple import Model, SimpleEngine
-    from engines.start import Start
-    from engines.start_state import reconstruct
-    from engines.trajectory import Trajectory
     from quickreturn.advice import Advice, advise
     from quickreturn.calibration import calibrate, uncertainty
-    from quickreturn.catalogue import case, cases, engines
+    from quickreturn.cases.case import Case
+    from quickreturn.cases.conformance import conform
+    from quickreturn.cases.errors import CaseError
+    from quickreturn.catalogue import case, list_cases, list_engines
     from quickreturn.cross_validation import CrossValidation, report, run
     from quickreturn.differences import Differences, difference
+    from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
+    from quickreturn.engines.registry import UnknownEngine, engine
+    from quickreturn.engines.settings import SettingError, Settings, setting
+    from quickreturn.engines.simple import Model, SimpleEngine
+    from quickreturn.engines.start import Start
+    from quickreturn.engines.start_state import reconstruct
+    from quickreturn.engines.trajectory import Trajectory
     from quickreturn.frequencies import modes
     from quickreturn.resonance_curves import Resonance, resonance
     from quickreturn.solution import Solution, UnknownColumn, simulate
@@ -60,12 +60,12 @@ __all__ = [
     "calibrate",
     "case",
     "case_at",
-    "cases",
     "compare",
     "conform",
     "difference",
     "engine",
-    "engines",
+    "list_cases",
+    "list_engines",
     "measures",
     "modes",
     "reconstruct",
@@ -80,19 +80,19 @@ __all__ = [
 
 #: Module -> the names that are taken from it.
 _HOMES: Final = {
-    "cases.case": ("Case",),
-    "cases.conformance": ("conform",),
-    "cases.errors": ("CaseError",),
-    "engines.base": ("Comparison", "Engine", "EngineFailure", "ModelDescription", "Refusal", "Simulation"),
-    "engines.registry": ("UnknownEngine", "engine"),
-    "engines.settings": ("SettingError", "Settings", "setting"),
-    "engines.simple": ("Model", "SimpleEngine"),
-    "engines.start": ("Start",),
-    "engines.start_state": ("reconstruct",),
-    "engines.trajectory": ("Trajectory",),
+    "quickreturn.cases.case": ("Case",),
+    "quickreturn.cases.conformance": ("conform",),
+    "quickreturn.cases.errors": ("CaseError",),
+    "quickreturn.engines.base": ("Comparison", "Engine", "EngineFailure", "ModelDescription", "Refusal", "Simulation"),
+    "quickreturn.engines.registry": ("UnknownEngine", "engine"),
+    "quickreturn.engines.settings": ("SettingError", "Settings", "setting"),
+    "quickreturn.engines.simple": ("Model", "SimpleEngine"),
+    "quickreturn.engines.start": ("Start",),
+    "quickreturn.engines.start_state": ("reconstruct",),
+    "quickreturn.engines.trajectory": ("Trajectory",),
     "quickreturn.calibration": ("calibrate", "uncertainty"),
     "quickreturn.advice": ("Advice", "advise"),
-    "quickreturn.catalogue": ("case", "cases", "engines"),
+    "quickreturn.catalogue": ("case", "list_cases", "list_engines"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
     "quickreturn.differences": ("Differences", "difference"),
     "quickreturn.frequencies": ("modes",),

@@ -3,16 +3,16 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from cases.case import Case
-from cases.classes.groups import MEANINGS, Groups, groups_of
-from cases.classes.map import TIMES, Map, off_the_map
-from cases.classes.measurement import LEVELS, REFUSED, Reach
-from cases.errors import CaseError
-from cases.shown import Cell, Rows, Shown
-from engines.base import Refusal
-from engines.registry import engine
 from quickreturn.accuracy import checked
+from quickreturn.cases.case import Case
+from quickreturn.cases.classes.groups import MEANINGS, Groups, groups_of
+from quickreturn.cases.classes.map import TIMES, Map, off_the_map
+from quickreturn.cases.classes.measurement import LEVELS, REFUSED, Reach
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.engines.base import Refusal
+from quickreturn.engines.registry import engine
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,7 +65,7 @@ def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
         CaseError: no such case, or a machine without a bending frequency or a turning crank, which has no place on the map.
         ValueError: an accuracy that cannot be asked for.
     """
-    from reports.long_studies import class_map
+    from quickreturn.reports.long_studies import class_map
 
     chosen, wanted, known = one_case(case), checked(accuracy) or LEVELS[0], class_map()
     groups = groups_of(chosen.mechanism)
@@ -73,7 +73,9 @@ def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
         problem = "a follower that cannot bend, or a crank that stands still, has no place on the map of classes"
         raise CaseError(chosen.name, None, None, problem, "a finite follower.bending_stiffness and a crank that turns")
     if not known.scenes:
-        raise CaseError(chosen.name, None, None, "the map of classes has not been recorded", "python -m reports.long_studies classes")
+        raise CaseError(
+            chosen.name, None, None, "the map of classes has not been recorded", "python -m quickreturn.reports.long_studies classes"
+        )
     return _advice(chosen, groups, wanted, known)
 
 

@@ -10,11 +10,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
 from PIL import Image
 
-from cases.case import Case
-from engines.trajectory import Trajectory
+from quickreturn.cases.case import Case
 from quickreturn.curves import drawing
 from quickreturn.drawing import Motion, Scenery, factor_for, legend, motion_of
-from reports.plots.style import FONT_SIZE, SAMPLE
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE
 
 FRAMES: Final = 72
 WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
@@ -36,7 +36,7 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
         UnknownColumn, CaseError: an engine does not tell the follower's shape; a page needs a crank.
     """
     if ending == ".html":
-        from reports.page.render import animation_page
+        from quickreturn.reports.page.render import animation_page
 
         return animation_page(case, trajectories).encode()
     times = last_turn(next(iter(trajectories.values())))

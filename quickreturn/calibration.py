@@ -4,22 +4,22 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from cases.errors import CaseError, as_written, nearest_or_all
-from cases.jobs.job import Job
-from cases.text_file import read_text
-from cases.uncertainty import calibration
-from cases.uncertainty.calibration import frees_of
-from cases.uncertainty.fit import Fit
-from cases.uncertainty.table_model import TableModel
 from quickreturn import questions
 from quickreturn.accuracy import checked
+from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.text_file import read_text
+from quickreturn.cases.uncertainty import calibration
+from quickreturn.cases.uncertainty.calibration import frees_of
+from quickreturn.cases.uncertainty.fit import Fit
+from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.cross_validation import opened
 from quickreturn.differences import AnyTable, as_table
 
 if TYPE_CHECKING:
-    from cases.jobs.job import Limits
-    from cases.uncertainty.propagation import Scatter
+    from quickreturn.cases.jobs.job import Limits
+    from quickreturn.cases.uncertainty.propagation import Scatter
 
 #: Keys of a study file: kind and example.
 KEYS: Final[Mapping[str, tuple[type, str]]] = {
@@ -81,8 +81,8 @@ def uncertainty(
     Raises:
         CaseError: something cannot be; the sentence says what is accepted.
     """
-    from cases.sweep.rows import Asked
-    from cases.uncertainty.propagation import planned
+    from quickreturn.cases.sweep.rows import Asked
+    from quickreturn.cases.uncertainty.propagation import planned
 
     if isinstance(uncertain, Mapping):
         source, distributions = "uncertain", dict(uncertain)
@@ -100,7 +100,7 @@ def _study_file(path: str) -> dict[str, Any]:
     """`case`, `measures` and `uncertain` of a study file, dotted keys put together again. CaseError."""
     import tomllib
 
-    from cases.broken_toml import broken_toml
+    from quickreturn.cases.broken_toml import broken_toml
 
     text = read_text(path, "a study file", 1_000_000)
     try:

@@ -6,16 +6,16 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from cases.case import Case
-from cases.case_file import load_case, with_times
-from cases.copies import told_as_overrides
-from cases.errors import CaseError, as_written
-from cases.library import CatalogueLine, case_names, catalogue
-from cases.shown import Cell, Rows, Shown
+from quickreturn.cases.case import Case
+from quickreturn.cases.case_file import load_case, with_times
+from quickreturn.cases.copies import told_as_overrides
+from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.library import CatalogueLine, case_names, catalogue
+from quickreturn.cases.shown import Cell, Rows, Shown
 
 if TYPE_CHECKING:
-    from cases.recorded import RecordedTable
-    from engines.base import AnyEngine
+    from quickreturn.cases.recorded import RecordedTable
+    from quickreturn.engines.base import AnyEngine
     from quickreturn.questions import About
 
     AnyEngineOrTable = str | os.PathLike[str] | AnyEngine
@@ -79,7 +79,7 @@ def _name(given: str | os.PathLike[str] | CatalogueLine) -> str:
     raise CaseError(as_written(given), None, None, "this is no case", 'give a name, such as "thesis-24", a path or a `Case`')
 
 
-def cases(tag: str | None = None) -> Listing[CatalogueLine]:
+def list_cases(tag: str | None = None) -> Listing[CatalogueLine]:
     """The cases of the library, or those with a tag. CaseError: no case has this tag."""
     known = {each for line in catalogue() for each in line.tags}
     if tag is not None and tag not in known:
@@ -87,7 +87,7 @@ def cases(tag: str | None = None) -> Listing[CatalogueLine]:
     return Listing.of(catalogue(tag), NAME=lambda line: line.name, TAGS=lambda line: ", ".join(line.tags), TITLE=lambda line: line.title)
 
 
-def engines() -> "Listing[About]":
+def list_engines() -> "Listing[About]":
     """All engines: name, version, what their estimates are of, method, whether they can be used here or why not."""
     from quickreturn.questions import about_all
 
@@ -134,8 +134,8 @@ def _several(given: Any) -> list[Any]:
 
 def engine_given(engine: "str | AnyEngine") -> "str | AnyEngine":
     """The same. UnknownEngine: it is neither a name nor an engine."""
-    from engines.base import Engine
-    from engines.registry import UnknownEngine
+    from quickreturn.engines.base import Engine
+    from quickreturn.engines.registry import UnknownEngine
 
     if isinstance(engine, (str, Engine)):
         return engine
@@ -158,9 +158,9 @@ def prepared(
         UnknownEngine: there is none of this name; also of an engine that no other process could find.
         SettingError, CaseError: a setting or a table that cannot be, or a case without a cycle, such as a follower alone.
     """
-    from cases.recorded import is_table, tables_of
-    from engines.base import Engine
-    from engines.registry import MAIN, engine
+    from quickreturn.cases.recorded import is_table, tables_of
+    from quickreturn.engines.base import Engine
+    from quickreturn.engines.registry import MAIN, engine
     from quickreturn.questions import check_settings, settings_of
 
     _ = [case.mechanism for case in cases]

@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from cases.errors import as_written, shortened
+from quickreturn.cases.errors import as_written, shortened
 from quickreturn.commands.options import QUIET, WORKSHOP, tell
 
 if TYPE_CHECKING:
-    from cases.jobs.workshop import Workshop
+    from quickreturn.cases.jobs.workshop import Workshop
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
 COMMANDS: Final = (
@@ -206,16 +206,16 @@ def _with_help(error: click.ClickException) -> str:
 
 def _told_of(error: Exception) -> int:
     """Print what is wrong and choose the exit code. The classes are imported here, for importing them takes a moment."""
-    from cases.errors import CaseError
-    from cases.jobs.job import ExecutorError
-    from cases.jobs.store import StoreError
-    from engines.base import EngineFailure, Refusal
-    from engines.registry import UnknownEngine
-    from engines.settings import SettingError
+    from quickreturn.cases.errors import CaseError
+    from quickreturn.cases.jobs.job import ExecutorError
+    from quickreturn.cases.jobs.store import StoreError
+    from quickreturn.engines.base import EngineFailure, Refusal
+    from quickreturn.engines.registry import UnknownEngine
+    from quickreturn.engines.settings import SettingError
     from quickreturn.questions import EngineDied
+    from quickreturn.reference_model.mechanism import ImpossibleMechanism
+    from quickreturn.reports.output import OutputError
     from quickreturn.solution import UnknownColumn
-    from reference_model.mechanism import ImpossibleMechanism
-    from reports.output import OutputError
 
     for kind, option in ((UnknownEngine, "--engine"), (SettingError, "--set"), (OutputError, "--output")):
         if isinstance(error, kind):

@@ -5,20 +5,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cases.errors import as_written, nearest_or_all
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.runs.comparison import CaseResult, Check, cross_validate
-from cases.runs.request import Run
-from cases.shown import Cell, Shown
-from engines.registry import MAIN
-from engines.settings import SettingError, as_texts
-from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
+from quickreturn.cases.errors import as_written, nearest_or_all
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.runs.comparison import CaseResult, Check, cross_validate
+from quickreturn.cases.runs.request import Run
+from quickreturn.cases.shown import Cell, Shown
 from quickreturn.catalogue import AnyCase, loaded, prepared
+from quickreturn.engines.registry import MAIN
+from quickreturn.engines.settings import SettingError, as_texts
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.solution import framed, known_column
-from reference_model.columns import COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,8 +98,8 @@ class CrossValidation(Shown):
         """What the parts bear: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
         import pandas as pd
 
-        from reports.findings.loads import loads_of_cases
-        from reports.tables.strength import of_case
+        from quickreturn.reports.findings.loads import loads_of_cases
+        from quickreturn.reports.tables.strength import of_case
 
         cases = loads_of_cases(self.results)
         return pd.DataFrame(
@@ -185,7 +185,7 @@ def report(
         CaseError, SettingError, StoreError, KeyboardInterrupt: as `run`.
         OutputError: the folder cannot be written to.
     """
-    from reports.report import write_report
+    from quickreturn.reports.report import write_report
 
     chosen = loaded(cases)
     names, texts, tables = prepared(chosen, engines, given_settings(settings))

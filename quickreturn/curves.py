@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
 from quickreturn.solution import UnknownColumn, known_column
-from reference_model.columns import COLUMNS
-from reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
 
 #: Shown where no columns are asked for.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")

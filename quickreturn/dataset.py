@@ -3,7 +3,7 @@
 import json
 from typing import TYPE_CHECKING, Any
 
-from reference_model.columns import COLUMNS
+from quickreturn.reference_model.columns import COLUMNS
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,13 +8,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cases.errors import CaseError
-from cases.recorded import RecordedTable, read_table, table_of
-from cases.shown import Cell, Rows, Shown
-from engines.relative import rms
-from engines.trajectory import Trajectory
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.recorded import RecordedTable, read_table, table_of
+from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.engines.relative import rms
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.solution import Solution
-from reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]

@@ -11,15 +11,15 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.case import Case
-from engines.trajectory import Trajectory
+from quickreturn.cases.case import Case
 from quickreturn.curves import WIDTH, Drawing, drawing
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.columns import PLACES, SHAPE
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reports.plots.style import FONT_SIZE, GREY, QUICK, SMALL, look
+from quickreturn.reports.words import angle_text
 from quickreturn.solution import UnknownColumn
-from reference_model.columns import PLACES, SHAPE
-from reference_model.mechanism import Mechanism, Scene
-from reference_model.rigid import rigid_motion
-from reports.plots.style import FONT_SIZE, GREY, QUICK, SMALL, look
-from reports.words import angle_text
 
 Array = NDArray[np.float64]
 

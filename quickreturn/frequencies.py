@@ -5,17 +5,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from cases.case import Case
-from cases.jobs.display import compilation_told
-from engines import progress
-from engines.settings import as_texts
+from quickreturn.cases.case import Case
+from quickreturn.cases.jobs.display import compilation_told
 from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.engines import progress
+from quickreturn.engines.settings import as_texts
 from quickreturn.solution import found_engine
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from engines.base import AnyEngine
+    from quickreturn.engines.base import AnyEngine
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def frozen_crank(
     case: Case, engine: "str | AnyEngine", crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> list[Modes]:
     """The same with crank angles in rad and settings as texts. Raises as `modes`."""
-    from engines.frozen_crank import natural_frequencies
+    from quickreturn.engines.frozen_crank import natural_frequencies
 
     chosen = found_engine(engine)
     chosen.check(case.mechanism)

@@ -10,16 +10,16 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from cases.errors import shortened
-from cases.jobs.display import answers
-from cases.jobs.here import done
-from cases.jobs.job import Job, Limits, Outcome, T
-from cases.jobs.processes import LocalProcesses
+from quickreturn.cases.errors import shortened
+from quickreturn.cases.jobs.display import answers
+from quickreturn.cases.jobs.here import done
+from quickreturn.cases.jobs.job import Job, Limits, Outcome, T
+from quickreturn.cases.jobs.processes import LocalProcesses
 
 if TYPE_CHECKING:
-    from cases.case import Case
-    from engines.base import ModelDescription
-    from reference_model.mechanism import Scene
+    from quickreturn.cases.case import Case
+    from quickreturn.engines.base import ModelDescription
+    from quickreturn.reference_model.mechanism import Scene
 
 
 class EngineDied(Exception):
@@ -27,8 +27,8 @@ class EngineDied(Exception):
 
 
 #: What processes import that tell of engines, those that compute.
-TELLING: Final = ("cases.jobs.worker", "engines.registry")
-COMPUTING: Final = (*TELLING, "engines.accurate", "engines.own.simulation")
+TELLING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry")
+COMPUTING: Final = (*TELLING, "quickreturn.engines.accurate", "quickreturn.engines.own.simulation")
 #: In place of an engine's name, among settings: whichever runs.
 ANY_ENGINE: Final = "engine"
 
@@ -40,7 +40,7 @@ def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quie
 
 def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:
     """How each engine answers `question(name, *arguments)`; those in `here` load no library and are asked in this process."""
-    from engines.registry import engine_names
+    from quickreturn.engines.registry import engine_names
 
     jobs = [Job(name, question, (name, *arguments)) for name in engine_names()]
     elsewhere = iter(asked([job for job in jobs if job.name not in here], title))
@@ -51,9 +51,9 @@ def value_of(outcome: Outcome[T]) -> T:
     """What a job came to. Raises Refusal, SettingError, UnknownEngine or EngineFailure as the job did, EngineDied if it ended otherwise."""
     if outcome.value is not None:
         return outcome.value
-    from engines.base import EngineFailure, Refusal
-    from engines.registry import UnknownEngine
-    from engines.settings import SettingError
+    from quickreturn.engines.base import EngineFailure, Refusal
+    from quickreturn.engines.registry import UnknownEngine
+    from quickreturn.engines.settings import SettingError
 
     if isinstance(outcome.error, (Refusal, SettingError, UnknownEngine, EngineFailure)):
         raise outcome.error
@@ -62,7 +62,7 @@ def value_of(outcome: Outcome[T]) -> T:
 
 def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str]) -> dict[str, dict[str, str]]:
     """Settings by engine: those for `ANY_ENGINE`, and before these its own. SettingError: of an engine that is not among those that run."""
-    from engines.settings import SettingError
+    from quickreturn.engines.settings import SettingError
 
     for name, texts in settings.items():
         if name != ANY_ENGINE and name not in names:
@@ -73,8 +73,8 @@ def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str])
 
 def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
     """Raises what can be known before anything runs: UnknownEngine; Refusal or SettingError of one of this project's engines."""
-    from engines.registry import OWN, engine, engine_names
-    from reference_model.mechanism import FollowerAlone
+    from quickreturn.engines.registry import OWN, engine, engine_names
+    from quickreturn.reference_model.mechanism import FollowerAlone
 
     if name in engine_names() and name not in OWN:  # it would load its library here
         return
@@ -88,8 +88,8 @@ def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
 
 def check_settings(cases: "Sequence[Case]", settings: Mapping[str, Mapping[str, str]]) -> None:
     """Find out before anything runs whether settings can be. SettingError: one that an engine does not have or take."""
-    from engines.registry import engine
-    from engines.settings import SettingError
+    from quickreturn.engines.registry import engine
+    from quickreturn.engines.settings import SettingError
 
     for name, texts in settings.items():
         for case in cases if texts else ():
@@ -114,7 +114,7 @@ class About:
     @property
     def estimate(self) -> str:
         """What its error estimate is of, in words."""
-        from reports.words import ESTIMATE
+        from quickreturn.reports.words import ESTIMATE
 
         if self.estimate_of is None:
             return "-"
@@ -124,7 +124,7 @@ class About:
 
 def about(name: str) -> About:
     """What an engine says of itself."""
-    from engines.registry import engine
+    from quickreturn.engines.registry import engine
 
     found = engine(name)
     if reason := found.unavailable():
@@ -134,7 +134,7 @@ def about(name: str) -> About:
 
 def about_all() -> list[About]:
     """What all engines say of themselves."""
-    from engines.registry import OWN
+    from quickreturn.engines.registry import OWN
 
     return [
         each.value or About(name=each.job.name, method="unknown", available=False, reason=f"asked about itself, it {each.failure}")
@@ -161,7 +161,7 @@ class AboutSettings(About):
 
 def settings(name: str) -> AboutSettings:
     """What an engine says of itself and its settings."""
-    from engines.registry import engine
+    from quickreturn.engines.registry import engine
 
     def accepted(field: "dataclasses.Field[Any]") -> str:
         about = field.metadata
@@ -176,7 +176,7 @@ def settings(name: str) -> AboutSettings:
 
 def model(name: str, scene: "Scene") -> "ModelDescription":
     """What the engine builds for a scene with its default settings. Raises Refusal if it cannot."""
-    from engines.registry import usable_engine
-    from engines.scene import describe_scene
+    from quickreturn.engines.registry import usable_engine
+    from quickreturn.engines.scene import describe_scene
 
     return describe_scene(usable_engine(name), scene)

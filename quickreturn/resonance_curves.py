@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases.case import PATHS, si_value
-from cases.errors import CaseError, as_written
-from cases.jobs.display import compilation_told
-from cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
-from cases.shown import Cell, Rows, Shown
 from quickreturn.accuracy import checked
+from quickreturn.cases.case import PATHS, si_value
+from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.jobs.display import compilation_told
+from quickreturn.cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
+from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.sweeping import ERROR
 from quickreturn.table_files import table_file
-from reference_model.columns import COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,7 +74,7 @@ class Resonance(Shown):
             mark: a value of what varies (SI) at which a machine runs; None: none.
         """
         from quickreturn.curves import PANEL, drawing
-        from reports.plots.resonance import draw
+        from quickreturn.reports.plots.resonance import draw
 
         figure = drawing(0.9 + 1.4 * PANEL * len(self.curve.measures))
         draw(figure, self.curve, mark)

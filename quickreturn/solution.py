@@ -10,27 +10,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases.case import Case
-from cases.errors import as_written, nearest_or_all
-from cases.jobs.display import compilation_told
-from cases.shown import Cell, Rows, Shown
-from engines.accurate import ESTIMATED, NOT_ESTIMATED, Result
-from engines.base import AnyEngine, Engine
-from engines.registry import usable_engine
-from engines.relative import rms
-from engines.scene import simulate_scene
-from engines.settings import as_texts
-from engines.trajectory import Trajectory
 from quickreturn.accuracy import checked
+from quickreturn.cases.case import Case
+from quickreturn.cases.errors import as_written, nearest_or_all
+from quickreturn.cases.jobs.display import compilation_told
+from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, engine_given, one_case
-from reference_model import machine_code
-from reference_model.columns import BEARINGS, BENDING, COLUMNS
+from quickreturn.engines.accurate import ESTIMATED, NOT_ESTIMATED, Result
+from quickreturn.engines.base import AnyEngine, Engine
+from quickreturn.engines.registry import usable_engine
+from quickreturn.engines.relative import rms
+from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.settings import as_texts
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model import machine_code
+from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from cases.loads import Loads
+    from quickreturn.cases.loads import Loads
     from quickreturn.curves import Drawing
 
 
@@ -75,7 +75,7 @@ class Solution(Shown):
     @cached_property
     def loads(self) -> "Loads":
         """What the parts bear: stress along the arm, forces in joints and bearings; estimates are those of the columns, at their peaks."""
-        from cases.loads import loads_of
+        from quickreturn.cases.loads import loads_of
 
         columns = self.trajectory.columns
 
@@ -140,7 +140,7 @@ class Solution(Shown):
             UnknownColumn, CaseError: the engine does not tell the follower's shape; a page needs a crank.
         """
         from quickreturn.animation import moving
-        from reports.output import check_writable, write_file
+        from quickreturn.reports.output import check_writable, write_file
 
         place = Path(path)
         check_writable(place, "", ".webp", ".html")
@@ -153,8 +153,8 @@ class Solution(Shown):
             kept: where the table's rows are.
             notes: where the notes on the case are.
         """
-        from reports.findings.loads import stress_text
-        from reports.words import TIED, settings_words
+        from quickreturn.reports.findings.loads import stress_text
+        from quickreturn.reports.words import TIED, settings_words
 
         result = self.result
         times = {part: getattr(result, f"{part}_seconds") for part in ("compile", "setup", "solve", "estimate")}
@@ -177,7 +177,7 @@ class Solution(Shown):
 
         Of a follower that does not bend, the first is that of the tip's place.
         """
-        from reports.words import ESTIMATE
+        from quickreturn.reports.words import ESTIMATE
 
         found = self.result
         name, beside = ESTIMATE[found.estimate_of]

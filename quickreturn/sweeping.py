@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
 import numpy as np
 
-from cases.case import Case
-from cases.errors import CaseError, as_written
-from cases.jobs.workshop import Workshop
-from cases.reading import parse_case
-from cases.sweep.grid import ENGINE, Axis, Grid, axis, si_text
-from cases.sweep.measures import MEASURES, Measure, measure
-from cases.sweep.rows import Asked
-from cases.sweep.study import Path, Study, study
-from engines.registry import usable_engine
 from quickreturn.accuracy import checked
+from quickreturn.cases.case import Case
+from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.reading import parse_case
+from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, si_text
+from quickreturn.cases.sweep.measures import MEASURES, Measure, measure
+from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.sweep.study import Path, Study, study
 from quickreturn.catalogue import AnyCase, Listing, one_case
 from quickreturn.cross_validation import given_settings, opened
+from quickreturn.engines.registry import usable_engine
 from quickreturn.table_files import table_file
 
 if TYPE_CHECKING:

@@ -4,17 +4,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from cases.errors import CaseError
-from cases.recorded import RecordedTable
-from cases.runs.comparison import CaseResult, Check, hold_against_engines
-from cases.runs.differences import column_differences, explanations
-from cases.runs.request import Run
-from cases.shown import Cell, Rows, Shown
-from engines.registry import MAIN
 from quickreturn.accuracy import checked
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.comparison import CaseResult, Check, hold_against_engines
+from quickreturn.cases.runs.differences import column_differences, explanations
+from quickreturn.cases.runs.request import Run
+from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, one_case, prepared
 from quickreturn.cross_validation import given_settings, opened
 from quickreturn.differences import AnyTable, as_table
+from quickreturn.engines.registry import MAIN
 from quickreturn.verdict_text import parts_of
 
 if TYPE_CHECKING:

@@ -3,12 +3,12 @@
 import math
 from typing import Final
 
-from cases.loads import UNITS
-from cases.runs.comparison import REFERENCE, CaseResult, Check, Kind, not_judged
-from cases.runs.request import Run
-from cases.shown import Cell, Rows
-from reports.findings.loads import CaseLoads, leading_loads, stress_text
-from reports.words import TIED, cost, quantity
+from quickreturn.cases.loads import UNITS
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Check, Kind, not_judged
+from quickreturn.cases.runs.request import Run
+from quickreturn.cases.shown import Cell, Rows
+from quickreturn.reports.findings.loads import CaseLoads, leading_loads, stress_text
+from quickreturn.reports.words import TIED, cost, quantity
 
 #: Departures shown of a pair of engines.
 SHOWN: Final = 5

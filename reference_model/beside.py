@@ -14,13 +14,13 @@ from typing import Any
 
 from numba import config, types
 
-from reference_model.motion.address import MEMBERS
+from quickreturn.reference_model.motion.address import MEMBERS
 
 
 def wanted() -> list[tuple[Any, tuple[types.Type, ...]]]:
     """What is compiled beside: functions, each with the types of its arguments."""
-    from reference_model.integrate import _dop853
-    from reference_model.motion.equations import observe_states
+    from quickreturn.reference_model.integrate import _dop853
+    from quickreturn.reference_model.motion.equations import observe_states
 
     whole, real, vector, matrix = types.int64, types.float64, MEMBERS["Vector"], MEMBERS["Matrix"]
     addresses = (whole, whole, whole)

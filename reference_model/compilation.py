@@ -7,7 +7,7 @@ from typing import Any, Final, TypeVar, cast
 import numba
 from numba import njit
 
-from reference_model.machine_code import VARIABLE
+from quickreturn.reference_model.machine_code import VARIABLE
 
 # numba reads its environment once; it may have been imported before this package
 numba.config.CACHE_DIR = os.environ.get(VARIABLE, numba.config.CACHE_DIR)  # type: ignore[attr-defined]

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from reference_model import tip_force
-from reference_model.mechanism import FollowerAlone, Scene, TorqueDrive
+from quickreturn.reference_model import tip_force
+from quickreturn.reference_model.mechanism import FollowerAlone, Scene, TorqueDrive
 
 _OF_CRANK = ("d", "LA", "crank_mass", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia")
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from reference_model.periodic import eigenvalues, instability
-from reference_model.section_map import CycleBroken
+from quickreturn.reference_model.periodic import eigenvalues, instability
+from quickreturn.reference_model.section_map import CycleBroken
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.continuation import BranchPoint, Image, corrected
-from reference_model.mechanism import Mechanism, PrescribedSpeed, changed
-from reference_model.model import BeamModel
-from reference_model.periodic import periodic_orbit
-from reference_model.section_map import SectionMap
+from quickreturn.reference_model.continuation import BranchPoint, Image, corrected
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, changed
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.periodic import periodic_orbit
+from quickreturn.reference_model.section_map import SectionMap
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-from reference_model.compilation import borrowing, compiled
-from reference_model.motion.address import call_equations
+from quickreturn.reference_model.compilation import borrowing, compiled
+from quickreturn.reference_model.motion.address import call_equations
 
 STAGES: Final = 12
 _A = np.vstack([np.hstack([DOP853.A, np.zeros((STAGES, 4))]), np.zeros((1, 16)), DOP853.A_EXTRA])

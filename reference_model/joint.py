@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from reference_model.mechanism import Slider
+from quickreturn.reference_model.mechanism import Slider
 
 #: Rate (rad/s) of the follower's angle over which the friction of its pivot changes its sign.
 PIVOT_FRICTION_RATE: Final = 0.1

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeVar
 
-from reference_model.quantities import quantity
+from quickreturn.reference_model.quantities import quantity
 
 #: By how much (rad) two angles may miss a turn that is meant: they may be written with few digits.
 ROUNDING: Final = 1e-6

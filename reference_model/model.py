@@ -10,14 +10,14 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import eig, null_space
 from scipy.optimize import brentq
 
-from reference_model.beam import tables as beam
-from reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
-from reference_model.constants import characteristic_frequency
-from reference_model.integrate import Equations, Integration, dop853
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.motion.address import Placed
-from reference_model.motion.equations import evaluate, kernel, observe_states
-from reference_model.motion.layout import (
+from quickreturn.reference_model.beam import tables as beam
+from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
+from quickreturn.reference_model.constants import characteristic_frequency
+from quickreturn.reference_model.integrate import Equations, Integration, dop853
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.motion.address import Placed
+from quickreturn.reference_model.motion.equations import evaluate, kernel, observe_states
+from quickreturn.reference_model.motion.layout import (
     EXTRAS,
     FOOT_1,
     FOOT_2,
@@ -29,12 +29,12 @@ from reference_model.motion.layout import (
     state_size,
     workspace,
 )
-from reference_model.motion.observe import WIDTH
-from reference_model.motion.parameters import parameters
-from reference_model.natural_modes import clamped_modes
-from reference_model.rigid import deflection_scale, rigid_motion
-from reference_model.shapes import ShapeSet, no_shapes, vibrating
-from reference_model.treatment import BASE, CLOSED, ELIMINATED, ROLLERS, Treatment
+from quickreturn.reference_model.motion.observe import WIDTH
+from quickreturn.reference_model.motion.parameters import parameters
+from quickreturn.reference_model.natural_modes import clamped_modes
+from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
+from quickreturn.reference_model.shapes import ShapeSet, no_shapes, vibrating
+from quickreturn.reference_model.treatment import BASE, CLOSED, ELIMINATED, ROLLERS, Treatment
 
 Array = NDArray[np.float64]
 #: Place of the slider and arc lengths (k,) to tangent angles of the shapes and their derivatives by that place, each (k, n).

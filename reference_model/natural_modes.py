@@ -16,8 +16,8 @@ import scipy
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Tip
-from reference_model.rigid import crank_pace
+from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Tip
+from quickreturn.reference_model.rigid import crank_pace
 
 Array = NDArray[np.float64]
 

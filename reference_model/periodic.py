@@ -15,8 +15,8 @@ from typing import Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.model import BeamModel
-from reference_model.section_map import CycleBroken, Passage, SectionMap
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.section_map import CycleBroken, Passage, SectionMap
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism, TorqueDrive
-from reference_model.tip_force import tip_force
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
-from reference_model.mechanism import (
+from quickreturn.reference_model.mechanism import (
     Base,
     Crank,
     Follower,
@@ -19,7 +19,7 @@ from reference_model.mechanism import (
     Tip,
     TorqueDrive,
 )
-from reference_model.quantities import Quantity, quantities_of
+from quickreturn.reference_model.quantities import Quantity, quantities_of
 
 Value = float | tuple[float, ...]
 #: Section -> key -> SI value.

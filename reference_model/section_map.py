@@ -13,11 +13,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled
-from reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
-from reference_model.model import BeamModel
-from reference_model.motion.address import call_equations
-from reference_model.motion.layout import FOOT_1, FOOT_2
+from quickreturn.reference_model.compilation import compiled
+from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.address import call_equations
+from quickreturn.reference_model.motion.layout import FOOT_1, FOOT_2
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import ROUNDING, Tip
+from quickreturn.reference_model.mechanism import ROUNDING, Tip
 
 #: Angle (rad) from which on a part counts as the whole turn, in which the force never comes or goes.
 WHOLE: Final = 2.0 * math.pi - ROUNDING

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from reference_model.joint import Rollers
+from quickreturn.reference_model.joint import Rollers
 
 #: What happens to the gap between crank tip and centre line along the follower's normal.
 ELIMINATED: Final = 0  # it is closed by the follower's angle

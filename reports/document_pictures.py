@@ -1,4 +1,4 @@
-"""The pictures of the documents that do not move: `python -m reports.document_pictures docs/pictures`.
+"""The pictures of the documents that do not move: `python -m quickreturn.reports.document_pictures docs/pictures`.
 
 Run 24's steady state and the studies are computed where they are not stored, which takes some minutes; the methods are those of the
 recorded benchmark.
@@ -13,20 +13,20 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from cases.case import Case
-from cases.case_file import load_case
-from cases.experiment.published import axis_labels
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.resonance_curve import SPEED, job, range_of
-from cases.runs.comparison import cross_validate
-from cases.sweep.grid import Grid, axis
-from cases.sweep.rows import Asked
-from cases.sweep.study import study
-from reports.long_studies import benchmarks
-from reports.plots import cycle, resonance, work_precision
-from reports.plots import study as study_plot
-from reports.plots.style import new_figure, picture
+from quickreturn.cases.case import Case
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.experiment.published import axis_labels
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.resonance_curve import SPEED, job, range_of
+from quickreturn.cases.runs.comparison import cross_validate
+from quickreturn.cases.sweep.grid import Grid, axis
+from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.sweep.study import study
+from quickreturn.reports.long_studies import benchmarks
+from quickreturn.reports.plots import cycle, resonance, work_precision
+from quickreturn.reports.plots import study as study_plot
+from quickreturn.reports.plots.style import new_figure, picture
 
 RUN = 24
 CASE = f"thesis-{RUN}"
@@ -79,5 +79,5 @@ def png(figure: Figure) -> bytes:
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
-        raise SystemExit("python -m reports.document_pictures FOLDER: give the folder that they go to")
+        raise SystemExit("python -m quickreturn.reports.document_pictures FOLDER: give the folder that they go to")
     main(Path(sys.argv[1]))

@@ -7,15 +7,15 @@ from typing import Any, Final
 
 import jinja2
 
-from cases.case import SECTIONS, Case
-from cases.measures import time_scale
-from cases.measures.time_scale import TURN
-from cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
-from reference_model.columns import BENDING, COLUMNS
-from reference_model.joint import PIVOT_FRICTION_RATE, rollers
-from reference_model.mechanism import Mechanism, Slider, TorqueDrive
-from reference_model.rigid import crank_pace, rigid_motion
-from reference_model.tip_force import WHOLE
+from quickreturn.cases.case import SECTIONS, Case
+from quickreturn.cases.measures import time_scale
+from quickreturn.cases.measures.time_scale import TURN
+from quickreturn.cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
+from quickreturn.reference_model.columns import BENDING, COLUMNS
+from quickreturn.reference_model.joint import PIVOT_FRICTION_RATE, rollers
+from quickreturn.reference_model.mechanism import Mechanism, Slider, TorqueDrive
+from quickreturn.reference_model.rigid import crank_pace, rigid_motion
+from quickreturn.reference_model.tip_force import WHOLE
 
 #: Letters in a line of prose.
 WIDTH: Final = 110

@@ -12,8 +12,8 @@ from typing import Any
 
 import click
 
-from cases.errors import printable, shortened
-from cases.shown import Cell, Rows
+from quickreturn.cases.errors import printable, shortened
+from quickreturn.cases.shown import Cell, Rows
 
 
 class OutputError(Exception):
@@ -76,7 +76,7 @@ def write_file(path: Path, content: bytes) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    from cases.jobs.store import write_atomically
+    from quickreturn.cases.jobs.store import write_atomically
 
     target = _resolved(path)
     try:
@@ -135,7 +135,7 @@ def _is_special(path: Path) -> bool:
 
 
 def _output_error(path: Path, error: OSError) -> OutputError:
-    from cases.jobs.store import words_of
+    from quickreturn.cases.jobs.store import words_of
 
     return OutputError(f"{_shown(path)}: it cannot be written ({words_of(error)})")
 

@@ -7,35 +7,35 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from cases import conformance
-from cases.benchmark import SCENES, compiling, stored
-from cases.benchmark.scenes import ENGINES
-from cases.case import Case
-from cases.case_file import load_case
-from cases.frozen_crank import FrozenCrank, frozen_crank
-from cases.jobs.job import Job
-from cases.jobs.key import SIMULATION, code_fingerprint
-from cases.jobs.workshop import Workshop
-from cases.judging.matrix import judge_scenes
-from cases.library import catalogue
-from cases.library.hard import TAG
-from cases.recorded import RecordedTable, experiment_tables
-from cases.runs.campaign import Work
-from cases.runs.comparison import CaseResult, cross_validate
-from cases.runs.request import CODE, Run
-from cases.studies import ACCURACY_CASE, run_studies, work
-from engines.registry import MAIN, engine
-from reports import long_studies
-from reports.findings.failures import INCOMPLETE
-from reports.findings.resonance import curves_around, jobs_around
-from reports.findings.runs import of_library, run_number
-from reports.machine import machine_facts
-from reports.output import check_folder, write_file
-from reports.page.chapters import chapters_of
-from reports.page.content import Content
-from reports.page.render import report_page
-from reports.tables.table import Table
-from reports.verification import verification as stored_verification
+from quickreturn.cases import conformance
+from quickreturn.cases.benchmark import SCENES, compiling, stored
+from quickreturn.cases.benchmark.scenes import ENGINES
+from quickreturn.cases.case import Case
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.frozen_crank import FrozenCrank, frozen_crank
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.key import SIMULATION, code_fingerprint
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.judging.matrix import judge_scenes
+from quickreturn.cases.library import catalogue
+from quickreturn.cases.library.hard import TAG
+from quickreturn.cases.recorded import RecordedTable, experiment_tables
+from quickreturn.cases.runs.campaign import Work
+from quickreturn.cases.runs.comparison import CaseResult, cross_validate
+from quickreturn.cases.runs.request import CODE, Run
+from quickreturn.cases.studies import ACCURACY_CASE, run_studies, work
+from quickreturn.engines.registry import MAIN, engine
+from quickreturn.reports import long_studies
+from quickreturn.reports.findings.failures import INCOMPLETE
+from quickreturn.reports.findings.resonance import curves_around, jobs_around
+from quickreturn.reports.findings.runs import of_library, run_number
+from quickreturn.reports.machine import machine_facts
+from quickreturn.reports.output import check_folder, write_file
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.render import report_page
+from quickreturn.reports.tables.table import Table
+from quickreturn.reports.verification import verification as stored_verification
 
 PAGE: Final = "index.html"
 #: The list of all CSV files, by which the next report in the same folder knows which files are an earlier report's.
@@ -143,7 +143,7 @@ def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[Froze
     """What is known of the example run with its crank held, and why nothing is, if it could not be computed."""
     if example is None:
         return None, []
-    job = Job("frozen crank", frozen_crank, (example.case.mechanism,), kind="frozen crank", code=("cases.frozen_crank",))
+    job = Job("frozen crank", frozen_crank, (example.case.mechanism,), kind="frozen crank", code=("quickreturn.cases.frozen_crank",))
     (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
     if outcome.value is not None:
         return outcome.value, []

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from reports.findings.runs import run_number
+from quickreturn.reports.findings.runs import run_number
 
 MINUS: Final = "−"
 #: A blank at which no line breaks.

@@ -71,9 +71,9 @@ class _Outcome:
             self.rows.append([file.removeprefix("tests/"), _words(name), report.outcome, round(report.duration, 1), measured or None])
 
     def pytest_sessionfinish(self) -> None:
-        from cases.jobs.key import code_fingerprint
-        from cases.jobs.store import Store, write_atomically
-        from reports.verification import FILE, PARTS
+        from quickreturn.cases.jobs.key import code_fingerprint
+        from quickreturn.cases.jobs.store import Store, write_atomically
+        from quickreturn.reports.verification import FILE, PARTS
 
         passed = sum(row[2] == "passed" for row in self.rows)
         chapter = {

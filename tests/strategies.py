@@ -14,8 +14,8 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from engines.start import Start
-from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
+from quickreturn.engines.start import Start
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
 
 Array = NDArray[np.float64]
 Drive = Literal["torque", "prescribed", "any"]

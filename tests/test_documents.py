@@ -27,9 +27,9 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from cases.benchmark import fastest_at
+from quickreturn.cases.benchmark import fastest_at
 from quickreturn.command_line import BAD_INPUT, COMMANDS, GOOD, main
-from reports.long_studies import benchmarks
+from quickreturn.reports.long_studies import benchmarks
 
 ROOT = Path(__file__).resolve().parents[1]
 BIN = Path(sys.executable).parent

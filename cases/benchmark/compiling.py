@@ -12,13 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from cases.case_file import load_case
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from engines.accurate import run_once
-from engines.registry import engine
-from engines.start import standard_start
-from reference_model.machine_code import VARIABLE
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.registry import engine
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.machine_code import VARIABLE
 
 #: The scene of the step; the code is the same for all.
 _CASE: Final = "thesis-24"
@@ -36,7 +36,7 @@ class Compiling:
 def compiling(workshop: Workshop, names: Sequence[str]) -> list[Compiling]:
     """Of those engines among `names` that compile code. KeyboardInterrupt: Ctrl-C; what was measured is stored."""
     jobs = [
-        Job(f"compiling {name}", measured, (name,), "compiling", (name,), ("cases.benchmark",))
+        Job(f"compiling {name}", measured, (name,), "compiling", (name,), ("quickreturn.cases.benchmark",))
         for name in names
         if engine(name).compiles and not engine(name).unavailable()
     ]

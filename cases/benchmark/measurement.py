@@ -16,17 +16,17 @@ from typing import Final
 
 import numpy as np
 
-from cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, fastest_at
-from cases.benchmark.methods import Method, methods
-from cases.case import Case
-from engines.accurate import ESTIMATED, Made, run_once, simulate
-from engines.base import AnyEngine, EngineFailure, Refusal
-from engines.registry import engine
-from engines.relative import relative_error, rms
-from engines.settings import SettingError, Settings, as_texts
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, fastest_at
+from quickreturn.cases.benchmark.methods import Method, methods
+from quickreturn.cases.case import Case
+from quickreturn.engines.accurate import ESTIMATED, Made, run_once, simulate
+from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.registry import engine
+from quickreturn.engines.relative import relative_error, rms
+from quickreturn.engines.settings import SettingError, Settings, as_texts
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 #: Repetitions of a point at most, and the solve time (s) that the repetitions of one point may take together.
 REPETITIONS: Final = 5

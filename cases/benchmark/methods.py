@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from cases.case import Case
-from engines.base import AnyEngine
-from engines.registry import engine
-from engines.settings import Settings
+from quickreturn.cases.case import Case
+from quickreturn.engines.base import AnyEngine
+from quickreturn.engines.registry import engine
+from quickreturn.engines.settings import Settings
 
 #: AnyEngine -> name of a variant, and the settings that make it.
 VARIANTS: Final[Mapping[str, tuple[tuple[str, Mapping[str, str]], ...]]] = {

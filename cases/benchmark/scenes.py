@@ -4,17 +4,17 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.benchmark.measurement import REPETITIONS, Benchmark, last_at_work, pinned
-from cases.benchmark.methods import methods
-from cases.case import Case
-from cases.jobs.display import answers
-from cases.jobs.job import Executor, Job, Limits
-from cases.jobs.workshop import Workshop
-from engines.accurate import run_once
-from engines.base import EngineFailure, Refusal
-from engines.registry import MAIN, RIVALS, engine
-from engines.settings import SettingError
-from engines.start import standard_start
+from quickreturn.cases.benchmark.measurement import REPETITIONS, Benchmark, last_at_work, pinned
+from quickreturn.cases.benchmark.methods import methods
+from quickreturn.cases.case import Case
+from quickreturn.cases.jobs.display import answers
+from quickreturn.cases.jobs.job import Executor, Job, Limits
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.settings import SettingError
+from quickreturn.engines.start import standard_start
 
 #: Run 24, the run with the least strain, and two hard scenes: a soft follower, and a slider that gets to 96 % of the follower.
 SCENES: Final = ("thesis-24", "thesis-17", "hard-ei-x0.1", "hard-crank-6in")
@@ -88,4 +88,4 @@ def _try(case: Case, name: str) -> str:
 def _job(case: Case, names: Sequence[str], arguments: tuple[Any, ...]) -> Job[Benchmark]:
     """The measurement of a scene, told apart by scene and engines alone: not by how often or how far it is measured."""
     inputs = (case.mechanism, case.duration, case.output_step)
-    return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), code=("cases.benchmark",), inputs=inputs)
+    return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), code=("quickreturn.cases.benchmark",), inputs=inputs)

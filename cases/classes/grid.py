@@ -6,8 +6,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from cases.case import Case
-from cases.classes.groups import Groups, scene_of
+from quickreturn.cases.case import Case
+from quickreturn.cases.classes.groups import Groups, scene_of
 
 SPEEDS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5)
 TIPS: Final = (0.0, 0.5, 2.0)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from cases.library.thesis import run_case
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip, changed
-from reference_model.natural_modes import stiffness_ratio
-from reference_model.rigid import crank_pace
+from quickreturn.cases.library.thesis import run_case
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip, changed
+from quickreturn.reference_model.natural_modes import stiffness_ratio
+from quickreturn.reference_model.rigid import crank_pace
 
 #: Square of the tip body's radius of gyration over that of the follower's length: the thesis' plates, 0.068 in^2 and 25 in (table 5.1).
 GYRATION: Final = 0.068 / 25.0**2

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from cases.classes.groups import Groups
-from cases.classes.measurement import FAILED, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach
-from cases.classes.study import Scene
-from cases.library.thesis import run_case
-from reference_model.mechanism import Mechanism
-from reference_model.scene_values import NAMED, values_of
+from quickreturn.cases.classes.groups import Groups
+from quickreturn.cases.classes.measurement import FAILED, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach
+from quickreturn.cases.classes.study import Scene
+from quickreturn.cases.library.thesis import run_case
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.scene_values import NAMED, values_of
 
 #: What times are compared by -> the field of `Reach` with the time.
 TIMES: Final[Mapping[str, str]] = MappingProxyType({"solving alone": "solve_seconds", "all that one waits for": "waited_seconds"})

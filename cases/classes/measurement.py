@@ -4,18 +4,18 @@ import time
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from cases.benchmark.findings import LEVELS as ALL_LEVELS
-from cases.benchmark.findings import Confirmation, Point, fastest_at
-from cases.benchmark.measurement import Attempt, confirmation_of, seconds_of, truth_of
-from cases.benchmark.methods import methods
-from cases.case import Case
-from cases.classes.grid import case_of
-from cases.classes.groups import Groups
-from engines.accurate import simulate
-from engines.base import AnyEngine, EngineFailure, Refusal
-from engines.relative import relative_error
-from engines.start import standard_start
-from engines.trajectory import REQUIRED, Trajectory
+from quickreturn.cases.benchmark.findings import LEVELS as ALL_LEVELS
+from quickreturn.cases.benchmark.findings import Confirmation, Point, fastest_at
+from quickreturn.cases.benchmark.measurement import Attempt, confirmation_of, seconds_of, truth_of
+from quickreturn.cases.benchmark.methods import methods
+from quickreturn.cases.case import Case
+from quickreturn.cases.classes.grid import case_of
+from quickreturn.cases.classes.groups import Groups
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import REQUIRED, Trajectory
 
 #: Errors of the tip deflection at which methods are compared here.
 LEVELS: Final = ALL_LEVELS[:2]

@@ -4,19 +4,24 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from cases.benchmark.findings import Confirmation
-from cases.benchmark.measurement import CONFIRMING, TRUTH
-from cases.classes.grid import case_of, grid, name_of
-from cases.classes.groups import Groups
-from cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, measured, truth
-from cases.jobs.isolation import STOPPED
-from cases.jobs.job import Job, Outcome, default_limits
-from cases.jobs.workshop import Workshop
-from engines.registry import MAIN, RIVALS, engine
-from engines.trajectory import Trajectory
+from quickreturn.cases.benchmark.findings import Confirmation
+from quickreturn.cases.benchmark.measurement import CONFIRMING, TRUTH
+from quickreturn.cases.classes.grid import case_of, grid, name_of
+from quickreturn.cases.classes.groups import Groups
+from quickreturn.cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, measured, truth
+from quickreturn.cases.jobs.isolation import STOPPED
+from quickreturn.cases.jobs.job import Job, Outcome, default_limits
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.trajectory import Trajectory
 
 ENGINES: Final = (*MAIN, *RIVALS)
-CODE: Final = ("cases.benchmark", "cases.classes.grid", "cases.classes.groups", "cases.classes.measurement")
+CODE: Final = (
+    "quickreturn.cases.benchmark",
+    "quickreturn.cases.classes.grid",
+    "quickreturn.cases.classes.groups",
+    "quickreturn.cases.classes.measurement",
+)
 #: Time (s) after which a method is stopped on a scene: its ladder and two answers take `LIMIT` each, and some runs are repeated.
 STOP: Final = 12.0 * LIMIT
 

@@ -8,21 +8,21 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from cases.conformance.alone import alone
-from cases.conformance.bench import Bench, found_engine
-from cases.conformance.checks import TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
-from cases.conformance.failures import failures
-from cases.conformance.frequencies import frequencies
-from cases.conformance.motion import motion
-from cases.conformance.quantities import quantities
-from cases.conformance.repetition import NOT_TRIED, Elsewhere, elsewhere, repetition
-from cases.conformance.resolution import resolution
-from cases.jobs.display import watched
-from cases.jobs.here import ThisProcess
-from cases.jobs.isolation import STOPPED
-from cases.jobs.job import Executor, Job, Limits, Outcome
-from engines.base import AnyEngine, EngineFailure, Refusal
-from engines.registry import UnknownEngine
+from quickreturn.cases.conformance.alone import alone
+from quickreturn.cases.conformance.bench import Bench, found_engine
+from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
+from quickreturn.cases.conformance.failures import failures
+from quickreturn.cases.conformance.frequencies import frequencies
+from quickreturn.cases.conformance.motion import motion
+from quickreturn.cases.conformance.quantities import quantities
+from quickreturn.cases.conformance.repetition import NOT_TRIED, Elsewhere, elsewhere, repetition
+from quickreturn.cases.conformance.resolution import resolution
+from quickreturn.cases.jobs.display import watched
+from quickreturn.cases.jobs.here import ThisProcess
+from quickreturn.cases.jobs.isolation import STOPPED
+from quickreturn.cases.jobs.job import Executor, Job, Limits, Outcome
+from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.registry import UnknownEngine
 
 __all__ = ["GROUPS", "QUICK", "Check", "Conformance", "conform", "job"]
 
@@ -100,7 +100,14 @@ def _verdict(told: Mapping[str, list[Check]]) -> bool | None:
 
 def job(engine: str) -> Job[Conformance]:
     """`conform` of an installed engine, as its outcome is kept: for this version and code of the engine."""
-    return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,), (__name__, "cases.explanation", "cases.mistakes"))
+    return Job(
+        f"conformance of {engine}",
+        conform,
+        (engine,),
+        "conformance",
+        (engine,),
+        (__name__, "quickreturn.cases.explanation", "quickreturn.cases.mistakes"),
+    )
 
 
 def checks_of(group: str, engine: AnyEngine | str, other: Elsewhere = NOT_TRIED, seconds: float | None = None) -> list[Check]:

@@ -5,16 +5,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from cases.conformance.bench import TELLING, Bench, Motion, columns_of, truth
-from cases.conformance.checks import Check, Fault, looked_at, some
-from cases.conformance.models import acts_as_if
-from cases.conformance.motion import findings
-from cases.conformance.quantities import followed
-from cases.conformance.scenes import BASE, Change
-from cases.mistakes import share_of
-from engines.base import EngineFailure, Refusal
-from engines.relative import rms
-from reference_model.mechanism import FollowerAlone, SpinUp, Tip
+from quickreturn.cases.conformance.bench import TELLING, Bench, Motion, columns_of, truth
+from quickreturn.cases.conformance.checks import Check, Fault, looked_at, some
+from quickreturn.cases.conformance.models import acts_as_if
+from quickreturn.cases.conformance.motion import findings
+from quickreturn.cases.conformance.quantities import followed
+from quickreturn.cases.conformance.scenes import BASE, Change
+from quickreturn.cases.mistakes import share_of
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, Tip
 
 _DURATION: Final = 0.6  # s: the base has turned steadily for a while
 #: The mild scene's follower on a base that is turned: it bends by a hundredth of its length.

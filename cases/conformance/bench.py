@@ -7,22 +7,22 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from cases.conformance.checks import Array, LeftOut
-from cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
-from cases.jobs.display import span
-from engines import progress
-from engines.accurate import compared, run_once
-from engines.base import AnyEngine, Engine, EngineFailure, Refusal, Solver
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.simulation import OwnSimulation
-from engines.registry import usable_engine
-from engines.relative import rms
-from engines.scene import solver_of
-from engines.settings import Settings
-from engines.start import Start, standard_start
-from engines.trajectory import REQUIRED, Trajectory
-from reference_model.columns import COLUMNS
-from reference_model.mechanism import Mechanism, Scene
+from quickreturn.cases.conformance.checks import Array, LeftOut
+from quickreturn.cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
+from quickreturn.cases.jobs.display import span
+from quickreturn.engines import progress
+from quickreturn.engines.accurate import compared, run_once
+from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal, Solver
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.registry import usable_engine
+from quickreturn.engines.relative import rms
+from quickreturn.engines.scene import solver_of
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import REQUIRED, Trajectory
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 #: Columns that are not held against `reference`: the grid, and what a model's own numerics leave.
 _OWN: Final = ("time", "constraint_gap", "axial_stretch")

@@ -7,9 +7,9 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.shown import Cell, Rows, Shown
-from engines.accurate import raised_at
-from engines.base import EngineFailure, Refusal, first_line
+from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.engines.accurate import raised_at
+from quickreturn.engines.base import EngineFailure, Refusal, first_line
 
 Array = NDArray[np.float64]
 Status = Literal["passed", "failed", "not judged"]

@@ -7,13 +7,13 @@ from typing import Final
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from cases.conformance.bench import Bench, Motion
-from cases.conformance.checks import Check, Fault, Unjudged, looked_at
-from engines.base import EngineFailure
-from engines.own.reference import ReferenceEngine
-from engines.start import Start, standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import changed
+from quickreturn.cases.conformance.bench import Bench, Motion
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import changed
 
 #: A slack follower whose bent end the slider reaches when it comes to its farthest place.
 _PUSHED_OFF: Final = {"crank.length": 0.1795, "crank.initial_angle": 0.5, "follower.bending_stiffness": 10.0, "tip.mass": 0.1}

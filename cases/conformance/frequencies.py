@@ -6,14 +6,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.conformance.bench import Bench
-from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at
-from cases.explanation import Hypothesis, explain
-from cases.mistakes import UNITS, share_of
-from engines.base import Refusal
-from engines.settings import Settings
-from reference_model.mechanism import Mechanism, changed
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.cases.conformance.bench import Bench
+from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at
+from quickreturn.cases.explanation import Hypothesis, explain
+from quickreturn.cases.mistakes import UNITS, share_of
+from quickreturn.engines.base import Refusal
+from quickreturn.engines.settings import Settings
+from quickreturn.reference_model.mechanism import Mechanism, changed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 _COUNT: Final = 3
 _ANGLES: Final = (180.0, 90.0, 0.0)

@@ -8,13 +8,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.conformance.bench import Motion, solution
-from cases.conformance.checks import Array
-from cases.explanation import Hypothesis, explain
-from cases.mistakes import Finding
-from engines.base import EngineFailure
-from engines.relative import rms
-from reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive, changed
+from quickreturn.cases.conformance.bench import Motion, solution
+from quickreturn.cases.conformance.checks import Array
+from quickreturn.cases.explanation import Hypothesis, explain
+from quickreturn.cases.mistakes import Finding
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive, changed
 
 #: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
 #: are small beside the follower's.

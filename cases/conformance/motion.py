@@ -11,19 +11,19 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from cases.conformance.bench import ROUNDING, TELLING, Bench, Motion, bent_start, columns_of, solution, truth
-from cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, some
-from cases.conformance.models import acts_as_if
-from cases.conformance.rows import output_steps, pieces
-from cases.conformance.scenes import OUTPUT_STEP, SOFT
-from cases.explanation import Hypothesis, explain
-from cases.mistakes import Finding, diagnose, lateness, share_of
-from engines.base import EngineFailure, Refusal
-from engines.relative import rms
-from engines.start import Start, standard_start
-from engines.start_state import reconstruct
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, Scene, changed
+from quickreturn.cases.conformance.bench import ROUNDING, TELLING, Bench, Motion, bent_start, columns_of, solution, truth
+from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, some
+from quickreturn.cases.conformance.models import acts_as_if
+from quickreturn.cases.conformance.rows import output_steps, pieces
+from quickreturn.cases.conformance.scenes import OUTPUT_STEP, SOFT
+from quickreturn.cases.explanation import Hypothesis, explain
+from quickreturn.cases.mistakes import Finding, diagnose, lateness, share_of
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.relative import rms
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, Scene, changed
 
 _BENT_DURATION: Final = 0.25  # s
 #: What is wrong -> what is left of a start then.

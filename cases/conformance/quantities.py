@@ -6,16 +6,16 @@ from typing import Final
 
 import numpy as np
 
-from cases.conformance.bench import TELLING, Bench, Motion, columns_of, solution, truth
-from cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
-from cases.conformance.motion import Amiss, already_amiss, falling, findings
-from cases.conformance.scenes import CHANGES, Change
-from cases.conformance.together import together
-from cases.explanation import Hypothesis, explain
-from cases.mistakes import share_of
-from engines.base import EngineFailure
-from engines.relative import rms
-from reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene, changed
+from quickreturn.cases.conformance.bench import TELLING, Bench, Motion, columns_of, solution, truth
+from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
+from quickreturn.cases.conformance.motion import Amiss, already_amiss, falling, findings
+from quickreturn.cases.conformance.scenes import CHANGES, Change
+from quickreturn.cases.conformance.together import together
+from quickreturn.cases.explanation import Hypothesis, explain
+from quickreturn.cases.mistakes import share_of
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene, changed
 
 #: Of the effect a quantity must have: less is none.
 _NONE: Final = 0.02

@@ -11,16 +11,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.conformance.bench import TELLING, Bench, Motion, columns_of, found_engine, solution
-from cases.conformance.checks import LEFT_OUT, Array, Check, Fault, Unjudged, looked_at
-from cases.explanation import Hypothesis, explain
-from cases.jobs.display import answers
-from cases.jobs.isolation import STOPPED
-from cases.jobs.job import Job, Limits, default_limits
-from cases.jobs.processes import LocalProcesses
-from engines.base import AnyEngine, EngineFailure
-from engines.relative import rms
-from reference_model.mechanism import Mechanism, changed
+from quickreturn.cases.conformance.bench import TELLING, Bench, Motion, columns_of, found_engine, solution
+from quickreturn.cases.conformance.checks import LEFT_OUT, Array, Check, Fault, Unjudged, looked_at
+from quickreturn.cases.explanation import Hypothesis, explain
+from quickreturn.cases.jobs.display import answers
+from quickreturn.cases.jobs.isolation import STOPPED
+from quickreturn.cases.jobs.job import Job, Limits, default_limits
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.engines.base import AnyEngine, EngineFailure
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.mechanism import Mechanism, changed
 
 _DURATION: Final = 0.1  # s
 #: Part of a column by which it may differ.

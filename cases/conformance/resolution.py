@@ -5,15 +5,15 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from cases.conformance.bench import Bench, Truth, truth
-from cases.conformance.checks import Check, Fault, Unjudged, looked_at
-from cases.conformance.motion import Amiss, already_amiss
-from cases.conformance.settings import settings_at_work, stated_errors
-from engines.accurate import ESTIMATED
-from engines.base import Comparison, EngineFailure
-from engines.relative import rms
-from engines.settings import Settings
-from engines.simple import SimpleEngine
+from quickreturn.cases.conformance.bench import Bench, Truth, truth
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at
+from quickreturn.cases.conformance.motion import Amiss, already_amiss
+from quickreturn.cases.conformance.settings import settings_at_work, stated_errors
+from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.base import Comparison, EngineFailure
+from quickreturn.engines.relative import rms
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.simple import SimpleEngine
 
 #: Rungs that a ladder may have: half as many as there are settings in the longest of this project.
 _MOST_RUNGS: Final = 200

@@ -7,15 +7,15 @@ from typing import Final
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from cases.conformance.bench import Bench, columns_of, solution
-from cases.conformance.checks import Array, Check, Fault, LeftOut, some
-from cases.conformance.scenes import OUTPUT_STEP
-from cases.explanation import explain
-from cases.mistakes import IN_TIME, lateness, share_of
-from engines.base import EngineFailure
-from engines.relative import rms
-from engines.start import standard_start
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.conformance.bench import Bench, columns_of, solution
+from quickreturn.cases.conformance.checks import Array, Check, Fault, LeftOut, some
+from quickreturn.cases.conformance.scenes import OUTPUT_STEP
+from quickreturn.cases.explanation import explain
+from quickreturn.cases.mistakes import IN_TIME, lateness, share_of
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.relative import rms
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import Mechanism
 
 #: Output steps that are tried besides the usual one, in its units: coarser, finer, and such as no usual step of an engine divides.
 _STEPS: Final = (4.0, 2.5, 0.5, 1.3)

@@ -9,16 +9,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.case_file import load_case
-from cases.conformance.bench import Bench, Motion, solution
-from cases.conformance.checks import Check, Fault, Unjudged, looked_at
-from cases.conformance.together import everything
-from cases.jobs.display import span
-from engines.base import EngineFailure
-from engines.relative import relative_error
-from engines.settings import SettingError, Settings
-from engines.simple import SimpleEngine, SimpleSettings
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.conformance.bench import Bench, Motion, solution
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at
+from quickreturn.cases.conformance.together import everything
+from quickreturn.cases.jobs.display import span
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.settings import SettingError, Settings
+from quickreturn.engines.simple import SimpleEngine, SimpleSettings
+from quickreturn.reference_model.mechanism import Mechanism
 
 #: Duration of the runs by which settings are told apart, s: 50 rows.
 _DURATION: Final = 0.05

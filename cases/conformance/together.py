@@ -4,13 +4,13 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from cases.conformance.bench import Bench, Motion, columns_of, truth
-from cases.conformance.checks import Check, Fault, Unjudged, looked_at, some
-from cases.conformance.motion import Amiss, findings
-from cases.mistakes import share_of
-from engines.base import EngineFailure, Refusal
-from engines.relative import rms
-from reference_model.mechanism import ImpossibleMechanism, Mechanism, changed
+from quickreturn.cases.conformance.bench import Bench, Motion, columns_of, truth
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at, some
+from quickreturn.cases.conformance.motion import Amiss, findings
+from quickreturn.cases.mistakes import share_of
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism, changed
 
 #: Duration of the motion, s: three quarters of a turn.
 _DURATION: Final = 0.4

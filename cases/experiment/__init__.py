@@ -1,7 +1,7 @@
 """What is left of the experiment: speeds, frequencies, axis labels, words; `curves` is the place for recordings of it."""
 
-from cases.experiment.published import AxisLabels, axis_labels, channel_is_usable, measured_crank_speed
-from cases.experiment.statements import Statement, statements
+from quickreturn.cases.experiment.published import AxisLabels, axis_labels, channel_is_usable, measured_crank_speed
+from quickreturn.cases.experiment.statements import Statement, statements
 
 __all__ = [
     "AxisLabels",

@@ -4,8 +4,8 @@ import functools
 from dataclasses import dataclass
 from typing import Final
 
-from cases.data import read_table
-from cases.library.thesis import RUNS
+from quickreturn.cases.data import read_table
+from quickreturn.cases.library.thesis import RUNS
 
 INCH: Final = 0.0254  # m
 PERCENT: Final = 0.01  # the unit of printed strain, see cases.library.inconsistencies

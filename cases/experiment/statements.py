@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from cases.data import read_toml
-from cases.library.thesis import RUNS
+from quickreturn.cases.data import read_toml
+from quickreturn.cases.library.thesis import RUNS
 
 Kind = Literal["relation", "frequency", "observation", "cause"]
 

@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from cases.data import read_toml
-from cases.library.thesis import run_case
+from quickreturn.cases.data import read_toml
+from quickreturn.cases.library.thesis import run_case
 
 PSI: Final = 6894.757293168361  # Pa
 #: Young's modulus of common wrought aluminium alloys, Pa: 6061 and 2024, 10.0 and 10.6 million psi.

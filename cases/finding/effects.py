@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from cases.case_file import load_case
-from cases.data import read_toml
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.data import read_toml
+from quickreturn.reference_model.mechanism import Mechanism
 
 
 @dataclass(frozen=True)

@@ -19,18 +19,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.measures import CHANNELS, Cycle, TimeScale, time_scale
-from cases.measures.consensus import consensus
-from cases.measures.cycle import HALVES
-from cases.measures.first_mode import FirstMode, fit_first_modes
-from cases.measures.half_cycle import channel_half, half_cycle
-from cases.runs.marching import March, output_step, periodic_cycle
-from cases.runs.orbit import PeriodicStart
-from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
-from engines.registry import engine as engine_of_name
-from engines.settings import Settings
-from engines.start import standard_start
-from reference_model.mechanism import Mechanism, TorqueDrive, changed
+from quickreturn.cases.measures import CHANNELS, Cycle, TimeScale, time_scale
+from quickreturn.cases.measures.consensus import consensus
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.first_mode import FirstMode, fit_first_modes
+from quickreturn.cases.measures.half_cycle import channel_half, half_cycle
+from quickreturn.cases.runs.marching import March, output_step, periodic_cycle
+from quickreturn.cases.runs.orbit import PeriodicStart
+from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
+from quickreturn.engines.registry import engine as engine_of_name
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
 
 Array = NDArray[np.float64]
 

@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from cases.finding.effects import PUBLISHED, Effect, effects
-from cases.finding.response import Request, Response, respond
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from cases.library.thesis import RUNS, run_case
-from cases.measures import CHANNELS
-from cases.measures.consensus import consensus
-from cases.measures.cycle import HALVES
-from cases.runs.orbit import Orbit, orbits
-from cases.runs.request import CODE
+from quickreturn.cases.finding.effects import PUBLISHED, Effect, effects
+from quickreturn.cases.finding.response import Request, Response, respond
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library.thesis import RUNS, run_case
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.consensus import consensus
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.runs.orbit import Orbit, orbits
+from quickreturn.cases.runs.request import CODE
 
 #: The strength at which errors are estimated and a second formulation is asked, and the runs in which they are.
 MIDDLE: Final = 1
@@ -116,7 +116,7 @@ def _job(effect: Effect, run: int, way: Way, begin: Orbit) -> Job[tuple[Response
         )
         for strength in strengths
     )
-    code = ("cases.finding.response", *CODE)
+    code = ("quickreturn.cases.finding.response", *CODE)
     return Job(" ".join((effect.id, str(run), way)).strip(), respond, (requests,), kind="finding", engines=(engine,), code=code)
 
 

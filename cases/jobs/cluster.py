@@ -10,12 +10,12 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
-from cases.jobs.isolation import isolated
-from cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
-from cases.jobs.key import LIBRARIES, code_fingerprint, key_of, library_version, version_of
-from cases.jobs.processes import computed
-from engines.base import first_line
-from engines.registry import OWN
+from quickreturn.cases.jobs.isolation import isolated
+from quickreturn.cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
+from quickreturn.cases.jobs.key import LIBRARIES, SIMULATION, code_fingerprint, key_of, library_version, version_of
+from quickreturn.cases.jobs.processes import computed
+from quickreturn.engines.base import first_line
+from quickreturn.engines.registry import OWN
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -108,7 +108,7 @@ def installed() -> dict[str, str]:
     """Versions of what determines results, by name: libraries, engines, and this project's code."""
     engines = {f"engine {name}": version_of(name)[-2] for name in sorted(OWN)}
     versions = {library: library_version(library) for library in LIBRARIES}
-    return {**versions, **engines, "code of quickreturn": code_fingerprint(("reference_model", "engines", "cases"))[:12]}
+    return {**versions, **engines, "code of quickreturn": code_fingerprint((*SIMULATION, "quickreturn.cases"))[:12]}
 
 
 def _worker() -> tuple[bool, dict[str, str]]:

@@ -12,12 +12,12 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final
 
-from cases.jobs.job import Executor, Job, Outcome, T
-from engines import progress as progress_of_engines
-from reference_model import machine_code
+from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
+from quickreturn.engines import progress as progress_of_engines
+from quickreturn.reference_model import machine_code
 
 if TYPE_CHECKING:
-    from engines.progress import Progress
+    from quickreturn.engines.progress import Progress
 
 #: Until the first line, and between lines, s. What is done before needs none.
 FIRST: Final = 0.3

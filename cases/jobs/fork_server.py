@@ -20,16 +20,16 @@ from typing import Any, Final
 THREADS: Final = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMBA"))
 #: Modules that a fork server imports once for all its workers.
 PRELOAD: Final = (
-    "cases.jobs.worker",
-    "cases.jobs.warm",
+    "quickreturn.cases.jobs.worker",
+    "quickreturn.cases.jobs.warm",
     "scipy.integrate",
-    "engines.accurate",
-    "engines.registry",
-    "engines.own.simulation",
-    "reference_model.periodic",
-    "engines.exudyn.simulation",
-    "engines.mujoco.simulation",
-    "cases.runs.steady_state",
+    "quickreturn.engines.accurate",
+    "quickreturn.engines.registry",
+    "quickreturn.engines.own.simulation",
+    "quickreturn.reference_model.periodic",
+    "quickreturn.engines.exudyn.simulation",
+    "quickreturn.engines.mujoco.simulation",
+    "quickreturn.cases.runs.steady_state",
 )
 
 _LOCK: Final = threading.Lock()

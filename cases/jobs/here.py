@@ -3,8 +3,8 @@
 import time
 from collections.abc import Generator, Sequence
 
-from cases.jobs.job import MISSING, Job, Limits, Outcome, V, Watch
-from engines import progress
+from quickreturn.cases.jobs.job import MISSING, Job, Limits, Outcome, V, Watch
+from quickreturn.engines import progress
 
 
 class ThisProcess:

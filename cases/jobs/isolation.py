@@ -32,10 +32,10 @@ from multiprocessing import connection
 from pathlib import Path
 from typing import Any, Final
 
-from cases.jobs.fork_server import PRELOAD, Process
-from cases.jobs.job import Job, Limits, Outcome, T, Watch, default_limits
-from cases.jobs.worker import serve
-from reference_model import machine_code
+from quickreturn.cases.jobs.fork_server import PRELOAD, Process
+from quickreturn.cases.jobs.job import Job, Limits, Outcome, T, Watch, default_limits
+from quickreturn.cases.jobs.worker import serve
+from quickreturn.reference_model import machine_code
 
 #: How the failure of a job begins that took longer than it may.
 STOPPED: Final = "stopped at the time limit"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 
 if TYPE_CHECKING:
-    from engines.progress import Progress
+    from quickreturn.engines.progress import Progress
 
 #: Failure of a job that is not stored where nothing is computed.
 MISSING: Final = "is not stored"
@@ -73,7 +73,7 @@ class Outcome(Generic[T]):
     def explanation(self) -> str:
         """The failure in the engine's words where it has some; of a process that died with the last line of a native library."""
         if self.error is not None:
-            from engines.base import EngineFailure, Refusal
+            from quickreturn.engines.base import EngineFailure, Refusal
 
             return str(self.error) if isinstance(self.error, (EngineFailure, Refusal)) else self.failure
         lines = self.output.splitlines()

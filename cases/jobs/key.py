@@ -18,15 +18,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.jobs.job import Job
-from engines.base import AnyEngine
-from engines.registry import MAIN, RIVALS, engine
+from quickreturn.cases.jobs.job import Job
+from quickreturn.engines.base import AnyEngine
+from quickreturn.engines.registry import MAIN, RIVALS, engine
 
 #: What trajectories and natural frequencies depend on, besides a third-party engine's own code.
-SIMULATION: Final = ("reference_model", "engines")
+SIMULATION: Final = ("quickreturn.reference_model", "quickreturn.engines")
 
 #: By what results become records, and are read back from them.
-_RECORDS: Final = "cases.jobs.records"
+_RECORDS: Final = "quickreturn.cases.jobs.records"
 
 #: Libraries that compute; an engine's own library is named by `Engine.version`.
 LIBRARIES: Final = ("numpy", "scipy", "numba")

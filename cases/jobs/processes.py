@@ -7,9 +7,9 @@ from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecu
 from dataclasses import replace
 from functools import partial
 
-from cases.jobs.fork_server import PRELOAD
-from cases.jobs.isolation import end_waiting, isolated
-from cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
+from quickreturn.cases.jobs.fork_server import PRELOAD
+from quickreturn.cases.jobs.isolation import end_waiting, isolated
+from quickreturn.cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
 
 
 def available_cores() -> int:

@@ -14,7 +14,7 @@ from typing import Any, Final, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.jobs.store import Record
+from quickreturn.cases.jobs.store import Record
 
 _ARRAY: Final = "$array"
 _BYTES: Final = "$bytes"

@@ -12,7 +12,7 @@ import traceback
 from multiprocessing.connection import Connection
 from typing import Any, Final
 
-from engines.progress import listen
+from quickreturn.engines.progress import listen
 
 #: Exit code of a worker whose runner is gone.
 ORPHANED: Final = 70

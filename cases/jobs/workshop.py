@@ -9,13 +9,13 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, get_type_hints
 
-from cases.jobs.display import watched
-from cases.jobs.here import Nobody
-from cases.jobs.job import Executor, Job, Outcome, T
-from cases.jobs.key import key_of
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.records import decoded, encoded
-from cases.jobs.store import Record, Store
+from quickreturn.cases.jobs.display import watched
+from quickreturn.cases.jobs.here import Nobody
+from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
+from quickreturn.cases.jobs.key import key_of
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.records import decoded, encoded
+from quickreturn.cases.jobs.store import Record, Store
 
 #: Exceptions that are the machine's doing.
 _OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)

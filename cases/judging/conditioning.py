@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from engines.accurate import run_once
-from engines.base import EngineFailure
-from engines.own.reference import ReferenceEngine
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, TorqueDrive, changed
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
 
 Array = NDArray[np.float64]
 

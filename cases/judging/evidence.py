@@ -14,16 +14,16 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.judging.conditioning import later_differences
-from cases.judging.verdicts import Breakdown, Evidence, judge
-from engines.accurate import Result, run_once, simulate
-from engines.base import AnyEngine, EngineFailure, Refusal
-from engines.registry import usable_engine
-from engines.relative import relative_error
-from engines.settings import SettingError, Settings
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.judging.conditioning import later_differences
+from quickreturn.cases.judging.verdicts import Breakdown, Evidence, judge
+from quickreturn.engines.accurate import Result, run_once, simulate
+from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.registry import usable_engine
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.settings import SettingError, Settings
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism
 
 Columns = dict[str, NDArray[np.float64]]
 

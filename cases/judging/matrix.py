@@ -8,14 +8,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.case import Case
-from cases.jobs.job import Job, Outcome
-from cases.jobs.workshop import Workshop
-from cases.judging.conditioning import Conditioning, conditioning, later_differences
-from cases.judging.evidence import Columns, Trial, TrialScene, gather
-from cases.judging.verdicts import ACCURATE, ENDED, LATER, OWN_EQUATIONS, Breakdown, Verdict, contradicted, judge
-from engines.registry import MAIN
-from engines.relative import relative_error
+from quickreturn.cases.case import Case
+from quickreturn.cases.jobs.job import Job, Outcome
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.judging.conditioning import Conditioning, conditioning, later_differences
+from quickreturn.cases.judging.evidence import Columns, Trial, TrialScene, gather
+from quickreturn.cases.judging.verdicts import ACCURATE, ENDED, LATER, OWN_EQUATIONS, Breakdown, Verdict, contradicted, judge
+from quickreturn.engines.registry import MAIN
+from quickreturn.engines.relative import relative_error
 
 #: Error of the tip deflection asked of every engine.
 REQUESTED: Final = 0.01
@@ -28,7 +28,7 @@ MODEL_CONVERGED: Final = 1e-4
 #: Columns of a trial that are kept.
 _KEPT: Final = ("time", "tip_deflection", "strain_energy")
 _KIND: Final = "hard scene"
-_CODE: Final = ("cases.judging",)
+_CODE: Final = ("quickreturn.cases.judging",)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from cases.case import Case
-from cases.document import Document, header_of, read_document
-from cases.errors import CaseError
-from cases.library import hard, thesis
-from cases.library.inconsistencies import Inconsistency, inconsistencies
-from cases.library.thesis import RUNS, run_name
-from cases.reading import case_of
-from cases.text_file import read_text
+from quickreturn.cases.case import Case
+from quickreturn.cases.document import Document, header_of, read_document
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.library import hard, thesis
+from quickreturn.cases.library.inconsistencies import Inconsistency, inconsistencies
+from quickreturn.cases.library.thesis import RUNS, run_name
+from quickreturn.cases.reading import case_of
+from quickreturn.cases.text_file import read_text
 
 __all__ = [
     "CatalogueLine",

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
-from cases.document import Document, document_of
-from cases.library.thesis import run_case, run_document, tip_body
+from quickreturn.cases.document import Document, document_of
+from quickreturn.cases.library.thesis import run_case, run_document, tip_body
 
 TAG: Final = "hard"
 _ORIGINAL: Final = 24

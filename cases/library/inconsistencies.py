@@ -7,8 +7,8 @@ import functools
 from dataclasses import dataclass
 from typing import Final
 
-from cases.data import read_table
-from cases.library.thesis import RUNS, run_case
+from quickreturn.cases.data import read_table
+from quickreturn.cases.library.thesis import RUNS, run_case
 
 #: Pa. No wrought aluminium alloy carries more before it yields (7075-T6: 0.50 GPa).
 _HIGHEST_YIELD_STRESS: Final = 0.55e9

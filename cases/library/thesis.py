@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from cases.case import Case
-from cases.data import read_table, read_toml
-from cases.document import Document
-from cases.reading import case_of
+from quickreturn.cases.case import Case
+from quickreturn.cases.data import read_table, read_toml
+from quickreturn.cases.document import Document
+from quickreturn.cases.reading import case_of
 
 TAG: Final = "thesis"
 

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.loads.peak import Claim, Peak, of_column, of_vector
-from cases.loads.resonance import Resonance, of_motion, resonance
-from cases.loads.stress import ArmStress, Factor, arm_stress, safety
-from cases.runs.request import Run
-from reference_model.mechanism import Mechanism, Scene
+from quickreturn.cases.loads.peak import Claim, Peak, of_column, of_vector
+from quickreturn.cases.loads.resonance import Resonance, of_motion, resonance
+from quickreturn.cases.loads.stress import ArmStress, Factor, arm_stress, safety
+from quickreturn.cases.runs.request import Run
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 __all__ = ["Claim", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "of_motion", "resonance"]
 

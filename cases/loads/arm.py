@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 
-from reference_model.columns import MOMENTS, PLACES, SHAPE
-from reference_model.mechanism import FollowerAlone, Scene
-from reference_model.tip_force import tip_force
+from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
+from quickreturn.reference_model.mechanism import FollowerAlone, Scene
+from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures.extremes import extremes
+from quickreturn.cases.measures.extremes import extremes
 
 Array = NDArray[np.float64]
 

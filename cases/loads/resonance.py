@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from cases.measures.time_scale import TURN, time_scale
-from reference_model.mechanism import Mechanism
-from reference_model.natural_modes import frozen_crank_modes
-from reference_model.rigid import crank_pace
+from quickreturn.cases.measures.time_scale import TURN, time_scale
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.rigid import crank_pace
 
 #: Crank angles of half a turn, the other half mirrors it, at which frequencies are averaged: the mean of a smooth periodic function by
 #: as many even angles is exact to round-off in all scenes of the library but those whose crank reaches nearly to P.

@@ -16,11 +16,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.loads.arm import NEEDED, KnownMoments, between, interpolated, known_moments, left_out
-from cases.loads.peak import Claim, Peak, peak_of
-from cases.measures.extremes import extremes
-from reference_model.columns import MOMENTS
-from reference_model.mechanism import Follower, Scene
+from quickreturn.cases.loads.arm import NEEDED, KnownMoments, between, interpolated, known_moments, left_out
+from quickreturn.cases.loads.peak import Claim, Peak, peak_of
+from quickreturn.cases.measures.extremes import extremes
+from quickreturn.reference_model.columns import MOMENTS
+from quickreturn.reference_model.mechanism import Follower, Scene
 
 Array = NDArray[np.float64]
 

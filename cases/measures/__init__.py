@@ -6,11 +6,11 @@ frequency drifts with the crank angle, on a large slow part: what is fitted is t
 the mechanism itself dictates.
 """
 
-from cases.measures.consensus import Consensus
-from cases.measures.cycle import CycleMeasures, Measure, consensus_of, extremes_by_half, measure_cycle
-from cases.measures.mean_cycle import AVERAGED, mean_measures, standard_error
-from cases.measures.steady_state import Cycle, Settling, cut_cycles, on_common_grid, relative_change
-from cases.measures.time_scale import CHANNELS, TimeScale, time_scale
+from quickreturn.cases.measures.consensus import Consensus
+from quickreturn.cases.measures.cycle import CycleMeasures, Measure, consensus_of, extremes_by_half, measure_cycle
+from quickreturn.cases.measures.mean_cycle import AVERAGED, mean_measures, standard_error
+from quickreturn.cases.measures.steady_state import Cycle, Settling, cut_cycles, on_common_grid, relative_change
+from quickreturn.cases.measures.time_scale import CHANNELS, TimeScale, time_scale
 
 __all__ = [
     "AVERAGED",

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.measures.consensus import Consensus, consensus
-from cases.measures.extremes import Extreme, extremes, low_pass
-from cases.measures.first_mode import FirstMode, fit_first_modes
-from cases.measures.half_cycle import ChannelHalf, channel_half, half_cycle
-from cases.measures.second_mode import agreeing, second_mode_frequency
-from cases.measures.time_scale import TimeScale
+from quickreturn.cases.measures.consensus import Consensus, consensus
+from quickreturn.cases.measures.extremes import Extreme, extremes, low_pass
+from quickreturn.cases.measures.first_mode import FirstMode, fit_first_modes
+from quickreturn.cases.measures.half_cycle import ChannelHalf, channel_half, half_cycle
+from quickreturn.cases.measures.second_mode import agreeing, second_mode_frequency
+from quickreturn.cases.measures.time_scale import TimeScale
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures.half_cycle import ChannelHalf
+from quickreturn.cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
 

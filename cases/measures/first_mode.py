@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures.drifting_fit import Bounds, Fit, Problem, Waves, orthonormal, refined, without
-from cases.measures.half_cycle import ChannelHalf
+from quickreturn.cases.measures.drifting_fit import Bounds, Fit, Problem, Waves, orthonormal, refined, without
+from quickreturn.cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
 

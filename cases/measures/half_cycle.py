@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-from cases.measures.time_scale import TimeScale
+from quickreturn.cases.measures.time_scale import TimeScale
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.measures.cycle import CycleMeasures, Measure, consensus_of
+from quickreturn.cases.measures.cycle import CycleMeasures, Measure, consensus_of
 
 #: Cycles that means are taken over where no cycle repeats.
 AVERAGED: Final = 30

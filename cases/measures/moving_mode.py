@@ -29,8 +29,8 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from reference_model.mechanism import Mechanism
-from reference_model.natural_modes import FrozenModes
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.natural_modes import FrozenModes
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ crank speed.
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures.drifting_fit import Fit, Waves, orthonormal, without
-from cases.measures.half_cycle import ChannelHalf
+from quickreturn.cases.measures.drifting_fit import Fit, Waves, orthonormal, without
+from quickreturn.cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.measures.moving_mode import moving_mode
-from cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
-from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
-from reference_model.natural_modes import FrozenModes, frozen_crank_modes
+from quickreturn.cases.measures.moving_mode import moving_mode
+from quickreturn.cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.natural_modes import FrozenModes, frozen_crank_modes
 
 Array = NDArray[np.float64]
 

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeVar
 
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from cases.runs.orbit import begins_in_orbit, orbits
-from cases.runs.request import CODE, FAILED, UNAVAILABLE, Run, RunRequest
-from cases.runs.steady_state import steady_state
-from engines.registry import engine
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.runs.orbit import begins_in_orbit, orbits
+from quickreturn.cases.runs.request import CODE, FAILED, UNAVAILABLE, Run, RunRequest
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.engines.registry import engine
 
 #: The slowest first, so that the last core does not wait for one of them.
 _SLOWEST: Final = ("exudyn", "mujoco", "reference")

@@ -10,17 +10,17 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any, Final, Literal
 
-from cases.case import Case
-from cases.errors import CaseError
-from cases.jobs.workshop import Workshop
-from cases.measures import CHANNELS, Consensus, consensus_of, extremes_by_half
-from cases.recorded import RecordedTable
-from cases.runs.campaign import Work, carry_out
-from cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
-from cases.runs.recorded import recorded_run
-from cases.runs.request import ASSUMED, LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
-from engines.registry import MAIN
-from reference_model.rigid import crank_pace
+from quickreturn.cases.case import Case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures import CHANNELS, Consensus, consensus_of, extremes_by_half
+from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.campaign import Work, carry_out
+from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
+from quickreturn.cases.runs.recorded import recorded_run
+from quickreturn.cases.runs.request import ASSUMED, LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
+from quickreturn.engines.registry import MAIN
+from quickreturn.reference_model.rigid import crank_pace
 
 REFERENCE: Final = "reference"
 HALVES: Final = ("pre", "post")

@@ -8,17 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.case import Case
-from cases.measures import on_common_grid
-from cases.measures.steady_state import GRID
-from cases.mistakes import diagnose
-from cases.runs.marching import channels_of
-from cases.runs.noise import white_noise
-from cases.runs.other_case import OtherCases, other_cases
-from cases.runs.recorded import GROWING, TELLING
-from cases.runs.request import NOTHING, Run
-from engines.relative import relative_error, rms
-from reference_model.columns import COLUMNS
+from quickreturn.cases.case import Case
+from quickreturn.cases.measures import on_common_grid
+from quickreturn.cases.measures.steady_state import GRID
+from quickreturn.cases.mistakes import diagnose
+from quickreturn.cases.runs.marching import channels_of
+from quickreturn.cases.runs.noise import white_noise
+from quickreturn.cases.runs.other_case import OtherCases, other_cases
+from quickreturn.cases.runs.recorded import GROWING, TELLING
+from quickreturn.cases.runs.request import NOTHING, Run
+from quickreturn.engines.relative import relative_error, rms
+from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
 

@@ -20,10 +20,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures import CHANNELS, Consensus, CycleMeasures, Measure, on_common_grid
-from cases.measures.steady_state import GRID
-from cases.runs.marching import Columns, channels_of
-from engines.accurate import LEAST_FACTOR, Compared
+from quickreturn.cases.measures import CHANNELS, Consensus, CycleMeasures, Measure, on_common_grid
+from quickreturn.cases.measures.steady_state import GRID
+from quickreturn.cases.runs.marching import Columns, channels_of
+from quickreturn.engines.accurate import LEAST_FACTOR, Compared
 
 Array = NDArray[np.float64]
 

@@ -10,15 +10,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures import AVERAGED, CHANNELS, Cycle, Settling, cut_cycles
-from cases.measures.steady_state import GREATEST_NUMBER
-from engines import progress
-from engines.accurate import check_trajectory
-from engines.base import EngineFailure, Simulation, SteadyState
-from engines.trajectory import Trajectory, join
-from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.natural_modes import frozen_crank_modes
-from reference_model.rigid import crank_pace
+from quickreturn.cases.measures import AVERAGED, CHANNELS, Cycle, Settling, cut_cycles
+from quickreturn.cases.measures.steady_state import GREATEST_NUMBER
+from quickreturn.engines import progress
+from quickreturn.engines.accurate import check_trajectory
+from quickreturn.engines.base import EngineFailure, Simulation, SteadyState
+from quickreturn.engines.trajectory import Trajectory, join
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.rigid import crank_pace
 
 Columns = dict[str, NDArray[np.float64]]
 

@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
-from engines import progress
-from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.simulation import OwnSimulation
-from engines.start import Start, standard_start
-from reference_model.mechanism import Mechanism, TorqueDrive, changed
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
+from quickreturn.engines import progress
+from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
 
 Array = NDArray[np.float64]
 
@@ -191,6 +191,8 @@ def orbits(mechanisms: Iterable[Mechanism], workshop: Workshop) -> list[Orbit]:
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    jobs = [Job("periodic state", find_orbit, (scene,), kind="periodic state", code=("cases.runs.orbit",)) for scene in mechanisms]
+    jobs = [
+        Job("periodic state", find_orbit, (scene,), kind="periodic state", code=("quickreturn.cases.runs.orbit",)) for scene in mechanisms
+    ]
     outcomes = workshop.outcomes(jobs, "periodic states") if jobs else []
     return [outcome.value or Orbit(None, None, f"the search {outcome.explanation}") for outcome in outcomes]

@@ -11,13 +11,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from cases.case import Case
-from cases.library import case_names, library_case
-from cases.runs.request import NOTHING, Run
-from engines.relative import rms
-from reference_model.mechanism import Mechanism
-from reference_model.natural_modes import frozen_crank_modes
-from reference_model.rigid import crank_pace, rigid_kinetostatics, static_deflection
+from quickreturn.cases.case import Case
+from quickreturn.cases.library import case_names, library_case
+from quickreturn.cases.runs.request import NOTHING, Run
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics, static_deflection
 
 
 class Trait(NamedTuple):

@@ -16,20 +16,30 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.case import Case
-from cases.errors import CaseError
-from cases.measures import CHANNELS, Cycle, Measure, Settling, cut_cycles, extremes_by_half, measure_cycle, on_common_grid, time_scale
-from cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER
-from cases.measures.time_scale import TURN
-from cases.recorded import RecordedTable
-from cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
-from cases.runs.marching import columns_of
-from cases.runs.other_case import cases_of_pace
-from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
-from engines.relative import rms
-from reference_model.columns import SHAPE
-from reference_model.mechanism import Mechanism
-from reference_model.rigid import crank_pace, rigid_motion
+from quickreturn.cases.case import Case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.measures import (
+    CHANNELS,
+    Cycle,
+    Measure,
+    Settling,
+    cut_cycles,
+    extremes_by_half,
+    measure_cycle,
+    on_common_grid,
+    time_scale,
+)
+from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER
+from quickreturn.cases.measures.time_scale import TURN
+from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
+from quickreturn.cases.runs.marching import columns_of
+from quickreturn.cases.runs.other_case import cases_of_pace
+from quickreturn.cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.columns import SHAPE
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.rigid import crank_pace, rigid_motion
 
 Array = NDArray[np.float64]
 

@@ -7,17 +7,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.measures.steady_state import Outlook
-from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
-from cases.runs.marching import Columns
-from cases.runs.orbit import Orbit
-from engines.accurate import ESTIMATED
-from engines.base import AnyEngine
-from engines.start import Start, standard_start
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.measures.steady_state import Outlook
+from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
+from quickreturn.cases.runs.marching import Columns
+from quickreturn.cases.runs.orbit import Orbit
+from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.base import AnyEngine
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.reference_model.mechanism import Mechanism
 
 #: What a run depends on besides what the simulation does.
-CODE: Final = ("cases.measures", "cases.runs")
+CODE: Final = ("quickreturn.cases.measures", "quickreturn.cases.runs")
 
 #: By how much an engine's cycles may be longer than those of `reference`.
 LONGER: Final = 1.01

@@ -24,11 +24,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.measures import CHANNELS, Cycle, mean_measures, measure_cycle, time_scale
-from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from cases.runs.marching import Columns, March, columns_of, output_step, settle, whole_cycles
-from cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion
-from cases.runs.request import (
+from quickreturn.cases.measures import CHANNELS, Cycle, mean_measures, measure_cycle, time_scale
+from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
+from quickreturn.cases.runs.marching import Columns, March, columns_of, output_step, settle, whole_cycles
+from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion
+from quickreturn.cases.runs.request import (
     DIRECT,
     ESTIMATED_CYCLES,
     FAILED,
@@ -42,13 +42,13 @@ from cases.runs.request import (
     Run,
     RunRequest,
 )
-from engines import progress
-from engines.accurate import Compared, Made, check_trajectory, compared, same_motion, simulate
-from engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
-from engines.own.reference import ReferenceSettings
-from engines.registry import engine as engine_of_name
-from engines.settings import SettingError, Settings, as_texts
-from engines.trajectory import Trajectory
+from quickreturn.engines import progress
+from quickreturn.engines.accurate import Compared, Made, check_trajectory, compared, same_motion, simulate
+from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
+from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.registry import engine as engine_of_name
+from quickreturn.engines.settings import SettingError, Settings, as_texts
+from quickreturn.engines.trajectory import Trajectory
 
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
 ROWS_AFTER: Final = 4

@@ -9,21 +9,21 @@ from typing import Final
 
 import numpy as np
 
-from cases.case import PATHS, Case, si_value
-from cases.copies import as_written
-from cases.errors import CaseError, nearest_or_all
-from cases.errors import as_written as shown
-from cases.jobs.job import Job
-from cases.reading import case_of
-from cases.runs.request import CODE as CODE_OF_RUNS
-from cases.sweep.rows import OPEN, REFUSED, Asked, Impossible, Row, row
-from engines.registry import engine, engine_names
-from reference_model.mechanism import ImpossibleMechanism, Mechanism
+from quickreturn.cases.case import PATHS, Case, si_value
+from quickreturn.cases.copies import as_written
+from quickreturn.cases.errors import CaseError, nearest_or_all
+from quickreturn.cases.errors import as_written as shown
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.reading import case_of
+from quickreturn.cases.runs.request import CODE as CODE_OF_RUNS
+from quickreturn.cases.sweep.rows import OPEN, REFUSED, Asked, Impossible, Row, row
+from quickreturn.engines.registry import engine, engine_names
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
 
 #: The axis of engines.
 ENGINE: Final = "engine"
 #: What a row depends on besides what the simulation does.
-CODE: Final = (*CODE_OF_RUNS, "cases.sweep", "cases.loads", "cases.reading")
+CODE: Final = (*CODE_OF_RUNS, "quickreturn.cases.sweep", "quickreturn.cases.loads", "quickreturn.cases.reading")
 #: Keys that a trajectory depends on and a steady motion does not.
 OF_START: Final = ("crank.initial_angle", "crank.initial_speed", "simulation.duration", "simulation.output_step")
 #: Points on one axis at most, and in all.
@@ -181,5 +181,7 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[R
         code=CODE,
         inputs=(case.scene, [list(each.items()) for each in changed], asked),
         points=len(changed),
-        brief=type(engine(asked.engine)).__module__.startswith("engines.own."),  # a library that is foreign gets a process of its own
+        brief=type(engine(asked.engine)).__module__.startswith(
+            "quickreturn.engines.own."
+        ),  # a library that is foreign gets a process of its own
     )

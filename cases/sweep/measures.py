@@ -10,16 +10,16 @@ from typing import Final
 
 import numpy as np
 
-from cases.errors import CaseError, as_written
-from cases.loads import Claimed
-from cases.loads.peak import Peak, of_column, of_vector
-from cases.loads.stress import arm_stress
-from cases.measures import CHANNELS
-from cases.measures.cycle import HALVES
-from cases.measures.extremes import extremes
-from cases.runs.request import PeriodicOrbit, Run
-from reference_model.columns import COLUMNS
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.loads import Claimed
+from quickreturn.cases.loads.peak import Peak, of_column, of_vector
+from quickreturn.cases.loads.stress import arm_stress
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.extremes import extremes
+from quickreturn.cases.runs.request import PeriodicOrbit, Run
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.mechanism import Mechanism
 
 #: Value and how far off it may be, in the measure's unit; nan where not to be had.
 Measured = tuple[float, float]

@@ -13,23 +13,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.measures import CHANNELS, measure_cycle, time_scale
-from cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from cases.runs.marching import Columns, output_step
-from cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in
-from cases.runs.request import FAILED, NOT_SETTLED, SETTLED, PeriodicOrbit, Run, RunRequest
-from cases.runs.request import INACCURATE as MISSED
-from cases.runs.request import REFUSED as ENGINE_REFUSED
-from cases.runs.steady_state import steady_state
-from cases.sweep.measures import Motion, measure
-from engines import progress
-from engines.accurate import Compared
-from engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.simulation import OwnSimulation
-from engines.registry import engine as engine_of_name
-from reference_model.mechanism import Mechanism
-from reference_model.periodic import instability
+from quickreturn.cases.measures import CHANNELS, measure_cycle, time_scale
+from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
+from quickreturn.cases.runs.marching import Columns, output_step
+from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in
+from quickreturn.cases.runs.request import FAILED, NOT_SETTLED, SETTLED, PeriodicOrbit, Run, RunRequest
+from quickreturn.cases.runs.request import INACCURATE as MISSED
+from quickreturn.cases.runs.request import REFUSED as ENGINE_REFUSED
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.cases.sweep.measures import Motion, measure
+from quickreturn.engines import progress
+from quickreturn.engines.accurate import Compared
+from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.registry import engine as engine_of_name
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.periodic import instability
 
 Array = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from cases.runs.request import FAILED, SETTLED
-from cases.sweep.grid import Grid, job
-from cases.sweep.rows import Asked, Row
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.runs.request import FAILED, SETTLED
+from quickreturn.cases.sweep.grid import Grid, job
+from quickreturn.cases.sweep.rows import Asked, Row
 
 #: Which way the points of a row are gone through: as they are given, backwards, or both.
 Path = Literal["up", "down", "both"]

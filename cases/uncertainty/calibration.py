@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
-from cases.case import Case
-from cases.copies import as_written as as_document
-from cases.errors import CaseError, as_written
-from cases.reading import case_of
-from cases.recorded import RecordedTable
-from cases.uncertainty.covariance import UNTOLD, best_step, covariance, smooth_part, untold
-from cases.uncertainty.fit import PROBABILITY, Fit, Found
-from cases.uncertainty.parameters import Parameter, distribution, overrides
-from cases.uncertainty.table_model import TableModel
-from engines.base import EngineFailure, NoSteadyState, Refusal
-from engines.own.reference import ReferenceSettings
-from engines.relative import rms
+from quickreturn.cases.case import Case
+from quickreturn.cases.copies import as_written as as_document
+from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.reading import case_of
+from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.uncertainty.covariance import UNTOLD, best_step, covariance, smooth_part, untold
+from quickreturn.cases.uncertainty.fit import PROBABILITY, Fit, Found
+from quickreturn.cases.uncertainty.parameters import Parameter, distribution, overrides
+from quickreturn.cases.uncertainty.table_model import TableModel
+from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
+from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,10 @@ from typing import Any, Final
 import numpy as np
 from scipy import stats
 
-from cases.case import Case
-from cases.copies import LONGEST_NAME
-from cases.shown import Cell, Rows, Shown
-from cases.uncertainty.parameters import Parameter, overrides
+from quickreturn.cases.case import Case
+from quickreturn.cases.copies import LONGEST_NAME
+from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.uncertainty.parameters import Parameter, overrides
 
 PROBABILITY: Final = 0.95
 #: A smooth part of the squares left that is worth a word.

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
-from cases.case import PATHS, si_value
-from cases.errors import CaseError, as_written, nearest_or_all
-from cases.units import plain_number
-from reference_model.mechanism import Mechanism
-from reference_model.quantities import Quantity
-from reference_model.scene_values import values_of
+from quickreturn.cases.case import PATHS, si_value
+from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.units import plain_number
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.quantities import Quantity
+from quickreturn.reference_model.scene_values import values_of
 
 Array = NDArray[np.float64]
 

@@ -17,17 +17,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from cases.case import Case
-from cases.errors import CaseError
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from cases.runs.request import SETTLED
-from cases.shown import Cell, Rows, Shown
-from cases.sweep.grid import job
-from cases.sweep.measures import measure
-from cases.sweep.rows import Asked, Row
-from cases.sweep.study import computed, joined
-from cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
+from quickreturn.cases.case import Case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.sweep.grid import job
+from quickreturn.cases.sweep.measures import measure
+from quickreturn.cases.sweep.rows import Asked, Row
+from quickreturn.cases.sweep.study import computed, joined
+from quickreturn.cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
 
 Array = NDArray[np.float64]
 

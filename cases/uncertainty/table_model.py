@@ -7,21 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.case import Case
-from cases.errors import CaseError
-from cases.recorded import RecordedTable
-from cases.runs.marching import output_step, periodic_cycle
-from cases.runs.recorded import recorded_run
-from cases.runs.request import NOT_SETTLED, STANDARD
-from engines.accurate import run_once
-from engines.base import NoSteadyState
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.relative import rms
-from engines.start import standard_start
-from reference_model.columns import COLUMNS
-from reference_model.mechanism import Mechanism
-from reference_model.natural_modes import frozen_crank_modes
-from reference_model.rigid import crank_pace
+from quickreturn.cases.case import Case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.marching import output_step, periodic_cycle
+from quickreturn.cases.runs.recorded import recorded_run
+from quickreturn.cases.runs.request import NOT_SETTLED, STANDARD
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.base import NoSteadyState
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.relative import rms
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.rigid import crank_pace
 
 Array = NDArray[np.float64]
 

@@ -6,14 +6,14 @@ from typing import Final
 
 import numpy as np
 
-from cases.case_file import load_case
-from cases.experiment import statements
-from cases.jobs.workshop import Workshop
-from cases.library.thesis import RUNS, run_name
-from cases.measures import CHANNELS
-from cases.runs.request import SETTLED
-from cases.sweep.rows import Asked
-from cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.experiment import statements
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library.thesis import RUNS, run_name
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
 
 #: Points of each run. In run 24 its outer quantiles of the frequency are those of 512 points to 0.7 %, of the peak strain to 8 %.
 SAMPLES: Final = 16

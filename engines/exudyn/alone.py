@@ -6,17 +6,17 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.base import Comparison, FollowerEngine, ModelDescription, Simulation
-from engines.exudyn import settings as ladder
-from engines.exudyn.flexible import CableModel, add_base, add_cable, add_nodes, add_tip
-from engines.exudyn.record import Record, accumulated, index
-from engines.exudyn.settings import LARGEST_STEP, ExudynSettings
-from engines.exudyn.simulation import ExudynSimulation
-from engines.start_state import at_rest
-from engines.trajectory import FollowerTrajectory
-from reference_model.mechanism import FollowerAlone
-from reference_model.natural_modes import clamped_modes
-from reference_model.spin_up import base_motion
+from quickreturn.engines.base import Comparison, FollowerEngine, ModelDescription, Simulation
+from quickreturn.engines.exudyn import settings as ladder
+from quickreturn.engines.exudyn.flexible import CableModel, add_base, add_cable, add_nodes, add_tip
+from quickreturn.engines.exudyn.record import Record, accumulated, index
+from quickreturn.engines.exudyn.settings import LARGEST_STEP, ExudynSettings
+from quickreturn.engines.exudyn.simulation import ExudynSimulation
+from quickreturn.engines.start_state import at_rest
+from quickreturn.engines.trajectory import FollowerTrajectory
+from quickreturn.reference_model.mechanism import FollowerAlone
+from quickreturn.reference_model.natural_modes import clamped_modes
+from quickreturn.reference_model.spin_up import base_motion
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 
-from engines.base import ModelDescription
-from engines.start import Start
-from reference_model.joint import in_words
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
-from reference_model.tip_force import share
+from quickreturn.engines.base import ModelDescription
+from quickreturn.engines.start import Start
+from quickreturn.reference_model.joint import in_words
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
+from quickreturn.reference_model.tip_force import share
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
 exu.config.suppressWarnings = True

@@ -13,8 +13,8 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import Assembly
-from engines.exudyn.record import index
+from quickreturn.engines.exudyn.assembly import Assembly
+from quickreturn.engines.exudyn.record import index
 
 Array = NDArray[np.float64]
 

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import ROLLERS, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
-from engines.exudyn import settings as ladder
-from engines.exudyn.settings import ExudynSettings
-from engines.start import Start, standard_start
-from engines.start_state import reconstruct
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.base import ROLLERS, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
+from quickreturn.engines.exudyn import settings as ladder
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.reference_model.mechanism import Mechanism
 
 if TYPE_CHECKING:
-    from engines.exudyn.alone import ExudynAlone
-    from engines.exudyn.record import Model
+    from quickreturn.engines.exudyn.alone import ExudynAlone
+    from quickreturn.engines.exudyn.record import Model
 
 
 class ExudynEngine(Engine[ExudynSettings]):
@@ -61,7 +61,7 @@ class ExudynEngine(Engine[ExudynSettings]):
     def prepare(self, mechanism: Mechanism, start: Start, settings: ExudynSettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
         self.check(mechanism)
-        from engines.exudyn.simulation import ExudynSimulation
+        from quickreturn.engines.exudyn.simulation import ExudynSimulation
 
         begun = time.perf_counter()
         return ExudynSimulation(self._model(mechanism, start, settings), settings, begun)
@@ -69,14 +69,14 @@ class ExudynEngine(Engine[ExudynSettings]):
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
-        from engines.exudyn import modes
+        from quickreturn.engines.exudyn import modes
 
         return modes.natural_frequencies(mechanism, crank_angle, count, settings.elements)
 
     @staticmethod
     def _model(mechanism: Mechanism, start: Start, settings: ExudynSettings) -> "Model":
-        from engines.exudyn.flexible import FlexibleModel
-        from engines.exudyn.rigid import RigidModel
+        from quickreturn.engines.exudyn.flexible import FlexibleModel
+        from quickreturn.engines.exudyn.rigid import RigidModel
 
         state = reconstruct(mechanism, start)
         if mechanism.follower.is_rigid:
@@ -85,6 +85,6 @@ class ExudynEngine(Engine[ExudynSettings]):
 
     def follower_alone(self) -> "ExudynAlone":
         """A cable clamped to a base that is turned."""
-        from engines.exudyn.alone import ExudynAlone
+        from quickreturn.engines.exudyn.alone import ExudynAlone
 
         return ExudynAlone(self)

@@ -7,11 +7,11 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable, Kink, direction, dot, turned
-from engines.exudyn.damping import Dampers
-from engines.exudyn.joint import JointLaw
-from engines.exudyn.record import (
+from quickreturn.engines.exudyn.assembly import Assembly
+from quickreturn.engines.exudyn.cable import Cable, Kink, direction, dot, turned
+from quickreturn.engines.exudyn.damping import Dampers
+from quickreturn.engines.exudyn.joint import JointLaw
+from quickreturn.engines.exudyn.record import (
     Model,
     Motion,
     Record,
@@ -24,13 +24,13 @@ from engines.exudyn.record import (
     pin_force,
     shape_columns,
 )
-from engines.exudyn.settings import ExudynSettings
-from engines.exudyn.slider import add_slider
-from engines.start import Start
-from engines.start_state import FollowerState, StartState
-from reference_model.columns import BENDING, PLACES
-from reference_model.mechanism import Follower, Mechanism, Scene
-from reference_model.tip_force import tip_force
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.exudyn.slider import add_slider
+from quickreturn.engines.start import Start
+from quickreturn.engines.start_state import FollowerState, StartState
+from quickreturn.reference_model.columns import BENDING, PLACES
+from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
+from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 

@@ -5,8 +5,8 @@ from dataclasses import astuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.joint import joint_energy, joint_force, rollers
-from reference_model.mechanism import Slider
+from quickreturn.reference_model.joint import joint_energy, joint_force, rollers
+from quickreturn.reference_model.mechanism import Slider
 
 Array = NDArray[np.float64]
 

@@ -12,13 +12,13 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable
-from engines.exudyn.flexible import add_cable, add_ends, add_nodes, cable_of
-from engines.exudyn.rigid import follower_inertia
-from engines.start import Start
-from engines.start_state import StartState, reconstruct
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.exudyn.assembly import Assembly
+from quickreturn.engines.exudyn.cable import Cable
+from quickreturn.engines.exudyn.flexible import add_cable, add_ends, add_nodes, cable_of
+from quickreturn.engines.exudyn.rigid import follower_inertia
+from quickreturn.engines.start import Start
+from quickreturn.engines.start_state import StartState, reconstruct
+from quickreturn.reference_model.mechanism import Mechanism
 
 _LOWEST = 1e-3  # Hz; below lies only the round-off of a mechanism's own mobility
 

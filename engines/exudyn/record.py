@@ -6,12 +6,12 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import Assembly
-from engines.exudyn.cable import Cable, dot, turned
-from engines.trajectory import Trajectory
-from reference_model.columns import PLACES, SHAPE
-from reference_model.mechanism import TorqueDrive
-from reference_model.tip_force import tip_force
+from quickreturn.engines.exudyn.assembly import Assembly
+from quickreturn.engines.exudyn.cable import Cable, dot, turned
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.columns import PLACES, SHAPE
+from quickreturn.reference_model.mechanism import TorqueDrive
+from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 #: Values with their first and second derivatives in time.

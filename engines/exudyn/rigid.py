@@ -8,9 +8,9 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
-from engines.exudyn.joint import JointLaw
-from engines.exudyn.record import (
+from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
+from quickreturn.engines.exudyn.joint import JointLaw
+from quickreturn.engines.exudyn.record import (
     Model,
     Record,
     accumulated,
@@ -22,10 +22,10 @@ from engines.exudyn.record import (
     pin_force,
     swing,
 )
-from engines.start import Start
-from engines.start_state import StartState
-from reference_model.columns import SHAPE
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.start import Start
+from quickreturn.engines.start_state import StartState
+from quickreturn.reference_model.columns import SHAPE
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 

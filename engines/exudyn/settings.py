@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import Final
 
-from engines.base import Comparison
-from engines.ladder import Ladder
-from engines.settings import Settings, setting
+from quickreturn.engines.base import Comparison
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.settings import Settings, setting
 
 FEWEST_ELEMENTS: Final = 6
 LARGEST_STEP: Final = 5e-2  # s

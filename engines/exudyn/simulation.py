@@ -9,11 +9,11 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import EngineFailure, Simulation
-from engines.exudyn.damping import LONGEST
-from engines.exudyn.record import Model, Record
-from engines.exudyn.settings import ExudynSettings
-from engines.trajectory import Trajectory
+from quickreturn.engines.base import EngineFailure, Simulation
+from quickreturn.engines.exudyn.damping import LONGEST
+from quickreturn.engines.exudyn.record import Model, Record
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array, float, float]

@@ -17,12 +17,12 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 
-from engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
-from engines.exudyn.cable import Cable
-from engines.exudyn.joint import JointLaw
-from engines.exudyn.record import index
-from engines.start import Start
-from engines.start_state import StartState
+from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
+from quickreturn.engines.exudyn.cable import Cable
+from quickreturn.engines.exudyn.joint import JointLaw
+from quickreturn.engines.exudyn.record import index
+from quickreturn.engines.start import Start
+from quickreturn.engines.start_state import StartState
 
 #: What a connector tells of its second marker from the first one, m and m/s.
 _APART: Final = (exu.OutputVariableType.Displacement, exu.OutputVariableType.Velocity)

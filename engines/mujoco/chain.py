@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import ModelDescription
-from reference_model.joint import in_words
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
+from quickreturn.engines.base import ModelDescription
+from quickreturn.reference_model.joint import in_words
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 # kg and kg m^2: MuJoCo accepts no body with 1e-15 or less. A small machine's link has some 1e-13 kg m^2: with 1e-12 here, 60 links of an
 # arm of 7 cm were 5 % off, 33 links 2.5 %.

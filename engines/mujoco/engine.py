@@ -6,12 +6,12 @@ from typing import ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines import refusals
-from engines.base import FRICTION, ROLLERS, USUAL, Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
-from engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
-from engines.start import Start
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.natural_modes import stiffness_ratio
+from quickreturn.engines import refusals
+from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
+from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
+from quickreturn.engines.start import Start
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 _DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
 _OLDEST = (4, 0, 1)
@@ -58,7 +58,7 @@ class MujocoEngine(Engine[ChainSettings]):
         refusals.of_massless_parts(self.name, mechanism, ", whose links need mass")
 
     def describe(self, mechanism: Mechanism, settings: ChainSettings) -> ModelDescription:
-        from engines.mujoco import chain
+        from quickreturn.engines.mujoco import chain
 
         return chain.describe(mechanism, chain.hinge_count(mechanism, settings.links))
 
@@ -79,13 +79,13 @@ class MujocoEngine(Engine[ChainSettings]):
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> Simulation:
         self.check(mechanism)
-        from engines.mujoco.simulation import ChainSimulation
+        from quickreturn.engines.mujoco.simulation import ChainSimulation
 
         return ChainSimulation(mechanism, start, settings)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> NDArray[np.float64]:
         self.check(mechanism)
-        from engines.mujoco import modes
+        from quickreturn.engines.mujoco import modes
 
         return modes.natural_frequencies(mechanism, crank_angle, count, settings.links)
 
@@ -98,11 +98,11 @@ class MujocoAlone(FollowerEngine[ChainSettings]):
     """The base link is turned; the tangent of the beam that the chain stands for lies h²/24 of the curvature's slope beside it."""
 
     def describe(self, scene: FollowerAlone, settings: ChainSettings) -> ModelDescription:
-        from engines.mujoco import chain
+        from quickreturn.engines.mujoco import chain
 
         return chain.describe(scene, chain.hinge_count(scene, settings.links))
 
     def prepare(self, scene: FollowerAlone, start: None, settings: ChainSettings) -> Simulation:
-        from engines.mujoco.simulation import ChainSimulation
+        from quickreturn.engines.mujoco.simulation import ChainSimulation
 
         return ChainSimulation(scene, None, settings)

@@ -21,7 +21,7 @@ import numpy as np
 from numba import carray, cfunc, njit, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from engines.mujoco.native import (
+from quickreturn.engines.mujoco.native import (
     mj_energy_position,
     mj_energy_velocity,
     mj_forward,
@@ -30,10 +30,10 @@ from engines.mujoco.native import (
     mj_step,
     pointer,
 )
-from reference_model import columns as c
-from reference_model import joint
-from reference_model.spin_up import base_motion as motion_of_base
-from reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model import columns as c
+from quickreturn.reference_model import joint
+from quickreturn.reference_model.spin_up import base_motion as motion_of_base
+from quickreturn.reference_model.tip_force import share as share_of_force
 
 #: One simulation as compiled code sees it. Lengths in m, angles in rad.
 CONTEXT = np.dtype(

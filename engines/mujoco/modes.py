@@ -7,8 +7,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from engines.mujoco import chain, kernels
-from reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene, changed
+from quickreturn.engines.mujoco import chain, kernels
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene, changed
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Final
 
-from engines.ladder import Ladder
-from engines.settings import Settings as AnySettings
-from engines.settings import setting
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.settings import Settings as AnySettings
+from quickreturn.engines.settings import setting
 
 #: Inertia of the hinges in units of the links' (LADDERS.md, section 4, has what was measured for this and for the ladder).
 ARMATURE: Final = 7e-4

@@ -10,15 +10,15 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import EngineFailure, Simulation
-from engines.mujoco import chain, kernels, modes
-from engines.mujoco.settings import ChainSettings
-from engines.start import Start
-from engines.start_state import reconstruct
-from engines.trajectory import FollowerTrajectory, Trajectory
-from reference_model.columns import BENDING, OBSERVED, of_follower_alone
-from reference_model.joint import rollers
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
+from quickreturn.engines.base import EngineFailure, Simulation
+from quickreturn.engines.mujoco import chain, kernels, modes
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.start import Start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
+from quickreturn.reference_model.columns import BENDING, OBSERVED, of_follower_alone
+from quickreturn.reference_model.joint import rollers
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
 

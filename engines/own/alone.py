@@ -4,13 +4,13 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from engines.base import Engine, FollowerEngine, ModelDescription
-from reference_model.mechanism import FollowerAlone
+from quickreturn.engines.base import Engine, FollowerEngine, ModelDescription
+from quickreturn.reference_model.mechanism import FollowerAlone
 
 if TYPE_CHECKING:
-    from engines.own.simulation import OwnSimulation
-    from reference_model.model import BeamModel
-    from reference_model.thesis.model import ThesisModel
+    from quickreturn.engines.own.simulation import OwnSimulation
+    from quickreturn.reference_model.model import BeamModel
+    from quickreturn.reference_model.thesis.model import ThesisModel
 
 
 class OwnAlone(FollowerEngine[Any]):
@@ -37,7 +37,7 @@ class OwnAlone(FollowerEngine[Any]):
         return ModelDescription(tuple(name for name, there in bodies.items() if there), joints, settings.shape_count)
 
     def prepare(self, scene: FollowerAlone, start: None, settings: Any) -> "OwnSimulation":
-        from engines.own.simulation import OwnSimulation
+        from quickreturn.engines.own.simulation import OwnSimulation
 
         began = time.perf_counter()
         model = self._model(scene, settings)

@@ -12,16 +12,16 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from engines.base import Engine, EngineFailure, ModelDescription
-from engines.settings import Settings, setting
-from engines.start import Start
-from engines.start_state import reconstruct
-from reference_model.mechanism import Mechanism, Scene
-from reference_model.natural_modes import stiffness_ratio
+from quickreturn.engines.base import Engine, EngineFailure, ModelDescription
+from quickreturn.engines.settings import Settings, setting
+from quickreturn.engines.start import Start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 if TYPE_CHECKING:
-    from engines.own.simulation import OwnSimulation
-    from reference_model.model import BeamModel
+    from quickreturn.engines.own.simulation import OwnSimulation
+    from quickreturn.reference_model.model import BeamModel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,7 @@ class BeamEngine(Engine[S]):
         return description(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid", joint, coordinates)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: S) -> "OwnSimulation":
-        from engines.own.simulation import OwnSimulation
+        from quickreturn.engines.own.simulation import OwnSimulation
 
         self.check(mechanism)
         began = time.perf_counter()

@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines import refusals
-from engines.base import USUAL
-from engines.own.alone import OwnAlone
-from engines.own.staying_shapes import ShapeSettings, StayingShapesEngine
-from engines.settings import setting
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.rigid import rigid_motion
-from reference_model.shapes import hermite_between
+from quickreturn.engines import refusals
+from quickreturn.engines.base import USUAL
+from quickreturn.engines.own.alone import OwnAlone
+from quickreturn.engines.own.staying_shapes import ShapeSettings, StayingShapesEngine
+from quickreturn.engines.settings import setting
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.shapes import hermite_between
 
 if TYPE_CHECKING:
-    from reference_model.model import BeamModel
+    from quickreturn.reference_model.model import BeamModel
 
 _BOTH: Final = "both components"
 
@@ -43,7 +43,7 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         return False
 
     def model(self, scene: Scene, settings: FixedShapesSettings) -> "BeamModel":
-        from reference_model.model import BeamModel
+        from quickreturn.reference_model.model import BeamModel
 
         shapes, transverse = self.shapes(scene.follower, settings), settings.damping_law != _BOTH
         if isinstance(scene, FollowerAlone):
@@ -57,7 +57,7 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         """Converged: Hermite elements with a node at the slider, doubled until no frequency changes by more than 1e-6 of itself."""
         if mechanism.follower.is_rigid:
             return np.zeros(0)
-        from reference_model.thesis.frequencies import shape_frequencies
+        from quickreturn.reference_model.thesis.frequencies import shape_frequencies
 
         self.check(mechanism)
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)

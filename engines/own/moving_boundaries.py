@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import USUAL, Comparison, FollowerEngine, Refusal
-from engines.own.beam_engine import BeamEngine, BeamSettings
-from engines.settings import setting
-from reference_model.mechanism import Mechanism, TorqueDrive
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.engines.base import USUAL, Comparison, FollowerEngine, Refusal
+from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
+from quickreturn.engines.settings import setting
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 if TYPE_CHECKING:
-    from reference_model.moving_boundaries.model import MovingBoundariesModel
+    from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 
 #: Tolerance for an error of the tip deflection against the model's own equations (`reference_model/RIVALS.md`, section 4).
 TOLERANCE_PER_ERROR: Final = 1e-4
@@ -66,7 +66,7 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         return "slider supports the beam where it meets the line (known from the crank's angle)"
 
     def model(self, mechanism: Mechanism, settings: MovingBoundariesSettings) -> "MovingBoundariesModel":  # type: ignore[override]
-        from reference_model.moving_boundaries.model import MovingBoundariesModel
+        from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 
         return MovingBoundariesModel(mechanism, settings.modes, settings.foreshortening)
 

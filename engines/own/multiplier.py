@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from engines.base import FRICTION, USUAL
-from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine
-from engines.settings import setting
-from reference_model.mechanism import Mechanism
-from reference_model.treatment import MULTIPLIER, Treatment
+from quickreturn.engines.base import FRICTION, USUAL
+from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine
+from quickreturn.engines.settings import setting
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.treatment import MULTIPLIER, Treatment
 
 
 @dataclass(frozen=True, kw_only=True)

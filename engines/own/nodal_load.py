@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from typing import Final
 
-from engines.base import Comparison
-from engines.ladder import Ladder
-from engines.own.beam_engine import BeamSettings, gain_of
-from engines.own.staying_shapes import RivalEngine
-from engines.settings import setting
-from reference_model.mechanism import Follower, Mechanism
-from reference_model.shapes import ShapeSet, hermite_elements, no_shapes
-from reference_model.treatment import CHORDS, LEVER, MULTIPLIER, Treatment
+from quickreturn.engines.base import Comparison
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.own.beam_engine import BeamSettings, gain_of
+from quickreturn.engines.own.staying_shapes import RivalEngine
+from quickreturn.engines.settings import setting
+from quickreturn.reference_model.mechanism import Follower, Mechanism
+from quickreturn.reference_model.shapes import ShapeSet, hermite_elements, no_shapes
+from quickreturn.reference_model.treatment import CHORDS, LEVER, MULTIPLIER, Treatment
 
 _DISTRIBUTIONS: Final = {"lever": LEVER, "consistent": MULTIPLIER, "both linear": CHORDS}
 

@@ -11,22 +11,22 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines import refusals
-from engines.base import FRICTION, ROLLERS, USUAL, Comparison, NoSteadyState, SteadyState
-from engines.ladder import Ladder
-from engines.own.alone import OwnAlone
-from engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
-from engines.settings import setting
-from engines.start import Start, standard_start
-from reference_model import treatment
-from reference_model.joint import in_words, rollers
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, changed
-from reference_model.natural_modes import frozen_crank_modes
-from reference_model.treatment import CLOSED, MULTIPLIER, Treatment
+from quickreturn.engines import refusals
+from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison, NoSteadyState, SteadyState
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.own.alone import OwnAlone
+from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
+from quickreturn.engines.settings import setting
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.reference_model import treatment
+from quickreturn.reference_model.joint import in_words, rollers
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, changed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.treatment import CLOSED, MULTIPLIER, Treatment
 
 if TYPE_CHECKING:
-    from engines.own.simulation import OwnSimulation
-    from reference_model.model import BeamModel
+    from quickreturn.engines.own.simulation import OwnSimulation
+    from quickreturn.reference_model.model import BeamModel
 
 #: Tolerance for an accuracy where so few modes do.
 TOLERANCE_PER_ACCURACY: Final = 1e-4
@@ -103,7 +103,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
 
     def model(self, scene: Scene, settings: ReferenceSettings) -> "BeamModel":
         """See `BeamEngine.model`; the slider is eliminated only where it neither leaves the centre line nor rubs."""
-        from reference_model.model import BeamModel
+        from quickreturn.reference_model.model import BeamModel
 
         if isinstance(scene, FollowerAlone):
             return BeamModel.alone(scene, settings.modes)
@@ -170,10 +170,10 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
-        from engines.own.simulation import OwnSimulation
-        from reference_model.model import BeamModel
-        from reference_model.periodic import MARCHED, PATIENT, NoPeriodicOrbit, periodic_orbit
-        from reference_model.section_map import turn_to
+        from quickreturn.engines.own.simulation import OwnSimulation
+        from quickreturn.reference_model.model import BeamModel
+        from quickreturn.reference_model.periodic import MARCHED, PATIENT, NoPeriodicOrbit, periodic_orbit
+        from quickreturn.reference_model.section_map import turn_to
 
         begin = self.prepare(mechanism, start, settings)
         model = begin.model
@@ -205,7 +205,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         found = self.steady_state(mechanism, standard_start(mechanism), settings)
         if found is None or not found.stable:
             raise NoSteadyState("a rigid follower or an open loop is marched" if found is None else "the periodic state is not stable")
-        from engines.own.simulation import OwnSimulation
+        from quickreturn.engines.own.simulation import OwnSimulation
 
         assert isinstance(found.simulation, OwnSimulation)
         return found.simulation.present_start()

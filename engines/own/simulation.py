@@ -6,16 +6,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import EngineFailure, Simulation
-from engines.start import Start
-from engines.trajectory import FollowerTrajectory, Trajectory
-from reference_model import integrate
-from reference_model.columns import JOINT_COLUMNS
-from reference_model.mechanism import FollowerAlone
-from reference_model.model import BeamModel, ObservationFailed
-from reference_model.moving_boundaries.model import MovingBoundariesModel
-from reference_model.thesis.model import ThesisModel
-from reference_model.treatment import LEVER
+from quickreturn.engines.base import EngineFailure, Simulation
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
+from quickreturn.reference_model import integrate
+from quickreturn.reference_model.columns import JOINT_COLUMNS
+from quickreturn.reference_model.mechanism import FollowerAlone
+from quickreturn.reference_model.model import BeamModel, ObservationFailed
+from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
+from quickreturn.reference_model.thesis.model import ThesisModel
+from quickreturn.reference_model.treatment import LEVER
 
 Array = NDArray[np.float64]
 

@@ -4,17 +4,17 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from engines import refusals
-from engines.base import USUAL, Comparison, FollowerEngine, Refusal
-from engines.ladder import Ladder
-from engines.own.beam_engine import BeamEngine, BeamSettings, S, gain_of
-from engines.settings import setting
-from reference_model.mechanism import Follower, Mechanism
-from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
-from reference_model.treatment import CLOSED, Treatment
+from quickreturn.engines import refusals
+from quickreturn.engines.base import USUAL, Comparison, FollowerEngine, Refusal
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, S, gain_of
+from quickreturn.engines.settings import setting
+from quickreturn.reference_model.mechanism import Follower, Mechanism
+from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
+from quickreturn.reference_model.treatment import CLOSED, Treatment
 
 if TYPE_CHECKING:
-    from reference_model.model import BeamModel
+    from quickreturn.reference_model.model import BeamModel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,7 @@ class StayingEngine(BeamEngine[S]):
         return CLOSED
 
     def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
-        from reference_model.model import BeamModel
+        from quickreturn.reference_model.model import BeamModel
 
         return BeamModel.staying(mechanism, self.shapes(mechanism.follower, settings), self.treatment(mechanism, settings))
 

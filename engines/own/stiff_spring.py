@@ -4,16 +4,16 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from engines.base import FRICTION, ROLLERS, USUAL, Comparison
-from engines.ladder import Ladder
-from engines.own.beam_engine import gain_of
-from engines.own.staying_shapes import LADDER as SHAPES
-from engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, of_shapes
-from engines.settings import setting
-from reference_model import treatment
-from reference_model.joint import Rollers, in_words, rollers
-from reference_model.mechanism import Mechanism
-from reference_model.treatment import Treatment
+from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.own.beam_engine import gain_of
+from quickreturn.engines.own.staying_shapes import LADDER as SHAPES
+from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, of_shapes
+from quickreturn.engines.settings import setting
+from quickreturn.reference_model import treatment
+from quickreturn.reference_model.joint import Rollers, in_words, rollers
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.treatment import Treatment
 
 LEAST_STIFFNESS: Final = 1.0  # N/m
 MOST_STIFFNESS: Final = 1e12  # N/m

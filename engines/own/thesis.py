@@ -8,19 +8,19 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from engines import refusals
-from engines.base import USUAL, Comparison, Engine, EngineFailure, ModelDescription
-from engines.own.alone import OwnAlone
-from engines.own.beam_engine import ELIMINATED_SLIDER, description
-from engines.settings import Settings, setting
-from engines.start import Start
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.rigid import rigid_motion
-from reference_model.shapes import ShapeSet, hermite_elements, no_shapes
+from quickreturn.engines import refusals
+from quickreturn.engines.base import USUAL, Comparison, Engine, EngineFailure, ModelDescription
+from quickreturn.engines.own.alone import OwnAlone
+from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
+from quickreturn.engines.settings import Settings, setting
+from quickreturn.engines.start import Start
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.shapes import ShapeSet, hermite_elements, no_shapes
 
 if TYPE_CHECKING:
-    from engines.own.simulation import OwnSimulation
-    from reference_model.thesis.model import ThesisModel
+    from quickreturn.engines.own.simulation import OwnSimulation
+    from quickreturn.reference_model.thesis.model import ThesisModel
 
 #: LSODA's tolerance for an error of the tip deflection (`engines/LADDERS.md`, section 2).
 THESIS_TOLERANCE_PER_ERROR: Final = 1e-4
@@ -60,7 +60,7 @@ class ThesisEngine(Engine[ThesisSettings]):
 
     def model(self, scene: Scene, settings: ThesisSettings) -> "ThesisModel":
         """The thesis' model of a scene. Refusal: the scene has what this model or these shapes cannot carry."""
-        from reference_model.thesis.model import ThesisModel
+        from quickreturn.reference_model.thesis.model import ThesisModel
 
         if isinstance(scene, FollowerAlone):
             shapes = hermite_elements(scene.follower.length, settings.elements)
@@ -83,7 +83,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         return shapes
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ThesisSettings) -> "OwnSimulation":
-        from engines.own.simulation import OwnSimulation
+        from quickreturn.engines.own.simulation import OwnSimulation
 
         began = time.perf_counter()
         model = self.model(mechanism, settings)
@@ -121,7 +121,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         if mechanism.follower.is_rigid:
             return np.zeros(0)
         self.check(mechanism)
-        from reference_model.thesis.frequencies import shape_frequencies
+        from quickreturn.reference_model.thesis.frequencies import shape_frequencies
 
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
         return shape_frequencies(mechanism, hermite_elements(mechanism.follower.length, settings.elements), support, count)

@@ -25,7 +25,7 @@ def command(cases: Sequence[str], tag: str | None, accuracy: float, assignments:
     from dataclasses import asdict
 
     from quickreturn.advice import advise
-    from reports.output import print_json
+    from quickreturn.reports.output import print_json
 
     loaded = options.load_all(cases, tag, options.read_overrides(assignments))
     found = [advise(case, accuracy) for case in loaded]

@@ -39,7 +39,7 @@ def command(
     there the deflection is magnified as the reader likes.
     """
     from quickreturn.commands.simulate import trajectories
-    from reports.output import check_writable, write_file
+    from quickreturn.reports.output import check_writable, write_file
 
     overrides, settings = options.read_assignments(assignments)
     if magnify is not None and output.lower().endswith(".html"):

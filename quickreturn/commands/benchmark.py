@@ -8,8 +8,8 @@ import click
 from quickreturn.commands import options
 
 if TYPE_CHECKING:
-    from cases.benchmark import Benchmark
-    from cases.benchmark.findings import Point
+    from quickreturn.cases.benchmark import Benchmark
+    from quickreturn.cases.benchmark.findings import Point
 
 
 @click.command(name="benchmark")
@@ -43,11 +43,11 @@ def command(
     Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;
     the others are measured all the same. Settings with which an engine says that it cannot go on are listed and no error.
     """
-    from cases.benchmark import SCENES, compiling, measure
-    from cases.benchmark.scenes import ENGINES
-    from engines.base import EngineFailure
+    from quickreturn.cases.benchmark import SCENES, compiling, measure
+    from quickreturn.cases.benchmark.scenes import ENGINES
     from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
-    from reports.output import print_json
+    from quickreturn.engines.base import EngineFailure
+    from quickreturn.reports.output import print_json
 
     loaded = options.load_all(cases, tag, options.read_overrides(assignments), otherwise=SCENES)
     names = engines or ENGINES
@@ -77,9 +77,9 @@ def command(
 
 
 def _print(table: "Benchmark") -> None:
-    from cases.benchmark import pareto_front
-    from reports.output import print_table
-    from reports.words import settings_words
+    from quickreturn.cases.benchmark import pareto_front
+    from quickreturn.reports.output import print_table
+    from quickreturn.reports.words import settings_words
 
     truth, confirmation = table.truth, table.confirmation
     agreed = f"not confirmed: {confirmation.failure}"
@@ -102,7 +102,7 @@ def _as_document(table: "Benchmark") -> dict[str, Any]:
 
 
 def _row(point: "Point", best: bool) -> tuple[str, ...]:
-    from reports.words import settings_words
+    from quickreturn.reports.words import settings_words
 
     head, measured = ("*" if best else "", point.method, settings_words(point.changing)), point.measured
     if measured is None:

@@ -29,7 +29,7 @@ def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str
     """
     from quickreturn.calibration import calibrate
     from quickreturn.command_line import GOOD
-    from reports.output import check_writable, print_json, write_file
+    from quickreturn.reports.output import check_writable, print_json, write_file
 
     loaded = options.load(case, options.read_overrides(assignments))
     if output is not None:

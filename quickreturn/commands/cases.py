@@ -10,10 +10,10 @@ from quickreturn.commands import options
 @options.json
 def command(tag: str | None, as_json: bool) -> None:
     """List the cases of the library: name, tags, title."""
-    from quickreturn.catalogue import cases
-    from reports.output import print_json
+    from quickreturn.catalogue import list_cases
+    from quickreturn.reports.output import print_json
 
-    found = cases(tag)
+    found = list_cases(tag)
     if as_json:
         print_json([{"name": case.name, "tags": case.tags, "title": case.title} for case in found])
     else:

@@ -38,13 +38,13 @@ def command(
     Nothing is claimed of a table but the uncertainty of its measures. Exit code 1: it departs from an engine by more than that and the
     engine's own estimate. Exit codes 2 and 3 are those of `run`.
     """
-    from cases.recorded import read_table
-    from cases.runs.comparison import hold_against_engines
-    from cases.shown import in_lines
+    from quickreturn.cases.recorded import read_table
+    from quickreturn.cases.runs.comparison import hold_against_engines
+    from quickreturn.cases.shown import in_lines
     from quickreturn.catalogue import prepared
     from quickreturn.commands.run import as_document, exit_code
+    from quickreturn.reports.output import check_writable, print_json
     from quickreturn.table_comparison import parts_of_tables, refuse_same_names, tables_in
-    from reports.output import check_writable, print_json
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
@@ -67,8 +67,8 @@ def command(
         for result in results:
             click.echo(in_lines(parts_of_tables(result, tables_in(result))))
     if output:
-        from reports.output import write_file
-        from reports.plots.recorded import drawn
+        from quickreturn.reports.output import write_file
+        from quickreturn.reports.plots.recorded import drawn
 
         write_file(Path(output), drawn(results, Path(output).suffix.lower()))
     return exit_code(results, workshop, engines)

@@ -16,13 +16,13 @@ def command(engine: str, quick: bool, as_json: bool) -> int:
 
     Exit code 0: it conforms; 1: it does not; 3: there was nothing to judge by. A coarse engine that says so is not accused.
     """
-    from cases.conformance import QUICK, conform, job
-    from cases.jobs.fork_server import get_ready
-    from cases.jobs.job import Outcome
-    from engines.registry import usable_engine
+    from quickreturn.cases.conformance import QUICK, conform, job
+    from quickreturn.cases.jobs.fork_server import get_ready
+    from quickreturn.cases.jobs.job import Outcome
     from quickreturn.command_line import CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
+    from quickreturn.engines.registry import usable_engine
     from quickreturn.questions import COMPUTING
-    from reports.output import print_json
+    from quickreturn.reports.output import print_json
 
     usable_engine(engine)
     get_ready(COMPUTING)

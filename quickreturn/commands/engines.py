@@ -17,10 +17,10 @@ def command(engine: str | None, as_json: bool) -> None:
 
 
 def _list(as_json: bool) -> None:
-    from quickreturn.catalogue import engines
-    from reports.output import print_json
+    from quickreturn.catalogue import list_engines
+    from quickreturn.reports.output import print_json
 
-    found = engines()
+    found = list_engines()
     if as_json:
         print_json(found)
     else:
@@ -28,9 +28,9 @@ def _list(as_json: bool) -> None:
 
 
 def _describe(name: str, as_json: bool) -> None:
-    from cases.jobs.job import Job
+    from quickreturn.cases.jobs.job import Job
     from quickreturn.questions import asked, settings, value_of
-    from reports.output import print_json, print_table
+    from quickreturn.reports.output import print_json, print_table
 
     found = value_of(*asked([Job(name, settings, (name,))], name))
     if as_json:

@@ -50,13 +50,13 @@ def command(
     With several engines, cases or angles the JSON document is a list. Exit code 3: an engine failed, or what it returned are no natural
     frequencies; nothing is printed then.
     """
-    from cases.jobs.fork_server import get_ready
-    from cases.jobs.job import Job
-    from engines.base import EngineFailure
     from quickreturn import questions
+    from quickreturn.cases.jobs.fork_server import get_ready
+    from quickreturn.cases.jobs.job import Job
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
+    from quickreturn.engines.base import EngineFailure
     from quickreturn.frequencies import frozen_crank
-    from reports.output import print_json
+    from quickreturn.reports.output import print_json
 
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
@@ -86,8 +86,8 @@ def command(
 
 def _print(angled: "list[Modes]") -> None:
     """One angle: a line for each mode; several: a line for each angle."""
-    from reports.output import print_table
-    from reports.words import within_turn
+    from quickreturn.reports.output import print_table
+    from quickreturn.reports.words import within_turn
 
     degrees = [f"{within_turn(math.degrees(each.crank_angle)):g}" for each in angled]
     first = angled[0]

@@ -13,7 +13,7 @@ import click
 from quickreturn.commands import options
 
 if TYPE_CHECKING:
-    from cases.case import Case
+    from quickreturn.cases.case import Case
 
 ENDING: Final = ".toml"
 #: The library's case that has every key.
@@ -36,10 +36,10 @@ def command(file: str, origin: str | None, assignments: Sequence[str]) -> None:
     The name of the case is that of the file without .toml. Keys that are left out stand there as comments. A file that exists is
     never overwritten.
     """
-    from cases.case_file import load_case
-    from cases.copies import as_written
-    from cases.written import as_toml
-    from reports.output import write_file
+    from quickreturn.cases.case_file import load_case
+    from quickreturn.cases.copies import as_written
+    from quickreturn.cases.written import as_toml
+    from quickreturn.reports.output import write_file
 
     overrides = options.read_overrides(assignments)
     header = _header(file)
@@ -58,10 +58,10 @@ def _header(file: str) -> dict[str, str]:
         CaseError: the file exists, or its name is that of no case or of one of the library.
         UsageError: it cannot be written.
     """
-    from cases.case_file import in_library
-    from cases.document import NAME
-    from cases.errors import CaseError, path_shown
-    from reports.output import OutputError, check_writable
+    from quickreturn.cases.case_file import in_library
+    from quickreturn.cases.document import NAME
+    from quickreturn.cases.errors import CaseError, path_shown
+    from quickreturn.reports.output import OutputError, check_writable
 
     if os.path.lexists(file) and not os.path.isdir(file):
         raise CaseError(path_shown(file), None, None, "this file exists and is not overwritten", "give another name")
@@ -82,7 +82,7 @@ def _header(file: str) -> dict[str, str]:
 
 def _origin(case: "Case") -> Iterator[str]:
     """What a reader of a copy must know of the case that was copied."""
-    from cases.doubts import doubts
+    from quickreturn.cases.doubts import doubts
 
     yield f"A copy of {case.name} ({case.title})."
     meant = tuple(doubts(case.scene))
@@ -90,7 +90,7 @@ def _origin(case: "Case") -> Iterator[str]:
 
 
 def _print_what_next(file: str, case: "Case") -> None:
-    from reference_model.mechanism import Mechanism
+    from quickreturn.reference_model.mechanism import Mechanism
 
     click.echo(f"{file} is written. Change its values, then try")
     tried = {"show": "", "plot": ".png", "simulate": ".csv", "run": ""}

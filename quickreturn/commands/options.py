@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 from click.shell_completion import CompletionItem
 
-from cases.errors import as_written, shortened
-from cases.units import TIME, QuantityError, parse_quantity, plain_number
 from quickreturn.accuracy import HIGHEST, LOWEST
+from quickreturn.cases.errors import as_written, shortened
+from quickreturn.cases.units import TIME, QuantityError, parse_quantity, plain_number
 
 if TYPE_CHECKING:
-    from cases.case import Case
-    from cases.jobs.job import Limits
-    from cases.jobs.workshop import Workshop
+    from quickreturn.cases.case import Case
+    from quickreturn.cases.jobs.job import Limits
+    from quickreturn.cases.jobs.workshop import Workshop
 
 #: Makes a value of an option's name and text; raises UsageError if it cannot.
 Reader = Callable[[str, str], Any]
@@ -101,13 +101,13 @@ def output(told: str, metavar: str = "FILE", *, required: bool = True) -> Callab
 
 def complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
     """Names of the library that begin so, and files."""
-    from cases.library import case_names
+    from quickreturn.cases.library import case_names
 
     return [*(CompletionItem(name) for name in case_names() if name.startswith(begun)), CompletionItem(begun, type="file")]
 
 
 def _complete_engine(context: click.Context, option: click.Parameter, begun: str) -> list[CompletionItem]:
-    from engines.registry import engine_names
+    from quickreturn.engines.registry import engine_names
 
     return [CompletionItem(name) for name in engine_names() if name.startswith(begun)]
 
@@ -170,8 +170,8 @@ def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
 
 
 def _is_engine(section: str) -> bool:
-    from cases.case import SECTIONS
-    from engines.registry import engine_names
+    from quickreturn.cases.case import SECTIONS
+    from quickreturn.engines.registry import engine_names
     from quickreturn.questions import ANY_ENGINE
 
     return section == ANY_ENGINE or (section not in SECTIONS and section in engine_names())
@@ -179,7 +179,7 @@ def _is_engine(section: str) -> bool:
 
 def refuse_missing(engines: Sequence[str]) -> None:
     """Refusal: an engine cannot be used here."""
-    from engines.registry import usable_engine
+    from quickreturn.engines.registry import usable_engine
 
     for name in engines:
         usable_engine(name)
@@ -194,9 +194,9 @@ def load_all(
     otherwise: Sequence[str] = (),
 ) -> "list[Case]":
     """The cases of some names and patterns, and those with a tag; if none are given those of the names `otherwise`."""
-    from quickreturn.catalogue import cases, loaded
+    from quickreturn.catalogue import list_cases, loaded
 
-    tagged = [] if tag is None else [line.name for line in cases(tag)]
+    tagged = [] if tag is None else [line.name for line in list_cases(tag)]
     wanted = [*names, *tagged] or otherwise
     if not wanted:
         raise click.UsageError("Missing argument 'CASE'", click.get_current_context())
@@ -205,8 +205,8 @@ def load_all(
 
 def load(case: str, overrides: dict[str, str], duration: float | None = None, output_step: float | None = None) -> "Case":
     """The case with overrides and other simulation times, s."""
-    from cases.case_file import load_case, with_times
-    from cases.errors import CaseError
+    from quickreturn.cases.case_file import load_case, with_times
+    from quickreturn.cases.errors import CaseError
 
     for key, seconds in (("duration", duration), ("output_step", output_step)):
         if seconds is not None and f"simulation.{key}" in overrides:
@@ -227,7 +227,7 @@ def given_as(case: "Case", overrides: Mapping[str, str]) -> list[str]:
 
 def tell_doubts(cases: "Sequence[Case]") -> None:
     """Say on standard error which values of a person's own are hardly meant, each doubt once; those of the library are meant."""
-    from cases.doubts import doubts
+    from quickreturn.cases.doubts import doubts
 
     concerned: dict[str, list[str]] = {}
     for case in cases:
@@ -252,14 +252,14 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
 
     What is going to run on what is told here, before the rest is imported, which takes a while.
     """
-    from cases.jobs.processes import LocalProcesses
-    from cases.jobs.store import Store
-    from cases.jobs.workshop import Workshop
+    from quickreturn.cases.jobs.processes import LocalProcesses
+    from quickreturn.cases.jobs.store import Store
+    from quickreturn.cases.jobs.workshop import Workshop
 
     context = click.get_current_context()
     meta, store = context.meta, Store(tell=tell)
     if address := meta.get("--cluster"):
-        from cases.jobs.cluster import cluster
+        from quickreturn.cases.jobs.cluster import cluster
 
         workshop = Workshop(store, context.with_resource(cluster(address, limits(), quiet())))
     else:
@@ -295,7 +295,7 @@ def _one_line(sentence: str) -> str:
 
 def limits() -> "Limits":
     """What an engine may take, as `limited` say; the usual where a command has no such options."""
-    from cases.jobs.job import Limits, default_limits
+    from quickreturn.cases.jobs.job import Limits, default_limits
 
     meta, usual = click.get_current_context().meta, default_limits()
     gibibytes = meta.get("--memory-limit")

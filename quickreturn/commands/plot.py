@@ -38,10 +38,10 @@ def command(
     A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv): its columns are drawn, over those of
     others.
     """
-    from cases.recorded import is_table
+    from quickreturn.cases.recorded import is_table
     from quickreturn.commands.simulate import trajectories
-    from reports.output import check_writable, write_file
-    from reports.plots.style import picture
+    from quickreturn.reports.output import check_writable, write_file
+    from quickreturn.reports.plots.style import picture
 
     overrides, settings = options.read_assignments(assignments)
     files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
@@ -59,7 +59,7 @@ def command(
 
         figure = mechanisms(loaded)
     else:
-        from cases.recorded import read_table
+        from quickreturn.cases.recorded import read_table
         from quickreturn.curves import curves
 
         shown: dict[str, Columns] = {Path(file).stem: read_table(file).columns for file in files}

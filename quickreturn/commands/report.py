@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from cases.errors import as_written
+from quickreturn.cases.errors import as_written
 from quickreturn.commands import options
 
 if TYPE_CHECKING:
-    from cases.runs.comparison import CaseResult
-    from reports.report import Written
+    from quickreturn.cases.runs.comparison import CaseResult
+    from quickreturn.reports.report import Written
 
 
 #: Endings of files. A folder of such a name would be created where somebody expects the page.
@@ -63,7 +63,7 @@ def command(
     names, texts, tables = prepared(loaded, engines, settings)
     options.refuse_missing(names if engines else ())
     workshop = options.opened_workshop(loaded, names)
-    from reports.report import write_report
+    from quickreturn.reports.report import write_report
 
     written = write_report(loaded, Path(output), workshop, names, tables, accuracy, texts)
     _print(written)
@@ -77,7 +77,7 @@ def command(
 
 
 def _print(written: "Written") -> None:
-    from reports.words import TIED, counted
+    from quickreturn.reports.words import TIED, counted
 
     content = written.content
     runs = sum(len(result.runs) for result in content.results)

@@ -44,12 +44,12 @@ def command(
 
     Exit code 3: no periodic motion was found in the range.
     """
-    from cases.resonance_curve import SPEED, USUAL, job, range_of
+    from quickreturn.cases.resonance_curve import SPEED, USUAL, job, range_of
     from quickreturn.command_line import GOOD
     from quickreturn.questions import value_of
+    from quickreturn.reports.output import check_writable, print_json, write_file
+    from quickreturn.reports.plots.style import picture
     from quickreturn.resonance_curves import Resonance, speed_of
-    from reports.output import check_writable, print_json, write_file
-    from reports.plots.style import picture
 
     loaded = options.load(case, options.read_overrides(assignments))
     if vary is not None:

@@ -8,10 +8,10 @@ import click
 from quickreturn.commands import options
 
 if TYPE_CHECKING:
-    from cases.jobs.workshop import Workshop
-    from cases.runs.comparison import CaseResult
-    from cases.runs.request import Run
-    from reference_model.mechanism import Mechanism
+    from quickreturn.cases.jobs.workshop import Workshop
+    from quickreturn.cases.runs.comparison import CaseResult
+    from quickreturn.cases.runs.request import Run
+    from quickreturn.reference_model.mechanism import Mechanism
 
 
 @click.command(name="run")
@@ -38,16 +38,16 @@ def command(
     interrupted run continues.
     """
     from quickreturn.catalogue import prepared
-    from reports.output import print_json
+    from quickreturn.reports.output import print_json
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load_all(cases, tag, overrides)
     names, texts, tables = prepared(loaded, engines, settings)
     options.refuse_missing(names if engines else ())
     workshop = options.opened_workshop(loaded, names)
-    from cases.runs.comparison import cross_validate
-    from cases.runs.request import REFUSED
-    from cases.shown import in_lines
+    from quickreturn.cases.runs.comparison import cross_validate
+    from quickreturn.cases.runs.request import REFUSED
+    from quickreturn.cases.shown import in_lines
     from quickreturn.verdict_text import parts_of
 
     results = cross_validate(loaded, workshop, names, accuracy, texts, tables)
@@ -62,7 +62,7 @@ def command(
 
 def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Sequence[str]) -> int:
     """Tell on standard error what did not come to a result; `engines` are those that were asked for by name."""
-    from cases.runs.request import REFUSED
+    from quickreturn.cases.runs.request import REFUSED
     from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
 
     results = [result.whole for result in results]
@@ -83,8 +83,8 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
     """The JSON document of `run` and `compare`: recorded tables stand behind the engines."""
-    from cases.loads import loads_of_run
-    from reports.tables.strength import document
+    from quickreturn.cases.loads import loads_of_run
+    from quickreturn.reports.tables.strength import document
 
     results = [result.whole for result in results]
     return {
@@ -116,7 +116,7 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
 
 def _resonance(mechanism: "Mechanism") -> dict[str, Any] | None:
     """First mode (Hz, mean over the turn with the crank held), crank (Hz), their ratio and the nearest harmonic."""
-    from cases.loads import resonance
+    from quickreturn.cases.loads import resonance
 
     found = resonance(mechanism)
     return None if found is None else {**vars(found), "ratio": found.ratio, "harmonic": found.harmonic}

@@ -11,8 +11,8 @@ import click
 from quickreturn.commands import options
 
 if TYPE_CHECKING:
-    from cases.case import Case
-    from reference_model.mechanism import Scene
+    from quickreturn.cases.case import Case
+    from quickreturn.reference_model.mechanism import Scene
 
 
 @click.command(name="show")
@@ -27,9 +27,9 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
 
     With several cases the JSON document is a list.
     """
-    from cases.jobs.fork_server import get_ready
+    from quickreturn.cases.jobs.fork_server import get_ready
     from quickreturn.questions import TELLING
-    from reports.output import print_json
+    from quickreturn.reports.output import print_json
 
     overrides = options.read_overrides(assignments)
     if for_others:
@@ -50,13 +50,13 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
 
 
 def _print_for_others(cases: "Sequence[Case]", overrides: Mapping[str, str]) -> None:
-    from reports.other_tools import for_other_tools
+    from quickreturn.reports.other_tools import for_other_tools
 
     click.echo("\n\n".join(for_other_tools(case, shlex.join(options.given_as(case, overrides))) for case in cases))
 
 
 def _document(loaded: "Case") -> dict[str, Any]:
-    from cases.case import SECTIONS
+    from quickreturn.cases.case import SECTIONS
 
     return {name: getattr(loaded, name) for name in ("name", "title", "tags", "source", "notes")} | {
         "scene": loaded.values,
@@ -68,9 +68,9 @@ def _document(loaded: "Case") -> dict[str, Any]:
 
 def _resonances(cases: "Sequence[Case]") -> list[dict[str, list[str]]]:
     """Lines on the motion of each case over speeds about its own."""
-    from cases.resonance_curve import job_around
+    from quickreturn.cases.resonance_curve import job_around
     from quickreturn.questions import value_of
-    from reports.findings.resonance import Around
+    from quickreturn.reports.findings.resonance import Around
 
     jobs = [job_around(case) for case in cases]
     outcomes = options.opened_workshop().outcomes(jobs, "resonance curves")
@@ -79,9 +79,9 @@ def _resonances(cases: "Sequence[Case]") -> list[dict[str, list[str]]]:
 
 def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
     """What follows from the follower's numbers: name -> value, unit and meaning."""
-    from cases.loads import resonance
-    from reference_model.mechanism import Mechanism
-    from reference_model.natural_modes import clamped_modes
+    from quickreturn.cases.loads import resonance
+    from quickreturn.reference_model.mechanism import Mechanism
+    from quickreturn.reference_model.natural_modes import clamped_modes
 
     follower = scene.follower
     found = {
@@ -99,7 +99,7 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
 
 def _models(scene: Any) -> list[dict[str, Any]]:
     """Per engine what it builds, or in "refused" why it does not."""
-    from engines.registry import OWN
+    from quickreturn.engines.registry import OWN
     from quickreturn.questions import asked_of_all, model
 
     found = []
@@ -110,8 +110,8 @@ def _models(scene: Any) -> list[dict[str, Any]]:
 
 
 def _print(document: dict[str, Any]) -> None:
-    from cases.case import shown_value
-    from reports.output import print_table
+    from quickreturn.cases.case import shown_value
+    from quickreturn.reports.output import print_table
 
     click.echo(f"{document['name']}: {document['title']}")
     for note in document["notes"]:

@@ -11,10 +11,10 @@ import click
 from quickreturn.commands import options
 
 if TYPE_CHECKING:
-    from cases.case import Case
-    from cases.jobs.job import Outcome
-    from engines.base import EngineFailure
-    from engines.trajectory import Trajectory
+    from quickreturn.cases.case import Case
+    from quickreturn.cases.jobs.job import Outcome
+    from quickreturn.engines.base import EngineFailure
+    from quickreturn.engines.trajectory import Trajectory
     from quickreturn.questions import EngineDied
     from quickreturn.solution import Solution
 
@@ -80,10 +80,10 @@ def command(
     none. The accuracy of `thesis` is that of the integration of its own equations. With several engines or cases the JSON document is a
     list.
     """
-    from cases.jobs.fork_server import get_ready
     from quickreturn import questions
+    from quickreturn.cases.jobs.fork_server import get_ready
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
-    from reports.output import check_writable, print_json
+    from quickreturn.reports.output import check_writable, print_json
 
     if no_estimate and accuracy is not None:
         raise click.UsageError(
@@ -154,8 +154,8 @@ def _attempted(
     estimate: bool = True,
 ) -> "list[tuple[Case, str, Outcome[tuple[str, Solution | EngineFailure]]]]":
     """How each engine fares on each case, in a worker, as far as that cannot be known beforehand. Raises as `questions.check`."""
-    from cases.jobs.job import Job
     from quickreturn import questions
+    from quickreturn.cases.jobs.job import Job
 
     texts = questions.settings_of(settings, engines)
     pairs = list(itertools.product(cases, engines))
@@ -171,8 +171,8 @@ def attempt(
     case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None, estimate: bool
 ) -> "tuple[str, Solution | EngineFailure]":
     """Simulate, in a worker: version of the engine, and what came of it. Raises as `quickreturn.simulate` but for failures."""
-    from engines.base import EngineFailure
-    from engines.registry import usable_engine
+    from quickreturn.engines.base import EngineFailure
+    from quickreturn.engines.registry import usable_engine
     from quickreturn.solution import simulate
 
     version = usable_engine(engine).version()
@@ -202,10 +202,10 @@ def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str
 
     Raises as `value_of`.
     """
-    from engines.base import EngineFailure
+    from quickreturn.engines.base import EngineFailure
     from quickreturn.questions import EngineDied, value_of
+    from quickreturn.reports.output import write_file
     from quickreturn.solution import as_csv
-    from reports.output import write_file
 
     try:
         version, found = value_of(outcome)
@@ -221,7 +221,7 @@ def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str
     if isinstance(found, EngineFailure):
         failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
         return known | {"remark": str(found), "failure": failure}, found
-    from reports.tables.strength import document
+    from quickreturn.reports.tables.strength import document
 
     same = {name: getattr(found.result, name) for name in ("accuracy", *_NOTHING) if hasattr(found.result, name)}
     more = {"settings": found.settings, "loads": document(found.loads), **vars(found.result.description)}
@@ -230,7 +230,7 @@ def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str
 
 def _print(document: Mapping[str, Any], found: "Found", notes: str) -> None:
     """A simulation as a table; `notes`: the command that shows those on the case."""
-    from reports.output import print_table
+    from quickreturn.reports.output import print_table
 
     if isinstance(found, Exception):
         rows = [("case", document["case"]), ("engine", f"{document['engine']} ({document['version'] or 'version unknown'})")]

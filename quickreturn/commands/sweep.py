@@ -17,8 +17,8 @@ class _WithMeasures(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The measures; those of each column of a trajectory in four lines."""
-        from cases.sweep.measures import MEASURES, of_columns
-        from reference_model.columns import COLUMNS
+        from quickreturn.cases.sweep.measures import MEASURES, of_columns
+        from quickreturn.reference_model.columns import COLUMNS
 
         single = MEASURES.keys() - {each.name for name in COLUMNS for each in of_columns(name, "")}
         shown = [*of_columns("COLUMN", "the column's unit"), *(each for name, each in MEASURES.items() if name in single)]
@@ -61,11 +61,11 @@ def command(
     """
     import numpy as np
 
-    from cases.sweep.grid import ENGINE, axis
-    from engines.settings import SettingError
+    from quickreturn.cases.sweep.grid import ENGINE, axis
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
+    from quickreturn.engines.settings import SettingError
+    from quickreturn.reports.output import check_writable, print_json, write_file
     from quickreturn.sweeping import USUAL, computed, dataset_of, summary, written
-    from reports.output import check_writable, print_json, write_file
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
@@ -76,7 +76,7 @@ def command(
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
     if plot is not None:
-        from reports.plots.study import LINES, drawable
+        from quickreturn.reports.plots.study import LINES, drawable
 
         check_writable(Path(plot), "" if loaded.source == "library" else case, *PICTURES)
         if not drawable(varied):
@@ -87,8 +87,8 @@ def command(
     dataset = dataset_of(found)
     write_file(Path(output), written(dataset, Path(output).suffix.lower()))
     if plot is not None:
-        from reports.plots.study import draw
-        from reports.plots.style import picture
+        from quickreturn.reports.plots.study import draw
+        from quickreturn.reports.plots.style import picture
 
         write_file(Path(plot), picture(draw(found), Path(plot).suffix.lower()))
     if as_json:

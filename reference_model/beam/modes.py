@@ -13,8 +13,8 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism, Slider
-from reference_model.natural_modes import supported_modes
+from quickreturn.reference_model.mechanism import Mechanism, Slider
+from quickreturn.reference_model.natural_modes import supported_modes
 
 Array = NDArray[np.float64]
 

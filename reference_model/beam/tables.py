@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from reference_model.beam.modes import ModeFamily, mode_family
-from reference_model.gauss_points import integrals_to_points, lagrange_weights
-from reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
-from reference_model.motion.address import on_lines
-from reference_model.motion.layout import Tables
-from reference_model.shapes import ShapeSet
+from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
+from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
+from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
+from quickreturn.reference_model.motion.address import on_lines
+from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.shapes import ShapeSet
 
 Array = NDArray[np.float64]
 

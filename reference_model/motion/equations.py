@@ -15,11 +15,11 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from reference_model.beside import helped
-from reference_model.compilation import KERNEL, compiled, inlined, stage
-from reference_model.motion.address import call_equations, numbers_at
-from reference_model.motion.fields import place
-from reference_model.motion.inertia import (
+from quickreturn.reference_model.beside import helped
+from quickreturn.reference_model.compilation import KERNEL, compiled, inlined, stage
+from quickreturn.reference_model.motion.address import call_equations, numbers_at
+from quickreturn.reference_model.motion.fields import place
+from quickreturn.reference_model.motion.inertia import (
     assemble,
     dissipation,
     drive_torque,
@@ -33,7 +33,7 @@ from reference_model.motion.inertia import (
     remaining_accelerations,
     slider_force,
 )
-from reference_model.motion.layout import (
+from quickreturn.reference_model.motion.layout import (
     ACROSS,
     ALONG,
     AT,
@@ -59,9 +59,9 @@ from reference_model.motion.layout import (
     parameters_at,
     workspace_at,
 )
-from reference_model.motion.loop import accelerate_loop, joint_power, move_loop, remaining_places, share_force
-from reference_model.motion.observe import base_motion, observe
-from reference_model.treatment import BASE, ELIMINATED, ROLLERS
+from quickreturn.reference_model.motion.loop import accelerate_loop, joint_power, move_loop, remaining_places, share_force
+from quickreturn.reference_model.motion.observe import base_motion, observe
+from quickreturn.reference_model.treatment import BASE, ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import inlined, stage
-from reference_model.motion.lanes import load, plus, spread, store
-from reference_model.motion.layout import Parameters, Tables, Workspace
+from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.motion.lanes import load, plus, spread, store
+from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
 
 Array = NDArray[np.float64]
 

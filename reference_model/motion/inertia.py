@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model import joint
-from reference_model.compilation import inlined, stage
-from reference_model.motion.lanes import load, plus, plus_product, spread, store, total
-from reference_model.motion.layout import (
+from quickreturn.reference_model import joint
+from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.motion.lanes import load, plus, plus_product, spread, store, total
+from quickreturn.reference_model.motion.layout import (
     ACROSS,
     ALONG,
     BASE_TURN,
@@ -42,8 +42,8 @@ from reference_model.motion.layout import (
     Tables,
     Workspace,
 )
-from reference_model.tip_force import share as share_of_force
-from reference_model.treatment import ELIMINATED, ROLLERS
+from quickreturn.reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model.treatment import ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
 

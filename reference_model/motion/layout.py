@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from reference_model.motion.address import Cube, Matrix, Vector, on_lines, reader, tuple_type
+from quickreturn.reference_model.motion.address import Cube, Matrix, Vector, on_lines, reader, tuple_type
 
 #: Quantities per shape behind those per point in a row of the table: omega^2, its derivative by s, curvature at the slider, and the
 #: first two derivatives of psi(s; s).

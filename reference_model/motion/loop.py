@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import inlined, stage
-from reference_model.motion.fields import combine, cumulate
-from reference_model.motion.lanes import load, plus, spread, store
-from reference_model.motion.layout import (
+from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.motion.fields import combine, cumulate
+from quickreturn.reference_model.motion.lanes import load, plus, spread, store
+from quickreturn.reference_model.motion.layout import (
     ACROSS,
     ACROSS_BY_Q2,
     ALONG,
@@ -37,7 +37,7 @@ from reference_model.motion.layout import (
     Tables,
     Workspace,
 )
-from reference_model.treatment import CHORDS, ELIMINATED, LEVER
+from quickreturn.reference_model.treatment import CHORDS, ELIMINATED, LEVER
 
 Array = NDArray[np.float64]
 

@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model import columns as c
-from reference_model.compilation import inlined, stage
-from reference_model.joint import joint_energy as energy_of_joint
-from reference_model.motion.fields import cumulate, directions
-from reference_model.motion.lanes import load, plus_product, spread, total
-from reference_model.motion.layout import (
+from quickreturn.reference_model import columns as c
+from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.joint import joint_energy as energy_of_joint
+from quickreturn.reference_model.motion.fields import cumulate, directions
+from quickreturn.reference_model.motion.lanes import load, plus_product, spread, total
+from quickreturn.reference_model.motion.layout import (
     ACROSS,
     ALONG,
     AT,
@@ -42,9 +42,9 @@ from reference_model.motion.layout import (
     Tables,
     Workspace,
 )
-from reference_model.motion.loop import joint_power
-from reference_model.spin_up import base_motion as motion_of_base
-from reference_model.treatment import BASE
+from quickreturn.reference_model.motion.loop import joint_power
+from quickreturn.reference_model.spin_up import base_motion as motion_of_base
+from quickreturn.reference_model.treatment import BASE
 
 Array = NDArray[np.float64]
 

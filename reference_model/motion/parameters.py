@@ -1,9 +1,9 @@
 """The constants of a scene for the equations of motion (DERIVATION.md, section 1)."""
 
-from reference_model.constants import constants
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider
-from reference_model.motion.layout import Parameters, Tables
-from reference_model.treatment import BASE, CLOSED, ELIMINATED, Treatment
+from quickreturn.reference_model.constants import constants
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider
+from quickreturn.reference_model.motion.layout import Parameters, Tables
+from quickreturn.reference_model.treatment import BASE, CLOSED, ELIMINATED, Treatment
 
 
 def parameters(

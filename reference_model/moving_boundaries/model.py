@@ -3,16 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.constants import characteristic_frequency, constants
-from reference_model.integrate import Equations, Integration, dop853
-from reference_model.mechanism import Mechanism
-from reference_model.motion.address import Placed
-from reference_model.motion.equations import evaluate
-from reference_model.moving_boundaries import tables as t
-from reference_model.moving_boundaries.equations import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, Workspace, kernel
-from reference_model.moving_boundaries.observables import observables
-from reference_model.periodic import eigenvalues
-from reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
+from quickreturn.reference_model.constants import characteristic_frequency, constants
+from quickreturn.reference_model.integrate import Equations, Integration, dop853
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.motion.address import Placed
+from quickreturn.reference_model.motion.equations import evaluate
+from quickreturn.reference_model.moving_boundaries import tables as t
+from quickreturn.reference_model.moving_boundaries.equations import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, Workspace, kernel
+from quickreturn.reference_model.moving_boundaries.observables import observables
+from quickreturn.reference_model.periodic import eigenvalues
+from quickreturn.reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
 
 Array = NDArray[np.float64]
 

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from reference_model.columns import MOMENTS, PLACES, SHAPE
-from reference_model.mechanism import Mechanism
-from reference_model.moving_boundaries import tables as t
-from reference_model.moving_boundaries.equations import ACCELERATION, FORCE, KINETIC, RATE, STRAIN, TORQUE, VALUE
-from reference_model.rigid import RigidMotion, follower_inertia, rigid_motion
-from reference_model.tip_force import tip_force
+from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.moving_boundaries import tables as t
+from quickreturn.reference_model.moving_boundaries.equations import ACCELERATION, FORCE, KINETIC, RATE, STRAIN, TORQUE, VALUE
+from quickreturn.reference_model.rigid import RigidMotion, follower_inertia, rigid_motion
+from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 

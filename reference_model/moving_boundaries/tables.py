@@ -10,10 +10,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from reference_model.beam.modes import ModeFamily
-from reference_model.beam.tables import following
-from reference_model.gauss_points import integrals_to_points
-from reference_model.mechanism import Mechanism
+from quickreturn.reference_model.beam.modes import ModeFamily
+from quickreturn.reference_model.beam.tables import following
+from quickreturn.reference_model.gauss_points import integrals_to_points
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 

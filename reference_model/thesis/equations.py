@@ -9,12 +9,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import compiled, stage
-from reference_model.spin_up import base_motion as motion_of_base
-from reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
-from reference_model.thesis.kinematics import Contact, Slider, centre_line
-from reference_model.thesis.observables import observe
-from reference_model.thesis.parameters import Parameters, parameters_at, workspace_at
+from quickreturn.reference_model.compilation import compiled, stage
+from quickreturn.reference_model.spin_up import base_motion as motion_of_base
+from quickreturn.reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
+from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line
+from quickreturn.reference_model.thesis.observables import observe
+from quickreturn.reference_model.thesis.parameters import Parameters, parameters_at, workspace_at
 
 Array = NDArray[np.float64]
 

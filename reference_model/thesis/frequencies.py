@@ -4,9 +4,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism
-from reference_model.shapes import ShapeSet
-from reference_model.thesis.tables import build_tables
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.shapes import ShapeSet
+from quickreturn.reference_model.thesis.tables import build_tables
 
 
 def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, count: int) -> NDArray[np.float64]:

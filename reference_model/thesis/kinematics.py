@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import inlined, stage
-from reference_model.thesis.parameters import Parameters, Workspace
-from reference_model.thesis.tables import POINTS, TO_POINTS, Tables, cumulate, find_cell, partial_weights
+from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
+from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, Tables, cumulate, find_cell, partial_weights
 
 CLOSURE_STEPS = 30  # Newton steps on the slider's place; four suffice where the loop closes
 

@@ -5,17 +5,17 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import BENDING, OBSERVED, of_follower_alone
-from reference_model.constants import characteristic_frequency
-from reference_model.integrate import Integration
-from reference_model.mechanism import FollowerAlone, Scene
-from reference_model.model import ObservationFailed
-from reference_model.motion.address import Placed
-from reference_model.shapes import ShapeSet
-from reference_model.thesis.equations import base_right_hand_side, right_hand_side
-from reference_model.thesis.lsoda import integrate_lsoda
-from reference_model.thesis.parameters import PARAMETERS_TYPE, WORKSPACE_TYPE, build_parameters, build_workspace, state_size
-from reference_model.thesis.tables import POINTS
+from quickreturn.reference_model.columns import BENDING, OBSERVED, of_follower_alone
+from quickreturn.reference_model.constants import characteristic_frequency
+from quickreturn.reference_model.integrate import Integration
+from quickreturn.reference_model.mechanism import FollowerAlone, Scene
+from quickreturn.reference_model.model import ObservationFailed
+from quickreturn.reference_model.motion.address import Placed
+from quickreturn.reference_model.shapes import ShapeSet
+from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
+from quickreturn.reference_model.thesis.lsoda import integrate_lsoda
+from quickreturn.reference_model.thesis.parameters import PARAMETERS_TYPE, WORKSPACE_TYPE, build_parameters, build_workspace, state_size
+from quickreturn.reference_model.thesis.tables import POINTS
 
 Array = NDArray[np.float64]
 

@@ -5,12 +5,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model import columns as c
-from reference_model.compilation import inlined, stage
-from reference_model.thesis.kinematics import Contact, Slider, tangent_angle
-from reference_model.thesis.parameters import Parameters, Workspace
-from reference_model.thesis.tables import find_cell
-from reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model import columns as c
+from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
+from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
+from quickreturn.reference_model.thesis.tables import find_cell
+from quickreturn.reference_model.tip_force import share as share_of_force
 
 share = stage(share_of_force)
 

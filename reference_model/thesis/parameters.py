@@ -6,13 +6,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from reference_model.columns import PLACES
-from reference_model.constants import constants
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
-from reference_model.rigid import deflection_scale
-from reference_model.shapes import ShapeSet
-from reference_model.thesis.tables import POINTS, TABLES_TYPE, Tables, build_tables
+from quickreturn.reference_model.columns import PLACES
+from quickreturn.reference_model.constants import constants
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
+from quickreturn.reference_model.rigid import deflection_scale
+from quickreturn.reference_model.shapes import ShapeSet
+from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, Tables, build_tables
 
 
 class UnsuitableShapes(ValueError):

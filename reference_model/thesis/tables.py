@@ -12,9 +12,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.compilation import stage
-from reference_model.motion.address import Matrix, Vector, tuple_type
-from reference_model.shapes import ShapeSet
+from quickreturn.reference_model.compilation import stage
+from quickreturn.reference_model.motion.address import Matrix, Vector, tuple_type
+from quickreturn.reference_model.shapes import ShapeSet
 
 POINTS = 6
 

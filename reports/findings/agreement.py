@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.runs.comparison import HALVES, REFERENCE, CaseResult, Difference, Kind
+from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult, Difference, Kind
 
 
 @dataclass(frozen=True, kw_only=True)

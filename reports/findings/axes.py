@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.experiment import AxisLabels, axis_labels
-from cases.runs.comparison import REFERENCE, CaseResult
-from reports.findings.conclusions import MODEL
-from reports.findings.runs import thesis_runs
+from quickreturn.cases.experiment import AxisLabels, axis_labels
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.reports.findings.conclusions import MODEL
+from quickreturn.reports.findings.runs import thesis_runs
 
 #: Channel of an axis -> trajectory columns that it shows.
 COLUMNS = {"tip_acceleration": ("tip_acceleration",), "strain": ("strain_1", "strain_2", "strain_3")}

@@ -6,13 +6,13 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, Final
 
-from cases.experiment import Statement, statements
-from cases.finding.study import Row
-from cases.frozen_crank import ELEMENTS, FrozenCrank
-from cases.runs.comparison import HALVES, REFERENCE, CaseResult
-from reports.findings.agreement import differences, summary_of
-from reports.findings.runs import thesis_runs
-from reports.templates import environment
+from quickreturn.cases.experiment import Statement, statements
+from quickreturn.cases.finding.study import Row
+from quickreturn.cases.frozen_crank import ELEMENTS, FrozenCrank
+from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.reports.findings.agreement import differences, summary_of
+from quickreturn.reports.findings.runs import thesis_runs
+from quickreturn.reports.templates import environment
 
 HOLDS: Final = "holds"
 IN_PART: Final = "holds in part"

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
-from cases.runs.comparison import CaseResult
-from cases.runs.request import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED, UNAVAILABLE, Run
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.request import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED, UNAVAILABLE, Run
 
 #: Status -> what it means to a reader.
 MEANINGS: Final = {

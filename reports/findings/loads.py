@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from cases.case import Case
-from cases.loads import Loads, Resonance, loads_of_run, of_motion, resonance
-from cases.runs.comparison import REFERENCE, CaseResult
-from reports.words import degrees, off_by, quantity
+from quickreturn.cases.case import Case
+from quickreturn.cases.loads import Loads, Resonance, loads_of_run, of_motion, resonance
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.reports.words import degrees, off_by, quantity
 
 
 @dataclass(frozen=True)

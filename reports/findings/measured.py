@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.experiment import channel_is_usable
-from cases.measures import CHANNELS, Measure, consensus_of
-from cases.runs.comparison import HALVES, CaseResult
-from cases.runs.request import Run
-from reports.findings.runs import run_number
+from quickreturn.cases.experiment import channel_is_usable
+from quickreturn.cases.measures import CHANNELS, Measure, consensus_of
+from quickreturn.cases.runs.comparison import HALVES, CaseResult
+from quickreturn.cases.runs.request import Run
+from quickreturn.reports.findings.runs import run_number
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from cases.measures import CHANNELS
-from cases.runs.comparison import HALVES, REFERENCE, CaseResult
-from cases.runs.request import Run
-from reports.findings.agreement import Summary, summary_of
-from reports.findings.conclusions import MODEL
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.cases.runs.request import Run
+from quickreturn.reports.findings.agreement import Summary, summary_of
+from quickreturn.reports.findings.conclusions import MODEL
 
 Array = NDArray[np.float64]
 

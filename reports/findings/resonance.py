@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.case import Case
-from cases.jobs.job import Job
-from cases.jobs.workshop import Workshop
-from cases.loads import resonance
-from cases.resonance_curve import PEAKS, ResonanceCurve, ResonancePeak, SpecialPoint, job_around
-from engines.base import Refusal
-from reference_model.columns import COLUMNS
-from reference_model.rigid import crank_pace
+from quickreturn.cases.case import Case
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.loads import resonance
+from quickreturn.cases.resonance_curve import PEAKS, ResonanceCurve, ResonancePeak, SpecialPoint, job_around
+from quickreturn.engines.base import Refusal
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.rigid import crank_pace
 
 
 @dataclass(frozen=True)

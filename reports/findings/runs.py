@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from cases.library.thesis import RUNS, run_name
+from quickreturn.cases.library.thesis import RUNS, run_name
 
 if TYPE_CHECKING:
-    from cases.runs.comparison import CaseResult
-    from cases.runs.request import Run
+    from quickreturn.cases.runs.comparison import CaseResult
+    from quickreturn.cases.runs.request import Run
 
 
 def run_number(case_name: str) -> int | None:

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from cases.runs.comparison import KINDS, CaseResult, Check, Kind
+from quickreturn.cases.runs.comparison import KINDS, CaseResult, Check, Kind
 
 #: Relative errors between which the smallest that is found is searched, and the precision of the search.
 SEARCHED: Final = (1e-9, 1e9)

@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from cases.experiment import Statement, axis_labels, statements
-from cases.finding.effects import PUBLISHED, Effect, effects, name_of
-from cases.finding.study import EXAMPLE, Row
-from cases.runs.comparison import HALVES, REFERENCE
-from reports.findings.conclusions import ACCURATE
+from quickreturn.cases.experiment import Statement, axis_labels, statements
+from quickreturn.cases.finding.effects import PUBLISHED, Effect, effects, name_of
+from quickreturn.cases.finding.study import EXAMPLE, Row
+from quickreturn.cases.runs.comparison import HALVES, REFERENCE
+from quickreturn.reports.findings.conclusions import ACCURATE
 
 #: The row of the thesis' own model, which is the simulation.
 SIMULATION: Final = ("cubic", "1 element")

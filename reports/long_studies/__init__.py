@@ -1,7 +1,8 @@
 """Results of the long studies as small tables beside this file, which the page shows where the user's own are missing.
 
 A row is a dataclass: fields of fields and numbers of mappings have names with a dot, other mappings are JSON, numbers have five digits.
-`python -m reports.long_studies` writes them; `about.csv` says of each study when, with which versions and with which code it was made.
+`python -m quickreturn.reports.long_studies` writes them; `about.csv` says of each study when, with which versions and with which code
+it was made.
 """
 
 import csv
@@ -17,34 +18,40 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
-from cases.benchmark import Benchmark, Compiling
-from cases.benchmark.findings import Point
-from cases.case import Case
-from cases.classes import study as classes
-from cases.classes.map import Map
-from cases.classes.measurement import Reach
-from cases.conformance import Conformance
-from cases.finding import study as finding_study
-from cases.jobs.key import SIMULATION, code_fingerprint
-from cases.jobs.records import decoded, encoded
-from cases.jobs.store import Record
-from cases.judging.conditioning import Conditioning
-from cases.judging.matrix import Judged, Matrix
-from cases.studies import StudiedRun
-from cases.uncertainty.thesis import Band
-from engines.registry import MAIN
+from quickreturn.cases.benchmark import Benchmark, Compiling
+from quickreturn.cases.benchmark.findings import Point
+from quickreturn.cases.case import Case
+from quickreturn.cases.classes import study as classes
+from quickreturn.cases.classes.map import Map
+from quickreturn.cases.classes.measurement import Reach
+from quickreturn.cases.conformance import Conformance
+from quickreturn.cases.finding import study as finding_study
+from quickreturn.cases.jobs.key import SIMULATION, code_fingerprint
+from quickreturn.cases.jobs.records import decoded, encoded
+from quickreturn.cases.jobs.store import Record
+from quickreturn.cases.judging.conditioning import Conditioning
+from quickreturn.cases.judging.matrix import Judged, Matrix
+from quickreturn.cases.studies import StudiedRun
+from quickreturn.cases.uncertainty.thesis import Band
+from quickreturn.engines.registry import MAIN
 
 T = TypeVar("T")
 
 FOLDER: Final = Path(__file__).parent
 #: Study -> the code that it depends on.
 CODE: Final[Mapping[str, tuple[str, ...]]] = {
-    "benchmark": (*SIMULATION, "cases.benchmark"),
-    "hard scenes": (*SIMULATION, "cases.judging"),
-    "confirmation": (*SIMULATION, "cases.studies"),
-    "conformance": (*SIMULATION, "cases.conformance"),
-    "finding": (*SIMULATION, "cases.finding", "cases.measures", "cases.runs"),
-    "unprinted": (*SIMULATION, "cases.uncertainty", "cases.sweep", "cases.measures", "cases.runs"),
+    "benchmark": (*SIMULATION, "quickreturn.cases.benchmark"),
+    "hard scenes": (*SIMULATION, "quickreturn.cases.judging"),
+    "confirmation": (*SIMULATION, "quickreturn.cases.studies"),
+    "conformance": (*SIMULATION, "quickreturn.cases.conformance"),
+    "finding": (*SIMULATION, "quickreturn.cases.finding", "quickreturn.cases.measures", "quickreturn.cases.runs"),
+    "unprinted": (
+        *SIMULATION,
+        "quickreturn.cases.uncertainty",
+        "quickreturn.cases.sweep",
+        "quickreturn.cases.measures",
+        "quickreturn.cases.runs",
+    ),
     "classes": (*SIMULATION, *classes.CODE),
 }
 #: Significant digits of recorded numbers.

@@ -1,6 +1,7 @@
-"""Write the tables: `python -m reports.long_studies`; what is not stored is computed, which takes hours; `--stored` takes what is.
+"""Write the tables: `python -m quickreturn.reports.long_studies`.
 
-Names of studies, as in `CODE`, choose among them: `python -m reports.long_studies classes`.
+What is not stored is computed, which takes hours; `--stored` takes what is stored.
+Names of studies, as in `CODE`, choose among them: `python -m quickreturn.reports.long_studies classes`.
 """
 
 import dataclasses
@@ -9,24 +10,24 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
-from cases import conformance
-from cases.benchmark import SCENES, Benchmark, compiling, measure, stored
-from cases.benchmark.scenes import ENGINES
-from cases.case_file import load_case
-from cases.classes import study as classes
-from cases.finding import study as finding
-from cases.jobs.job import Outcome
-from cases.jobs.key import LIBRARIES, code_fingerprint
-from cases.jobs.store import Store, write_atomically
-from cases.jobs.workshop import Workshop
-from cases.judging.matrix import Matrix, judge_scenes
-from cases.library import catalogue
-from cases.library.hard import TAG
-from cases.studies import confirming
-from cases.uncertainty.thesis import bands
-from engines.registry import MAIN, engine
-from reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedConformance, RecordedPoint, about, text_of
-from reports.machine import version
+from quickreturn.cases import conformance
+from quickreturn.cases.benchmark import SCENES, Benchmark, compiling, measure, stored
+from quickreturn.cases.benchmark.scenes import ENGINES
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.classes import study as classes
+from quickreturn.cases.finding import study as finding
+from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.jobs.key import LIBRARIES, code_fingerprint
+from quickreturn.cases.jobs.store import Store, write_atomically
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.judging.matrix import Matrix, judge_scenes
+from quickreturn.cases.library import catalogue
+from quickreturn.cases.library.hard import TAG
+from quickreturn.cases.studies import confirming
+from quickreturn.cases.uncertainty.thesis import bands
+from quickreturn.engines.registry import MAIN, engine
+from quickreturn.reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedConformance, RecordedPoint, about, text_of
+from quickreturn.reports.machine import version
 
 #: What the page shows of a solver's statistics.
 STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_gap", "spurious_share")
@@ -36,7 +37,7 @@ def main(arguments: Sequence[str]) -> int:
     """Write the tables of all studies, or of those that are named; exit code 2 for an argument that is none."""
     names = [each for each in arguments if each != "--stored"]
     if unknown := sorted(set(names) - set(CODE)):
-        print(f"python -m reports.long_studies: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
+        print(f"python -m quickreturn.reports.long_studies: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
         return 2
     workshop, told = Workshop(Store()), list[str]()
     if "--stored" in arguments:

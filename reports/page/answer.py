@@ -6,15 +6,15 @@ from typing import Final
 
 import numpy as np
 
-from cases.benchmark import Benchmark, fastest_at
-from cases.benchmark.findings import LEVELS
-from cases.runs.comparison import REFERENCE, CaseResult, Kind
-from cases.runs.request import SETTLED
-from engines.registry import OWN
-from reports.findings.agreement import Spread, differences, engines_of, spread
-from reports.findings.conclusions import MODEL
-from reports.findings.sufficiency import Split, splits
-from reports.page.content import Content
+from quickreturn.cases.benchmark import Benchmark, fastest_at
+from quickreturn.cases.benchmark.findings import LEVELS
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
+from quickreturn.cases.runs.request import SETTLED
+from quickreturn.engines.registry import OWN
+from quickreturn.reports.findings.agreement import Spread, differences, engines_of, spread
+from quickreturn.reports.findings.conclusions import MODEL
+from quickreturn.reports.findings.sufficiency import Split, splits
+from quickreturn.reports.page.content import Content
 
 #: An engine tells the same story where at most this part of its numbers differ by more than claimed.
 FEW: Final = 0.05

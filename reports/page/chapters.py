@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from reports.page.content import Content
-from reports.page.facts import agreement, classes, methods, own, resonance, runs, strength, studies, thesis
-from reports.page.plot import Plot, plots_in
-from reports.tables.table import Table
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.facts import agreement, classes, methods, own, resonance, runs, strength, studies, thesis
+from quickreturn.reports.page.plot import Plot, plots_in
+from quickreturn.reports.tables.table import Table
 
 Facts = Mapping[str, Any]
 

@@ -4,23 +4,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from cases.benchmark import Benchmark, Compiling
-from cases.classes.map import Map
-from cases.finding.study import Row
-from cases.frozen_crank import FrozenCrank
-from cases.judging.matrix import Matrix
-from cases.runs.comparison import CaseResult
-from cases.runs.request import Run
-from cases.studies import Studies
-from cases.uncertainty.thesis import Band
-from reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
-from reports.findings.failures import troubles
-from reports.findings.loads import CaseLoads, loads_of_cases
-from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
-from reports.findings.resonance import Around
-from reports.findings.runs import thesis_runs
-from reports.long_studies import About
-from reports.verification import Verification
+from quickreturn.cases.benchmark import Benchmark, Compiling
+from quickreturn.cases.classes.map import Map
+from quickreturn.cases.finding.study import Row
+from quickreturn.cases.frozen_crank import FrozenCrank
+from quickreturn.cases.judging.matrix import Matrix
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.request import Run
+from quickreturn.cases.studies import Studies
+from quickreturn.cases.uncertainty.thesis import Band
+from quickreturn.reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
+from quickreturn.reports.findings.failures import troubles
+from quickreturn.reports.findings.loads import CaseLoads, loads_of_cases
+from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
+from quickreturn.reports.findings.resonance import Around
+from quickreturn.reports.findings.runs import thesis_runs
+from quickreturn.reports.long_studies import About
+from quickreturn.reports.verification import Verification
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,15 +6,15 @@ from typing import Any, Final
 from jinja2 import Environment
 from markupsafe import Markup
 
-from cases.case import Case
-from cases.runs.comparison import HALVES, REFERENCE, CaseResult
-from engines.trajectory import Trajectory
-from reports import templates, words
-from reports.page.answer import answer_of
-from reports.page.chapters import Chapter
-from reports.page.content import Content
-from reports.page.view import View, cycles, shown_first, trajectories
-from reports.tables.table import csv_text
+from quickreturn.cases.case import Case
+from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reports import templates, words
+from quickreturn.reports.page.answer import answer_of
+from quickreturn.reports.page.chapters import Chapter
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
+from quickreturn.reports.tables.table import csv_text
 
 #: The script's parts, in their order; and those of chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js", "paper.js")

@@ -8,18 +8,18 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.case import Case
-from cases.library.thesis import RUNS
-from cases.runs.comparison import CaseResult
-from cases.runs.request import NOT_SETTLED, Run
-from cases.studies import ACCURACY_CASE
-from reference_model.columns import COLUMNS, SHAPE
-from reference_model.mechanism import Mechanism
-from reports.findings.loads import CaseLoads
-from reports.findings.runs import of_library, run_number
-from reports.looks import Look, looks
-from reports.page.packing import packed
-from reports.tables.table import SHOWN
+from quickreturn.cases.case import Case
+from quickreturn.cases.library.thesis import RUNS
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.request import NOT_SETTLED, Run
+from quickreturn.cases.studies import ACCURACY_CASE
+from quickreturn.reference_model.columns import COLUMNS, SHAPE
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reports.findings.loads import CaseLoads
+from quickreturn.reports.findings.runs import of_library, run_number
+from quickreturn.reports.looks import Look, looks
+from quickreturn.reports.page.packing import packed
+from quickreturn.reports.tables.table import SHOWN
 
 Array = NDArray[np.float64]
 

@@ -13,12 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from cases.experiment import AxisLabels
-from cases.measures import CHANNELS
-from cases.runs.comparison import CaseResult
-from cases.runs.request import Run
-from reports.plots.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, padded, tidy
-from reports.words import angle_text, number
+from quickreturn.cases.experiment import AxisLabels
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.request import Run
+from quickreturn.reports.plots.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, padded, tidy
+from quickreturn.reports.words import angle_text, number
 
 ACCELERATION: Final = "tip_acceleration"
 PERCENT: Final = 100.0  # strain is shown in percent of surface strain, as the thesis prints it

@@ -8,11 +8,11 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from cases.runs.comparison import CaseResult
-from cases.runs.recorded import GROWING, TELLING
-from reference_model.columns import COLUMNS
-from reports.plots.cycle import direction, fraction, stacked_panels
-from reports.plots.style import all_looks, legend_above, new_figure, note, picture
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.recorded import GROWING, TELLING
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.plots.cycle import direction, fraction, stacked_panels
+from quickreturn.reports.plots.style import all_looks, legend_above, new_figure, note, picture
 
 #: Columns drawn of a table.
 MOST_PANELS: Final = 8

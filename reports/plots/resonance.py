@@ -2,10 +2,10 @@
 
 from matplotlib.figure import Figure
 
-from cases.resonance_curve import PEAKS, ResonanceCurve
-from reference_model.columns import COLUMNS
-from reports.looks import looks
-from reports.plots.style import FONT_SIZE, MARKERS, SMALL, logarithmic, look, tidy
+from quickreturn.cases.resonance_curve import PEAKS, ResonanceCurve
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.looks import looks
+from quickreturn.reports.plots.style import FONT_SIZE, MARKERS, SMALL, logarithmic, look, tidy
 
 
 def draw(figure: Figure, curve: ResonanceCurve, mark: float | None = None) -> None:

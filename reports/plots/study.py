@@ -16,14 +16,14 @@ from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from cases.case import dimension_of
-from cases.runs.request import FAILED
-from cases.sweep.grid import Axis
-from cases.sweep.measures import MEASURES
-from cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, REFUSED, UNSTABLE
-from cases.sweep.study import Study
-from cases.units import parse_quantity
-from reports.plots.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
+from quickreturn.cases.case import dimension_of
+from quickreturn.cases.runs.request import FAILED
+from quickreturn.cases.sweep.grid import Axis
+from quickreturn.cases.sweep.measures import MEASURES
+from quickreturn.cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, REFUSED, UNSTABLE
+from quickreturn.cases.sweep.study import Study
+from quickreturn.cases.units import parse_quantity
+from quickreturn.reports.plots.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
 
 #: Values of a second key that are drawn as lines; more of them make a map.
 LINES: Final = 6

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from reports.looks import Look, looks
+from quickreturn.reports.looks import Look, looks
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from cases.benchmark import Benchmark, pareto_front
-from cases.benchmark.findings import Point, completed, error_of
-from reports.looks import looks
-from reports.plots.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
-from reports.words import number
+from quickreturn.cases.benchmark import Benchmark, pareto_front
+from quickreturn.cases.benchmark.findings import Point, completed, error_of
+from quickreturn.reports.looks import looks
+from quickreturn.reports.plots.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
+from quickreturn.reports.words import number
 
 PERCENT: Final = 100.0
 #: Column -> heading of its panel.

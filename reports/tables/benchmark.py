@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from cases.benchmark import Benchmark, Compiling, fastest_at, observed_order, pareto_front
-from cases.benchmark.findings import LEVELS, Point, completed, error_of, soonest_at
-from cases.benchmark.measurement import NOT_TRIED
-from reports.tables.table import CASE, Cell, Column, Columns, Table
-from reports.words import case_label, duration, settings_words
+from quickreturn.cases.benchmark import Benchmark, Compiling, fastest_at, observed_order, pareto_front
+from quickreturn.cases.benchmark.findings import LEVELS, Point, completed, error_of, soonest_at
+from quickreturn.cases.benchmark.measurement import NOT_TRIED
+from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
+from quickreturn.reports.words import case_label, duration, settings_words
 
 _ERRORS: Final = {"tip_deflection": "deflection", "tip_acceleration": "tip acc.", "strain": "worst strain", "slider_force": "force"}
 SCENE: Final = replace(CASE, head="scene")

@@ -6,11 +6,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.runs.comparison import CLASSES, WORSE, CaseResult, Check
-from cases.runs.estimates import EXTREMES
-from reports.findings.agreement import engines_of, outward
-from reports.findings.sharpness import Sharpness
-from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table
+from quickreturn.cases.runs.comparison import CLASSES, WORSE, CaseResult, Check
+from quickreturn.cases.runs.estimates import EXTREMES
+from quickreturn.reports.findings.agreement import engines_of, outward
+from quickreturn.reports.findings.sharpness import Sharpness
+from quickreturn.reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table
 
 #: The slider is at a gauge within this part of the follower's length: half of one of sixteen elements.
 KINK: Final = 1.0 / 32.0

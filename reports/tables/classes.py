@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from cases.classes.grid import CENTRE, name_of
-from cases.classes.map import STATUSES, TIMES, Map
-from cases.classes.measurement import LEVELS, REACHED, Reach
-from cases.classes.study import Scene
-from reports.looks import looks
-from reports.tables.table import Cell, Column, Table
-from reports.words import counted, duration, number, percent, size
+from quickreturn.cases.classes.grid import CENTRE, name_of
+from quickreturn.cases.classes.map import STATUSES, TIMES, Map
+from quickreturn.cases.classes.measurement import LEVELS, REACHED, Reach
+from quickreturn.cases.classes.study import Scene
+from quickreturn.reports.looks import looks
+from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.words import counted, duration, number, percent, size
 
 #: The part of the winner's colour in a cell: of a runner-up that is as fast, and of one that takes ten times as long or more.
 _PALE, _FULL = 8, 34

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.measures import CHANNELS
-from cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
-from cases.runs.estimates import EXTREMES
-from cases.runs.request import INACCURATE, SETTLED, Run
-from reports.findings.runs import mean_crank_speed
-from reports.tables.table import CASE, Cell, Column, Columns, Mark, Table, Value
-from reports.words import channel_name, cost, listed, settings_words, short_name
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
+from quickreturn.cases.runs.estimates import EXTREMES
+from quickreturn.cases.runs.request import INACCURATE, SETTLED, Run
+from quickreturn.reports.findings.runs import mean_crank_speed
+from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Mark, Table, Value
+from quickreturn.reports.words import channel_name, cost, listed, settings_words, short_name
 
 #: Channels whose peaks and amplitudes the page shows; the CSV file has the amplitudes of all.
 SHOWN: Final = ("tip_acceleration", "strain_2")

@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from typing import Any
 
-from cases.experiment import channel_is_usable, measured_crank_speed
-from cases.library import Inconsistency
-from cases.library.thesis import RUNS
-from cases.runs.comparison import REFERENCE, CaseResult
-from cases.runs.request import Run
-from reports.findings.axes import AxisComparison
-from reports.findings.measured import MeasuredHalf
-from reports.findings.runs import mean_crank_speed, thesis_runs
-from reports.tables.table import CASE, CHANNEL, HALF_COLUMN, Cell, Column, Columns, Table
-from reports.words import channel_name
+from quickreturn.cases.experiment import channel_is_usable, measured_crank_speed
+from quickreturn.cases.library import Inconsistency
+from quickreturn.cases.library.thesis import RUNS
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.runs.request import Run
+from quickreturn.reports.findings.axes import AxisComparison
+from quickreturn.reports.findings.measured import MeasuredHalf
+from quickreturn.reports.findings.runs import mean_crank_speed, thesis_runs
+from quickreturn.reports.tables.table import CASE, CHANNEL, HALF_COLUMN, Cell, Column, Columns, Table
+from quickreturn.reports.words import channel_name
 
 
 def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison], engines: Sequence[str]) -> Table:

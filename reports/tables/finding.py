@@ -5,12 +5,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.finding.effects import name_of
-from cases.finding.study import SAMPLE, SECOND, Row
-from cases.runs.comparison import REFERENCE
-from reports.findings.sufficiency import Sufficiency, Tried
-from reports.tables.table import Cell, Column, Columns, Table
-from reports.words import HALF, listed, percent
+from quickreturn.cases.finding.effects import name_of
+from quickreturn.cases.finding.study import SAMPLE, SECOND, Row
+from quickreturn.cases.runs.comparison import REFERENCE
+from quickreturn.reports.findings.sufficiency import Sufficiency, Tried
+from quickreturn.reports.tables.table import Cell, Column, Columns, Table
+from quickreturn.reports.words import HALF, listed, percent
 
 #: How the columns of both formulations begin -> the engine.
 WAYS: Final = {"": REFERENCE, "second_": SECOND}

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from cases.judging.conditioning import CHANGE, ILL
-from cases.judging.matrix import Judged, Matrix
-from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, NOT_CONVERGED, OWN_EQUATIONS, REFUSED, Verdict
-from reports.tables.table import Cell, Column, Columns, Mark, Table
-from reports.words import TIED, number, percent, size
+from quickreturn.cases.judging.conditioning import CHANGE, ILL
+from quickreturn.cases.judging.matrix import Judged, Matrix
+from quickreturn.cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, NOT_CONVERGED, OWN_EQUATIONS, REFUSED, Verdict
+from quickreturn.reports.tables.table import Cell, Column, Columns, Mark, Table
+from quickreturn.reports.words import TIED, number, percent, size
 
 #: How a verdict looks. Its words are in the cell, so that nothing rests on colour.
 _MARKS: Final[Mapping[str, Mark]] = {

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from cases.runs.comparison import REFERENCE, CaseResult
-from cases.studies import BothStarts
-from reports.tables.table import CASE, Column, Columns, Table
-from reports.words import number
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.studies import BothStarts
+from quickreturn.reports.tables.table import CASE, Column, Columns, Table
+from quickreturn.reports.words import number
 
 #: What is left of the way to the steady state when a marched run counts as settled, and a distance at which no measure sees it any more.
 SETTLED_AT, GONE_AT = 1e-3, 1e-6

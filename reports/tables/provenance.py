@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from cases.runs.comparison import CaseResult
-from cases.runs.request import SETTLED, UNAVAILABLE, Run
-from engines.registry import OWN
-from reports.findings.agreement import engines_of
-from reports.findings.failures import INCOMPLETE
-from reports.tables.table import CASE, Cell, Column, Table
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.request import SETTLED, UNAVAILABLE, Run
+from quickreturn.engines.registry import OWN
+from quickreturn.reports.findings.agreement import engines_of
+from quickreturn.reports.findings.failures import INCOMPLETE
+from quickreturn.reports.tables.table import CASE, Cell, Column, Table
 
 
 def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Table:

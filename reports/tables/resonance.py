@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from reports.findings.resonance import Around
-from reports.tables.table import CASE, Column, Table
+from quickreturn.reports.findings.resonance import Around
+from quickreturn.reports.tables.table import CASE, Column, Table
 
 _SPEED: Final = Column("speed", "crank speed", "rpm", ".5g")
 _HEIGHT: Final = Column("tip_acceleration", "largest tip acceleration in a turn", "m/s²", ".4g")

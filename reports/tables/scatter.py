@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Final
 
-from cases.library.thesis import run_name
-from cases.uncertainty.thesis import UNPRINTED, Band
-from reports.tables.table import CASE, Column, Table
-from reports.words import HALF
+from quickreturn.cases.library.thesis import run_name
+from quickreturn.cases.uncertainty.thesis import UNPRINTED, Band
+from quickreturn.reports.tables.table import CASE, Column, Table
+from quickreturn.reports.words import HALF
 
 ENDS: Final = ("low", "median", "high")
 KINDS: Final = ("pre", "post", "strain")

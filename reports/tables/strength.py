@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from cases.loads import UNITS, Factor, Loads, Peak
-from reports.findings.loads import CaseLoads
-from reports.tables.table import CASE, Cell, Column, Columns, Table
-from reports.words import TIED, off_by, quantity
+from quickreturn.cases.loads import UNITS, Factor, Loads, Peak
+from quickreturn.reports.findings.loads import CaseLoads
+from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
+from quickreturn.reports.words import TIED, off_by, quantity
 
 #: Number -> its name in the page, and the unit that it is written in there.
 NAMES: Final = {

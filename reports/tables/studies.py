@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from cases.runs.comparison import CaseResult
-from cases.studies import StudiedRun
-from engines.accurate import ESTIMATED
-from reports.findings.agreement import engines_of
-from reports.tables.table import CASE, Cell, Column, Columns, Table
-from reports.words import cost, settings_words, short_name
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.studies import StudiedRun
+from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.reports.findings.agreement import engines_of
+from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
+from quickreturn.reports.words import cost, settings_words, short_name
 
 #: Columns of the errors, with their headings.
 _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error") for name in ESTIMATED)

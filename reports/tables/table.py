@@ -13,7 +13,7 @@ from typing import Any, Final, Literal
 
 import pandas as pd
 
-from reports.words import HALF, QUANTITY, case_label, channel_name, number
+from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, number
 
 Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed", "model"]

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-from cases.measures import CHANNELS
-from cases.runs.comparison import HALVES, CaseResult, Difference, Kind
-from reports.findings.agreement import Summary, differences, summary_of
-from reports.findings.conclusions import HOLDS, IN_PART, MODEL, NOT, Conclusion
-from reports.findings.raw_extremes import Excess
-from reports.tables.table import Cell, Column, Mark, Table
-from reports.words import HALF, channel_name
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, Kind
+from quickreturn.reports.findings.agreement import Summary, differences, summary_of
+from quickreturn.reports.findings.conclusions import HOLDS, IN_PART, MODEL, NOT, Conclusion
+from quickreturn.reports.findings.raw_extremes import Excess
+from quickreturn.reports.tables.table import Cell, Column, Mark, Table
+from quickreturn.reports.words import HALF, channel_name
 
 
 def ratios(results: Sequence[CaseResult]) -> Table:

@@ -2,10 +2,10 @@
 
 import math
 
-from cases.classes.grid import grid, name_of
-from cases.classes.map import Map
-from cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, SLOW_ANSWER, Reach
-from cases.classes.study import Scene
+from quickreturn.cases.classes.grid import grid, name_of
+from quickreturn.cases.classes.map import Map
+from quickreturn.cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, SLOW_ANSWER, Reach
+from quickreturn.cases.classes.study import Scene
 
 SCENES = tuple(groups for groups in grid() if groups.tip == 0.5 and groups.crank == 0.25 and math.isinf(groups.joint))
 BY_SPEED = {groups.speed: groups for groups in SCENES if groups.damping == 0.003}

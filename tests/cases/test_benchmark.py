@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.benchmark import (
+from quickreturn.cases.benchmark import (
     SCENES,
     Benchmark,
     compiling,
@@ -21,16 +21,16 @@ from cases.benchmark import (
     pareto_front,
     stored,
 )
-from cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, completed, error_of, soonest_at
-from cases.benchmark.methods import Method, methods
-from cases.case import Case
-from cases.case_file import load_case
-from cases.jobs.job import Job, Limits, Outcome
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from engines.base import EngineFailure
-from engines.registry import RIVALS, UnknownEngine
+from quickreturn.cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, completed, error_of, soonest_at
+from quickreturn.cases.benchmark.methods import Method, methods
+from quickreturn.cases.case import Case
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.job import Job, Limits, Outcome
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.registry import RIVALS, UnknownEngine
 from tests.engines.fake_engine import FakeEngine, FakeSettings
 
 
@@ -199,8 +199,8 @@ def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypa
 
 def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     workshop, case, affinity = Workshop(Store(tmp_path)), short(), os.sched_getaffinity(0)
-    monkeypatch.setattr("cases.benchmark.scenes.pinned", _quick)
-    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.pinned", _quick)
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.tried", lambda *_: {})
     assert stored(case, workshop, ("thesis",)) is None
     made = measure(case, workshop, ("thesis",), 1)
     assert stored(case, workshop, ("thesis",)) == made
@@ -210,8 +210,8 @@ def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, mo
 
 
 def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cases.benchmark.scenes.pinned", _broken)
-    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.pinned", _broken)
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.tried", lambda *_: {})
     with pytest.raises(EngineFailure, match="the loop cannot close"):
         measure(short(), Workshop(Store()), ("thesis",), 1)
     with pytest.raises(UnknownEngine):
@@ -219,8 +219,8 @@ def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch
 
 
 def test_an_engine_that_dies_at_finer_settings_is_left_out(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cases.benchmark.scenes.pinned", _deadly)
-    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {"mujoco": "killed by SIGSEGV"})
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.pinned", _deadly)
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.tried", lambda *_: {"mujoco": "killed by SIGSEGV"})
     case, names = short(), ("mujoco", "exudyn", "thesis", "reference")
     made = measure(case, Workshop(Store(tmp_path)), names, 1)
     assert made.failures == {
@@ -255,7 +255,7 @@ def overrun(monkeypatch: pytest.MonkeyPatch, since: float) -> list[tuple[str, ..
         yield Outcome(job, failure=failure, seconds=3.0, output=f"\nat work: 0.1 thesis\n\nat work: {since} exudyn\n")
 
     monkeypatch.setattr(LocalProcesses, "run", run)
-    monkeypatch.setattr("cases.benchmark.scenes.tried", lambda *_: {})
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.tried", lambda *_: {})
     return measured
 
 

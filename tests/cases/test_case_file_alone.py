@@ -2,9 +2,9 @@
 
 import pytest
 
-from cases.errors import CaseError
-from cases.reading import parse_case
-from reference_model.mechanism import FollowerAlone, PrescribedSpeed
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.reading import parse_case
+from quickreturn.reference_model.mechanism import FollowerAlone, PrescribedSpeed
 from tests.cases.scene_texts import SCENE, message
 
 ALONE = """\

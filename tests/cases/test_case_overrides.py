@@ -2,10 +2,10 @@
 
 import pytest
 
-from cases.case import Case
-from cases.errors import CaseError
-from cases.reading import parse_case
-from reference_model.mechanism import PrescribedSpeed, TorqueDrive
+from quickreturn.cases.case import Case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.reading import parse_case
+from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from tests.cases.scene_texts import SCENE, changed, numbers
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from cases.experiment import axis_labels, channel_is_usable, measured_crank_speed, statements
-from cases.recorded import FOLDER_VARIABLE, experiment_tables
+from quickreturn.cases.experiment import axis_labels, channel_is_usable, measured_crank_speed, statements
+from quickreturn.cases.recorded import FOLDER_VARIABLE, experiment_tables
 
 
 def test_the_example_of_the_readme_has_the_form_that_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cases.conformance.bench import Motion, solution
-from cases.conformance.scenes import BASE
-from cases.explanation import Explanation, Hypothesis, explain
-from cases.mistakes import diagnose, lateness, share_of
-from reference_model.mechanism import changed
+from quickreturn.cases.conformance.bench import Motion, solution
+from quickreturn.cases.conformance.scenes import BASE
+from quickreturn.cases.explanation import Explanation, Hypothesis, explain
+from quickreturn.cases.mistakes import diagnose, lateness, share_of
+from quickreturn.reference_model.mechanism import changed
 
 X = np.linspace(0.0, 2.0 * np.pi, 201)
 EXPECTED = np.sin(X)

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-import cases.library
-from cases.case_file import load_case
-from cases.document import document_of
-from cases.errors import CaseError
-from cases.library import case_names, catalogue, inconsistencies
-from cases.library.hard import IMPOSSIBLE, SCENES
-from cases.library.thesis import RUNS, run_name
-from cases.reading import case_of, parse_case
-from reference_model.mechanism import TorqueDrive
+from quickreturn.cases import library
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.document import document_of
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.library import case_names, catalogue, inconsistencies
+from quickreturn.cases.library.hard import IMPOSSIBLE, SCENES
+from quickreturn.cases.library.thesis import RUNS, run_name
+from quickreturn.cases.reading import case_of, parse_case
+from quickreturn.reference_model.mechanism import TorqueDrive
 from tests.cases.scene_texts import SCENE
 
 # Run 24 as anyone would write it down from sections 3.2 and 5.3, with the crank damping mended.
@@ -44,7 +44,7 @@ output_step = "1 ms"
 
 
 def test_the_library_holds_the_24_runs_every_file_of_its_folder_and_the_hard_scenes() -> None:
-    files = sorted(path.stem for path in Path(cases.library.__file__).parent.glob("*.toml"))
+    files = sorted(path.stem for path in Path(library.__file__).parent.glob("*.toml"))
     hard_scenes = (name for name in SCENES if name not in IMPOSSIBLE)
     assert case_names() == (*(f"thesis-{run:02d}" for run in range(1, 25)), *files, *hard_scenes)
     assert {"rigid", "example"} <= set(files)
@@ -69,10 +69,10 @@ def test_every_case_can_be_read_and_is_listed_as_it_is(name: str) -> None:
 
 def test_a_case_file_dropped_into_the_folder_is_found_without_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def forget() -> None:
-        for function in (cases.library.case_names, cases.library.library_case, cases.library._file_names, cases.library._line):
+        for function in (library.case_names, library.library_case, library._file_names, library._line):
             function.cache_clear()
 
-    monkeypatch.setattr(cases.library, "_FOLDER", tmp_path)
+    monkeypatch.setattr(library, "_FOLDER", tmp_path)
     (tmp_path / "mine.toml").write_text(RUN_24.replace('name = "thesis-24"', 'name = "mine"').replace('["thesis"]', '["mine", "new"]'))
     (tmp_path / "other.toml").write_text(RUN_24)
     forget()
@@ -158,6 +158,6 @@ def test_the_rigid_case_is_run_24_without_bending() -> None:
 
 
 def test_the_example_shows_every_key_that_can_stand_together() -> None:
-    content = tomllib.loads((Path(cases.library.__file__).parent / "example.toml").read_text("utf-8"))
+    content = tomllib.loads((Path(library.__file__).parent / "example.toml").read_text("utf-8"))
     assert set(content) == {"name", "title", "tags", "mechanism", "crank", "base", "follower", "tip", "slider", "simulation"}
     assert load_case("example").mechanism.has_gravity

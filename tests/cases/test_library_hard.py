@@ -3,12 +3,12 @@ from dataclasses import replace
 
 import pytest
 
-from cases.case_file import load_case
-from cases.errors import CaseError
-from cases.library import case_names, catalogue
-from cases.library.hard import IMPOSSIBLE, SCENES, TAG
-from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
-from reference_model.rigid import rigid_motion
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.library import case_names, catalogue
+from quickreturn.cases.library.hard import IMPOSSIBLE, SCENES, TAG
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.rigid import rigid_motion
 
 RUN_24 = load_case("thesis-24").mechanism
 INCH = 0.0254

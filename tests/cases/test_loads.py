@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from cases.jobs.key import hash_of
-from cases.loads import loads_of, resonance
-from cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out
-from cases.loads.stress import arm_stress, safety, section_modulus
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.start import standard_start
-from reference_model.columns import MOMENTS
-from reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, Tip
-from reference_model.natural_modes import supported_modes
-from reference_model.rigid import rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.key import hash_of
+from quickreturn.cases.loads import loads_of, resonance
+from quickreturn.cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out
+from quickreturn.cases.loads.stress import arm_stress, safety, section_modulus
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.columns import MOMENTS
+from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, Tip
+from quickreturn.reference_model.natural_modes import supported_modes
+from quickreturn.reference_model.rigid import rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
 
 Columns = dict[str, Any]

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.measures import CHANNELS, CycleMeasures, measure_cycle
-from cases.measures.consensus import consensus
-from cases.measures.extremes import extremes
+from quickreturn.cases.measures import CHANNELS, CycleMeasures, measure_cycle
+from quickreturn.cases.measures.consensus import consensus
+from quickreturn.cases.measures.extremes import extremes
 from tests.verification.measured_scenes import scale_of_run, vibrating_cycle
 
 FACTOR = 0.95

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from cases.measures.moving_mode import LARGEST, moving_mode
-from reference_model.mechanism import Crank, Mechanism, PrescribedSpeed
-from reference_model.natural_modes import frozen_crank_modes, supported_modes
+from quickreturn.cases.measures.moving_mode import LARGEST, moving_mode
+from quickreturn.reference_model.mechanism import Crank, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes, supported_modes
 from tests.verification.measures_accuracy import thesis_scene
 
 RUN_24: Mechanism = thesis_scene(24)[0]

@@ -13,13 +13,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.case_file import load_case
-from cases.measures import CHANNELS, cut_cycles, measure_cycle, time_scale
-from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
-from reference_model.motion.layout import COS_Q2, MISSED, SIN_Q2
-from reference_model.natural_modes import frozen_crank_modes
-from reference_model.shapes import ShapeSet, clamped_free_modes, vibrating
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.measures import CHANNELS, cut_cycles, measure_cycle, time_scale
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.layout import COS_Q2, MISSED, SIN_Q2
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, vibrating
 from tests.cases.vibration_truth import LAUNCHES, SteadyVibration, steady_vibration
 from tests.engines.scenes import run_24
 from tests.verification.random_scenes import random_scenes

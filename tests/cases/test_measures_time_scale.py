@@ -6,13 +6,13 @@ import math
 import numpy as np
 import pytest
 
-from cases.measures import time_scale
-from cases.measures.moving_mode import moving_mode
-from cases.measures.quasi_static import follower_acceleration, quasi_static_strain, quasi_static_tip_acceleration
-from engines.exudyn.engine import ExudynEngine
-from engines.exudyn.settings import ExudynSettings
-from reference_model.mechanism import Mechanism
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.cases.measures import time_scale
+from quickreturn.cases.measures.moving_mode import moving_mode
+from quickreturn.cases.measures.quasi_static import follower_acceleration, quasi_static_strain, quasi_static_tip_acceleration
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.verification.measures_accuracy import thesis_scene
 
 RUN_24: Mechanism = thesis_scene(24)[0]

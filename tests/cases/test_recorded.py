@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases import recorded
-from cases.errors import CaseError
-from cases.recorded import experiment_tables, read_table
+from quickreturn.cases import recorded
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.recorded import experiment_tables, read_table
 
 HEADING = "time [ms],crank_angle [deg],tip_deflection [mm],strain_1 [percent]"
 ROWS = "0,180,-2.5,0\n1,181,1e-3,0.1\n"

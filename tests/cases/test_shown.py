@@ -3,10 +3,10 @@
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 
-from cases.case_file import load_case
-from cases.conformance.checks import Check, Conformance
-from cases.reading import parse_case
-from cases.shown import Cell, Rows, Shown
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.conformance.checks import Check, Conformance
+from quickreturn.cases.reading import parse_case
+from quickreturn.cases.shown import Cell, Rows, Shown
 from tests.cases.scene_texts import SCENE
 
 HOSTILE = "</td><script>alert('owned')</script> & \"<b>\""

@@ -1,8 +1,8 @@
 """Studies beside the 24 runs."""
 
-from cases.studies import convergence
-from engines.accurate import ESTIMATED
-from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.cases.studies import convergence
+from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
 from tests.engines.scenes import run_24
 
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases import units
-from cases.units import COMMON_UNITS, Dimension, QuantityError, parse_quantity, unit_of_pint
+from quickreturn.cases import units
+from quickreturn.cases.units import COMMON_UNITS, Dimension, QuantityError, parse_quantity, unit_of_pint
 
 # SI values of the definitions: 1 in = 0.0254 m, 1 lbf = 0.45359237 kg x 9.80665 m/s^2, worked out by hand in decimals.
 KNOWN = [
@@ -226,5 +226,5 @@ def test_the_commonest_units_are_what_pint_has(name: str) -> None:
 
 
 def test_a_run_of_the_thesis_does_without_pint() -> None:
-    code = "import sys; from cases.case_file import load_case; load_case('thesis-24'); print('pint' in sys.modules)"
+    code = "import sys; from quickreturn.cases.case_file import load_case; load_case('thesis-24'); print('pint' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.case import PATHS, SECTIONS, Case
-from cases.case_file import load_case
-from cases.document import document_of
-from cases.errors import CaseError
-from cases.library import case_names
-from cases.reading import parse_case
-from cases.written import as_toml
-from reference_model.mechanism import FollowerAlone, Mechanism, SpinUp
-from reference_model.scene_values import SPIN_UP
+from quickreturn.cases.case import PATHS, SECTIONS, Case
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.document import document_of
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.library import case_names
+from quickreturn.cases.reading import parse_case
+from quickreturn.cases.written import as_toml
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, SpinUp
+from quickreturn.reference_model.scene_values import SPIN_UP
 from tests.strategies import scenes
 
 COMMENTED = re.compile(r'^# (\w+) = (".*?"|\[.*?\])', re.MULTILINE)

@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.measures import CHANNELS, Cycle, CycleMeasures, TimeScale, measure_cycle, time_scale
-from cases.runs.marching import output_step, whole_cycles
-from cases.runs.steady_state import ROWS_AFTER
-from engines.base import NoSteadyState
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.simulation import OwnSimulation
-from engines.start import standard_start
-from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
+from quickreturn.cases.measures import CHANNELS, Cycle, CycleMeasures, TimeScale, measure_cycle, time_scale
+from quickreturn.cases.runs.marching import output_step, whole_cycles
+from quickreturn.cases.runs.steady_state import ROWS_AFTER
+from quickreturn.engines.base import NoSteadyState
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.model import BeamModel
 
 Array = NDArray[np.float64]
 

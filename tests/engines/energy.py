@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory
 
 
 def from_nowhere(trajectory: Trajectory) -> NDArray[np.float64]:

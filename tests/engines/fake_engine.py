@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
-from engines.settings import Settings as AnySettings
-from engines.settings import setting
-from engines.start import Start
-from engines.trajectory import REQUIRED, Trajectory
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
+from quickreturn.engines.settings import Settings as AnySettings
+from quickreturn.engines.settings import setting
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import REQUIRED, Trajectory
+from quickreturn.reference_model.mechanism import Mechanism
 
 BEHAVIOURS = ("good", "coarse fails", "unstable", "fails", "raises", "nan", "short", "prints", "dies", "hangs", "rigid", "hungry")
 

@@ -16,11 +16,11 @@ from typing import ClassVar, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import ModelDescription
-from engines.settings import Settings as AnySettings
-from engines.start import Start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.base import ModelDescription
+from quickreturn.engines.settings import Settings as AnySettings
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism
 from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation
 from tests.engines.fake_package import install
 

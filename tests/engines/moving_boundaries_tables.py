@@ -9,14 +9,14 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from engines.base import NoSteadyState
-from engines.own.moving_boundaries import MovingBoundariesEngine, MovingBoundariesSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.relative import relative_error
-from engines.start import standard_start
-from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.moving_boundaries.model import MovingBoundariesModel
-from reference_model.rigid import crank_pace
+from quickreturn.engines.base import NoSteadyState
+from quickreturn.engines.own.moving_boundaries import MovingBoundariesEngine, MovingBoundariesSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
+from quickreturn.reference_model.rigid import crank_pace
 
 COLUMNS = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
 

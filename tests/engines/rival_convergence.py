@@ -10,17 +10,17 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from engines.accurate import ESTIMATED
-from engines.base import Engine, EngineFailure
-from engines.own.multiplier import MultiplierEngine, MultiplierSettings
-from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
-from engines.relative import relative_error
-from engines.settings import Settings
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.base import Engine, EngineFailure
+from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
+from quickreturn.engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism
 
 TOLERANCE: Final = 1e-8
 #: The solution that errors are measured against.

@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Any
 
-from reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
 
 INCH = 0.0254  # m
 POUND_FORCE = 4.4482216152605  # N

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from engines.accurate import LARGEST_REST, LEAST_FACTOR, Compared, Result, run_once, shown_factor, simulate
-from engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
-from engines.settings import SettingError, Settings
-from engines.start import Start, standard_start
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.accurate import LARGEST_REST, LEAST_FACTOR, Compared, Result, run_once, shown_factor, simulate
+from quickreturn.engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
+from quickreturn.engines.settings import SettingError, Settings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.reference_model.mechanism import Mechanism
 from tests.engines.fake_engine import FakeEngine, FakeSettings, error_of
 from tests.engines.scenes import run_24
 

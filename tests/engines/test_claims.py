@@ -5,14 +5,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from engines.accurate import ESTIMATED, Result, run_once, simulate
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.registry import engine
-from engines.relative import relative_error
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed
+from quickreturn.cases.case_file import load_case
+from quickreturn.engines.accurate import ESTIMATED, Result, run_once, simulate
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.registry import engine
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed
 
 
 @cache

@@ -4,15 +4,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from engines.base import Comparison, Engine
-from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
-from engines.own.multiplier import MultiplierEngine, MultiplierSettings
-from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
-from engines.own.staying_shapes import ShapeSettings
-from engines.own.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringEngine, StiffSpringSettings
-from engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
-from engines.settings import Settings
-from reference_model.mechanism import Slider
+from quickreturn.engines.base import Comparison, Engine
+from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
+from quickreturn.engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
+from quickreturn.engines.own.staying_shapes import ShapeSettings
+from quickreturn.engines.own.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
+from quickreturn.engines.settings import Settings
+from quickreturn.reference_model.mechanism import Slider
 from tests.engines.scenes import run_24
 
 numbers = st.integers(1, 64)

@@ -8,19 +8,19 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from engines.base import Engine, EngineFailure
-from engines.exudyn.engine import ExudynEngine
-from engines.exudyn.settings import ExudynSettings
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import ChainSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
-from engines.relative import relative_error
-from engines.settings import Settings
-from engines.start import Start, standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.engines.base import Engine, EngineFailure
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.engines.energy import imbalance
 from tests.engines.scenes import INCH, run_24
 from tests.engines.test_exudyn import bent_start

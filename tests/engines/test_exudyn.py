@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 from scipy.interpolate import PPoly
 
-from cases.case_file import load_case
-from engines import accurate
-from engines.base import Comparison, EngineFailure, Refusal
-from engines.exudyn import settings as ladder
-from engines.exudyn import simulation
-from engines.exudyn.cable import Cable, Kink
-from engines.exudyn.engine import ExudynEngine
-from engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.registry import engine
-from engines.relative import relative_error
-from engines.start import Start, standard_start
-from engines.start_state import reconstruct
-from engines.trajectory import REQUIRED, Trajectory, join
-from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.cases.case_file import load_case
+from quickreturn.engines import accurate
+from quickreturn.engines.base import Comparison, EngineFailure, Refusal
+from quickreturn.engines.exudyn import settings as ladder
+from quickreturn.engines.exudyn import simulation
+from quickreturn.engines.exudyn.cable import Cable, Kink
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.registry import engine
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.trajectory import REQUIRED, Trajectory, join
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive
 from tests.engines.energy import imbalance
 from tests.engines.scenes import INCH, run_24
 

@@ -2,15 +2,15 @@
 
 import pytest
 
-from engines.base import Refusal
-from engines.registry import RIVALS, engine
-from engines.relative import relative_error
-from engines.scene import describe_scene, simulate_scene
-from engines.settings import Settings
-from engines.trajectory import FollowerTrajectory
-from reference_model.columns import COLUMNS, SHAPE
-from reference_model.mechanism import Base, Follower, FollowerAlone, SpinUp, Tip
-from reference_model.spin_up import base_motion
+from quickreturn.engines.base import Refusal
+from quickreturn.engines.registry import RIVALS, engine
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.scene import describe_scene, simulate_scene
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.trajectory import FollowerTrajectory
+from quickreturn.reference_model.columns import COLUMNS, SHAPE
+from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, SpinUp, Tip
+from quickreturn.reference_model.spin_up import base_motion
 
 SCENE = FollowerAlone(
     spin_up=SpinUp(speed=7.0, time=1.0),

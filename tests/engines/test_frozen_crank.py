@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from engines.registry import MAIN, engine
-from engines.settings import Settings
+from quickreturn.engines.registry import MAIN, engine
+from quickreturn.engines.settings import Settings
 from tests.engines.scenes import run_24
 
 #: Of run 24 at crank angles, Hz, from converged models of other kinds.

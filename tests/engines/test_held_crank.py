@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engines.registry import engine
-from engines.start import Start
-from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.natural_modes import FrozenModes, frozen_crank_modes
+from quickreturn.engines.registry import engine
+from quickreturn.engines.start import Start
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.natural_modes import FrozenModes, frozen_crank_modes
 from tests.engines.scenes import run_24
 
 Array = NDArray[np.float64]

@@ -10,15 +10,15 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.case_file import load_case
-from engines.accurate import run_once, simulate
-from engines.registry import usable_engine
-from engines.relative import rms
-from engines.start import standard_start
-from reference_model.columns import BEARINGS, BENDING, MOMENTS, PLACES, SHAPE
-from reference_model.mechanism import Follower, FollowerAlone, Mechanism, PrescribedSpeed, Scene, Slider
-from reference_model.rigid import rigid_bearing_forces
-from reference_model.tip_force import tip_force
+from quickreturn.cases.case_file import load_case
+from quickreturn.engines.accurate import run_once, simulate
+from quickreturn.engines.registry import usable_engine
+from quickreturn.engines.relative import rms
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.columns import BEARINGS, BENDING, MOMENTS, PLACES, SHAPE
+from quickreturn.reference_model.mechanism import Follower, FollowerAlone, Mechanism, PrescribedSpeed, Scene, Slider
+from quickreturn.reference_model.rigid import rigid_bearing_forces
+from quickreturn.reference_model.tip_force import tip_force
 from tests.engines.scenes import run_24
 
 Array = NDArray[np.float64]

@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from engines.exudyn import settings as exudyn
-from engines.ladder import Ladder
-from engines.mujoco import settings as mujoco
-from engines.own import nodal_load, reference, staying_shapes, stiff_spring
+from quickreturn.engines.exudyn import settings as exudyn
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.mujoco import settings as mujoco
+from quickreturn.engines.own import nodal_load, reference, staying_shapes, stiff_spring
 
 LADDERS: dict[str, Ladder[Any]] = {
     "reference": reference.LADDER,

@@ -6,14 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from engines.base import EngineFailure, Refusal
-from engines.own.moving_boundaries import MovingBoundariesEngine, MovingBoundariesSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.simulation import OwnSimulation
-from engines.relative import relative_error
-from engines.start import Start, standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.own.moving_boundaries import MovingBoundariesEngine, MovingBoundariesSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
 from tests.engines.scenes import run_24
 
 ENGINE = MovingBoundariesEngine()

@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from engines.accurate import simulate
-from engines.base import EngineFailure, Refusal
-from engines.mujoco import chain, kernels
-from engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
-from engines.mujoco.settings import LADDER, ChainSettings
-from engines.mujoco.simulation import _context
-from engines.registry import engine
-from engines.start import standard_start
-from reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.mujoco import chain, kernels
+from quickreturn.engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
+from quickreturn.engines.mujoco.settings import LADDER, ChainSettings
+from quickreturn.engines.mujoco.simulation import _context
+from quickreturn.engines.registry import engine
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, TorqueDrive
 from tests.engines.scenes import INCH, run_24
 
 ENGINE = MujocoEngine()

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import ChainSettings
-from engines.relative import relative_error, rms
-from engines.start import Field, Start, standard_start
-from engines.start_state import reconstruct
-from engines.trajectory import OPTIONAL, Trajectory
-from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.relative import relative_error, rms
+from quickreturn.engines.start import Field, Start, standard_start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.trajectory import OPTIONAL, Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from tests.engines.energy import from_nowhere
 from tests.engines.scenes import INCH, run_24
 

@@ -7,17 +7,17 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from engines.base import Engine, EngineFailure, Refusal
-from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
-from engines.own.staying_shapes import LADDER
-from engines.own.thesis import ThesisEngine, ThesisSettings
-from engines.settings import Settings
-from engines.start import Start, standard_start
-from engines.trajectory import join
-from reference_model.mechanism import PrescribedSpeed, Tip
-from reference_model.model import BeamModel, ObservationFailed
-from reference_model.natural_modes import frozen_crank_modes
-from reference_model.thesis.model import ThesisModel
+from quickreturn.engines.base import Engine, EngineFailure, Refusal
+from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.engines.own.staying_shapes import LADDER
+from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import join
+from quickreturn.reference_model.mechanism import PrescribedSpeed, Tip
+from quickreturn.reference_model.model import BeamModel, ObservationFailed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24, violent
 
 THESIS, FIXED = ThesisEngine(), FixedShapesEngine()

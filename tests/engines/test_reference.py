@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from engines.accurate import simulate
-from engines.base import EngineFailure
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import ChainSettings
-from engines.own.reference import LADDER, ReferenceEngine, ReferenceSettings
-from engines.own.simulation import OwnSimulation
-from engines.relative import relative_error
-from engines.start import Start, standard_start
-from engines.start_state import reconstruct
-from engines.trajectory import OPTIONAL, REQUIRED, Trajectory, join
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.reference import LADDER, ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.trajectory import OPTIONAL, REQUIRED, Trajectory, join
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.engines.energy import imbalance
 from tests.engines.scenes import INCH, POUND_FORCE, run_24, violent
 

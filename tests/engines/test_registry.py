@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from engines import registry
-from engines.base import Refusal
-from engines.registry import MAIN, UnknownEngine, engine, engine_names, usable_engine
+from quickreturn.engines import registry
+from quickreturn.engines.base import Refusal
+from quickreturn.engines.registry import MAIN, UnknownEngine, engine, engine_names, usable_engine
 from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.engines.scenes import run_24
 
@@ -35,7 +35,7 @@ def test_third_party_engine_is_found_by_entry_point(tmp_path: Path, monkeypatch:
         ("absent", "registry_no_such_module:Engine", "No module named 'registry_no_such_module'"),
         ("lacks", "registry_good:Nothing", "Nothing"),
         ("no_class", "registry_good:error_of", "not a class derived from engines.base.Engine"),
-        ("abstract", "engines.base:Engine", "abstract"),
+        ("abstract", "quickreturn.engines.base:Engine", "abstract"),
         ("renamed", "registry_good:FakeEngine", 'calls itself "fake"'),
         ("older", "registry_older:Engine", "version 0 of the engines' interface"),
         ("boaster", "registry_boaster:Engine", 'estimates = "everything"; accepted: total, integration, unverified'),
@@ -77,8 +77,8 @@ def test_third_party_engine_cannot_replace_a_main_one(tmp_path: Path, monkeypatc
 
 def test_missing_library_disables_its_own_engine_only(monkeypatch: pytest.MonkeyPatch) -> None:
     # An engine whose module cannot be imported because the library behind it is absent; the registry's table is what leads to it.
-    monkeypatch.setattr(registry, "_MODULES", {**registry._MODULES, "exudyn": "engines.no_such_library:ExudynEngine"})
-    assert "No module named 'engines.no_such_library'" in str(engine("exudyn").unavailable())
+    monkeypatch.setattr(registry, "_MODULES", {**registry._MODULES, "exudyn": "quickreturn.engines.no_such_library:ExudynEngine"})
+    assert "No module named 'quickreturn.engines.no_such_library'" in str(engine("exudyn").unavailable())
     assert engine_names()[:4] == MAIN
 
 

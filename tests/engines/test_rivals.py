@@ -6,20 +6,20 @@ from functools import cache
 import numpy as np
 import pytest
 
-from engines.base import Engine, EngineFailure, Refusal
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import ChainSettings
-from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
-from engines.own.multiplier import MultiplierEngine, MultiplierSettings
-from engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
-from engines.registry import RIVALS, engine, engine_names
-from engines.relative import relative_error
-from engines.settings import Settings
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Crank, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.engines.base import Engine, EngineFailure, Refusal
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
+from quickreturn.engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.registry import RIVALS, engine, engine_names
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Crank, Mechanism, PrescribedSpeed, Slider, TorqueDrive
 from tests.engines.energy import from_nowhere
 from tests.engines.scenes import run_24
 

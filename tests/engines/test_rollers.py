@@ -7,19 +7,19 @@ from functools import cache
 import numpy as np
 import pytest
 
-from engines.base import Engine, Refusal
-from engines.exudyn.engine import ExudynEngine
-from engines.exudyn.joint import JointLaw
-from engines.exudyn.settings import ExudynSettings
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import ChainSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.relative import relative_error
-from engines.settings import Settings
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.engines.base import Engine, Refusal
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.exudyn.joint import JointLaw
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.engines.energy import imbalance
 from tests.engines.scenes import run_24
 

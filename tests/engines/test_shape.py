@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from engines.accurate import run_once, simulate
-from engines.registry import MAIN, RIVALS, engine
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.columns import SHAPE
-from reference_model.mechanism import PrescribedSpeed
+from quickreturn.engines.accurate import run_once, simulate
+from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.columns import SHAPE
+from quickreturn.reference_model.mechanism import PrescribedSpeed
 from tests.engines.scenes import run_24
 
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cases.conformance.scenes import BASE, changed
-from engines.accurate import run_once
-from engines.base import EngineFailure, Refusal
-from engines.settings import SettingError
-from engines.simple import Model, SimpleEngine, SimpleSettings
-from engines.start import Start, standard_start
-from engines.trajectory import REQUIRED
-from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.scene_values import NAMED
+from quickreturn.cases.conformance.scenes import BASE, changed
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.settings import SettingError
+from quickreturn.engines.simple import Model, SimpleEngine, SimpleSettings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import REQUIRED
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.scene_values import NAMED
 
 W = 70.0  # rad/s
 AMPLITUDE = 0.01  # m

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, PPoly
 
-from engines.base import EngineFailure
-from engines.start import Start, standard_start
-from engines.start_state import reconstruct
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.start_state import reconstruct
 from tests.engines.scenes import INCH, run_24
 
 MECHANISM = run_24()

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engines.accurate import Result, simulate
-from engines.registry import MAIN, RIVALS, engine
-from engines.start import standard_start
-from reference_model.mechanism import FollowerAlone, ImpossibleMechanism, Mechanism, PrescribedSpeed
-from reference_model.tip_force import share
+from quickreturn.engines.accurate import Result, simulate
+from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import FollowerAlone, ImpossibleMechanism, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.tip_force import share
 from tests.engines.energy import from_nowhere
 from tests.engines.scenes import run_24
 from tests.engines.test_follower_alone import SCENE as ALONE

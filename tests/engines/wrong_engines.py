@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, Engine, ModelDescription, Simulation
-from engines.settings import Settings
-from engines.start import Start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
+from quickreturn.engines.base import Comparison, Engine, ModelDescription, Simulation
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism
 
 
 class Disguised(Engine):

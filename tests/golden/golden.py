@@ -18,19 +18,19 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from cases.case_file import load_case
-from cases.jobs.job import Job, Limits
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.library import case_names
-from cases.runs.campaign import carry_out
-from cases.runs.request import Run, RunRequest
-from engines.accurate import ESTIMATED
-from engines.base import EngineFailure, Refusal
-from engines.registry import MAIN, RIVALS, engine
-from engines.scene import simulate_scene
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.job import Job, Limits
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library import case_names
+from quickreturn.cases.runs.campaign import carry_out
+from quickreturn.cases.runs.request import Run, RunRequest
+from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.scene import simulate_scene
+from quickreturn.reference_model.mechanism import Mechanism
 
 FOLDER: Final = Path(__file__).parent
 KINDS: Final = ("trajectories", "modes", "steady")

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Engine
-from engines.exudyn.engine import ExudynEngine
-from engines.exudyn.settings import ExudynSettings
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import ChainSettings
-from engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.own.thesis import ThesisEngine, ThesisSettings
-from engines.settings import Settings
-from engines.trajectory import Trajectory
+from quickreturn.engines.base import Engine
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.trajectory import Trajectory
 from tests.strategies import Scene
 
 Array = NDArray[np.float64]

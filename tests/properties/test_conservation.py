@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.own.simulation import OwnSimulation
-from engines.trajectory import Trajectory
-from reference_model.mechanism import PrescribedSpeed
-from reference_model.model import BeamModel
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import PrescribedSpeed
+from quickreturn.reference_model.model import BeamModel
 from tests.properties.law import for_all
 from tests.properties.runs import (
     COMPLIANT,

@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.own.multiplier import MultiplierEngine, MultiplierSettings
-from engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Base, Mechanism, Tip, TorqueDrive
+from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Base, Mechanism, Tip, TorqueDrive
 from tests.properties.law import for_all
 from tests.properties.runs import (
     EXUDYN,

@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import strategies as st
 
-from engines.trajectory import join
+from quickreturn.engines.trajectory import join
 from tests.properties.law import for_all
 from tests.properties.runs import EXPLICIT, EXUDYN, FIXED_SHAPES, MUJOCO, REFERENCE, STEPS_ADD_UP, THESIS, TOLERANCE, Method, assert_close
 from tests.strategies import Scene, scenes

@@ -6,10 +6,10 @@ from dataclasses import replace
 import pytest
 from hypothesis import strategies as st
 
-from cases.case import dimension_of
-from engines.base import EngineFailure
-from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.scene_values import scene_of, values_of
+from quickreturn.cases.case import dimension_of
+from quickreturn.engines.base import EngineFailure
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.scene_values import scene_of, values_of
 from tests.properties.law import for_all
 from tests.properties.runs import (
     COMPLIANT,

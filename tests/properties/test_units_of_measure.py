@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from cases import units
-from cases.case import Case, dimension_of
-from cases.reading import parse_case
-from cases.units import Dimension
-from reference_model.scene_values import values_of
+from quickreturn.cases import units
+from quickreturn.cases.case import Case, dimension_of
+from quickreturn.cases.reading import parse_case
+from quickreturn.cases.units import Dimension
+from quickreturn.reference_model.scene_values import values_of
 from tests.properties.law import for_all
 from tests.properties.runs import COMPLIANT, EXPLICIT, REFERENCE, STEPS_ADD_UP, TOLERANCE, Method, assert_close
 from tests.strategies import Scene, scenes

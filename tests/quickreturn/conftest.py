@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import pytest
 
-from cases.jobs.job import Job
-from cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.command_line import main
 from tests.engines.fake_package import FAKE_ENGINE, install
 

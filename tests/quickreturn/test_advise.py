@@ -5,7 +5,7 @@ import json
 import pytest
 
 import quickreturn as qr
-from reports import long_studies
+from quickreturn.reports import long_studies
 from tests.cases.made_up_map import made_up_map
 from tests.quickreturn.conftest import Call
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import click
 import pytest
 
-from cases.reading import parse_case
+from quickreturn.cases.reading import parse_case
 from quickreturn.command_line import COMMANDS
 from tests.quickreturn import mistakes
 from tests.quickreturn.conftest import Answer, Call

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from engines.trajectory import REQUIRED
 from quickreturn.command_line import main
+from quickreturn.engines.trajectory import REQUIRED
 from tests.quickreturn.conftest import Answer, Call
 from tests.quickreturn.program import PROGRAM, descendants, started, wait_until
 from tests.quickreturn.scene_file import SCENE

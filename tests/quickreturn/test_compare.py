@@ -86,7 +86,7 @@ def test_bad_input(call: Call, trajectory: pd.DataFrame, arguments: list[str], w
 @pytest.mark.verify
 def test_report_and_run_take_third_party_engines_and_tables(call: Call, tmp_path: Path) -> None:
     """A copy of the reference in another package, and a table that settles: both are shown and compared, and neither is called ours."""
-    twin = "from engines.own.reference import ReferenceEngine\n\n\nclass Twin(ReferenceEngine):\n    name = 'twin'\n"
+    twin = "from quickreturn.engines.own.reference import ReferenceEngine\n\n\nclass Twin(ReferenceEngine):\n    name = 'twin'\n"
     twin += "\n    def version(self):\n        return 'twin <b>2'\n"
     install(tmp_path / "packages", "twins", {"command_line_twin": twin}, {"twin": "command_line_twin:Twin"})
     call("simulate", "thesis-24", "--engine", "reference", "--duration", "12 s", "--output", "long.csv")

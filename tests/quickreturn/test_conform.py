@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from cases.conformance import job
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
+from quickreturn.cases.conformance import job
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
 from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.quickreturn.conftest import Call
 

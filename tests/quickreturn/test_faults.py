@@ -33,10 +33,10 @@ from typing import Any
 
 import pytest
 
-from cases.benchmark.scenes import tried
-from cases.case_file import load_case
-from cases.jobs.job import Limits
-from cases.jobs.processes import LocalProcesses
+from quickreturn.cases.benchmark.scenes import tried
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.job import Limits
+from quickreturn.cases.jobs.processes import LocalProcesses
 from tests.engines import faulty_engines
 from tests.engines.faulty_engines import DIARY, SIGNAL, install_faulty_engines
 from tests.quickreturn.conftest import Answer, Call
@@ -152,7 +152,7 @@ def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> No
 
 def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("sound", "segfaults", "not-installed")
-    monkeypatch.setattr("engines.registry.MAIN", names)
+    monkeypatch.setattr("quickreturn.engines.registry.MAIN", names)
     code, output, errors = call("report", "small.toml")
     assert code == 3
     assert "1 case, 3 simulations: 1 settled, 2 did not complete" in output
@@ -188,7 +188,7 @@ def test_an_engine_that_is_not_installed_is_refused_by_name_and_passed_over_as_o
         assert "not-installed" in errors
         assert errors.endswith(f"{reason}\n")
     assert simulations(place) == []
-    monkeypatch.setattr("engines.registry.MAIN", ("sound", "not-installed"))
+    monkeypatch.setattr("quickreturn.engines.registry.MAIN", ("sound", "not-installed"))
     code, output, errors = call("run", "small.toml", "--json")
     assert code == 3
     assert [engine["status"] for engine in json.loads(output)["cases"][0]["engines"]] == ["settled", "unavailable"]
@@ -214,7 +214,9 @@ def test_a_benchmark_leaves_out_what_would_take_the_others_with_it(place: Path, 
         "segfaults": "killed by SIGSEGV",
         "not-installed": "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')",
     }
-    monkeypatch.setattr("cases.benchmark.measure", lambda *_, **__: dataclasses.replace(made_up_benchmark("small"), failures=found))
+    monkeypatch.setattr(
+        "quickreturn.cases.benchmark.measure", lambda *_, **__: dataclasses.replace(made_up_benchmark("small"), failures=found)
+    )
     code, output, errors = call("benchmark", "small.toml", "--json")
     assert code == 3
     assert json.loads(output)["benchmarks"][0]["failures"] == found

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from cases.loads import loads_of_run
-from cases.shown import in_lines
+from quickreturn.cases.loads import loads_of_run
+from quickreturn.cases.shown import in_lines
 from quickreturn.commands.run import as_document
 from quickreturn.cross_validation import CrossValidation
+from quickreturn.reports.output import plain
 from quickreturn.verdict_text import parts_of
-from reports.output import plain
 from tests.reports.plotted_results import made_up_result
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from cases.case import PATHS
-from cases.case_file import load_case
-from reference_model.scene_values import SPIN_UP
+from quickreturn.cases.case import PATHS
+from quickreturn.cases.case_file import load_case
+from quickreturn.reference_model.scene_values import SPIN_UP
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
 

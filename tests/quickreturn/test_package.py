@@ -18,7 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import quickreturn as qr
-from engines.trajectory import FollowerTrajectory
+from quickreturn.engines.trajectory import FollowerTrajectory
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.quickreturn.scene_file import SCENE
@@ -52,7 +52,8 @@ def test_no_name_is_that_of_a_module() -> None:
 def test_importing_it_loads_nothing_else() -> None:
     code = "import sys; before = set(sys.modules); import quickreturn; print(*sorted(set(sys.modules) - before))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
-    assert not {name.partition(".")[0] for name in loaded} & {"numpy", "numba", "pandas", "scipy", "matplotlib", "pint", "engines", "cases"}
+    assert [name for name in loaded if name.startswith("quickreturn")] == ["quickreturn"]
+    assert not {name.partition(".")[0] for name in loaded} & {"numpy", "numba", "pandas", "scipy", "matplotlib", "pint"}
 
 
 def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
@@ -90,7 +91,7 @@ def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
         (lambda: qr.modes("example", "thesis", count=0), "^count=0: a whole number"),
         (lambda: qr.case("thesis-25"), "^.thesis-25.*thesis-"),
         (lambda: qr.case("thesis-24", {"crank.lenght": "5 in"}), r"crank\.lenght.*crank\.length"),
-        (lambda: qr.cases("thesys"), "thesys.*thesis"),
+        (lambda: qr.list_cases("thesys"), "thesys.*thesis"),
         (lambda: qr.simulate("small.toml", "mujco"), "mujco.*perhaps mujoco"),
         (lambda: qr.run("small.toml", ["mujco"]), "mujco.*perhaps mujoco"),
         (lambda: qr.simulate("small.toml", "fake", settings={"stp": 1}), "stp.*step"),
@@ -108,7 +109,7 @@ def test_what_cannot_be_is_answered_with_a_sentence(place: Path, ask: Callable[[
 def test_paths_rows_of_the_library_and_tuples_are_taken_where_a_person_would_give_them(place: Path) -> None:
     gravity = ("0 m/s^2", "-9.81 m/s^2")
     assert qr.case(Path("small.toml"), {"mechanism.gravity": gravity}).mechanism.gravity == (0.0, -9.81)  # type: ignore[dict-item]
-    assert qr.case(qr.cases("thesis")[23]) == qr.case("thesis-24")
+    assert qr.case(qr.list_cases("thesis")[23]) == qr.case("thesis-24")
     solution = qr.simulate(Path("small.toml"), FakeEngine(), settings={"engine.step": 0.05})  # as messages name it
     assert solution.settings["step"] == 0.05
     assert "step 0.05" in repr(solution)
@@ -159,10 +160,10 @@ def test_a_failure_carries_what_was_computed(place: Path) -> None:
 
 
 def test_lists_are_small_tables_of_things_with_names() -> None:
-    found = qr.cases("thesis")
+    found = qr.list_cases("thesis")
     assert [line.name for line in found] == [f"thesis-{run:02d}" for run in range(1, 25)]
     assert len(repr(found).splitlines()) == 25
-    assert "mujoco" in repr(qr.engines())
+    assert "mujoco" in repr(qr.list_engines())
 
 
 def test_a_plot_is_a_figure_that_a_notebook_shows(place: Path) -> None:
@@ -289,7 +290,7 @@ def test_the_person_who_waits_for_a_compiler_is_told_once(
     call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     told = "  fake: compiling its equations, once for this machine; that takes about half a minute ...\n"
-    monkeypatch.setattr("cases.jobs.display.UNTOLD", 0.1)
+    monkeypatch.setattr("quickreturn.cases.jobs.display.UNTOLD", 0.1)
     call("small.toml", Compiling())
     assert capfd.readouterr() == ("", told)
     call("small.toml", Compiling(), quiet=True)
@@ -309,7 +310,7 @@ def test_without_an_estimate_the_table_is_the_same_and_nothing_is_claimed(place:
 
 
 def test_code_that_is_not_kept_is_said(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("reference_model.machine_code.forgotten", lambda: "compiled code cannot be kept here")
+    monkeypatch.setattr("quickreturn.reference_model.machine_code.forgotten", lambda: "compiled code cannot be kept here")
     with pytest.warns(UserWarning, match="cannot be kept"):
         qr.simulate("small.toml", "fake")
     monkeypatch.undo()

@@ -11,9 +11,9 @@ import pytest
 import xarray as xr
 
 import quickreturn as qr
-from cases.resonance_curve import range_of, scene_with
-from reports.findings.resonance import Around
-from reports.plots.style import picture
+from quickreturn.cases.resonance_curve import range_of, scene_with
+from quickreturn.reports.findings.resonance import Around
+from quickreturn.reports.plots.style import picture
 from tests.quickreturn.conftest import Call
 
 RPM = math.pi / 30.0

@@ -12,12 +12,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import JOINT_COLUMNS, OBSERVED
-from reference_model.motion import equations, fields, inertia, loop, observe
-from reference_model.motion.layout import GAP_REMAINDER, Q2_REMAINDER, S_RATE, S_REMAINDER, workspace
-from reference_model.motion.observe import WIDTH
-from reference_model.shapes import hermite_elements, no_shapes
-from reference_model.treatment import BASE, CHORDS, ELIMINATED
+from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED
+from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe
+from quickreturn.reference_model.motion.layout import GAP_REMAINDER, Q2_REMAINDER, S_RATE, S_REMAINDER, workspace
+from quickreturn.reference_model.motion.observe import WIDTH
+from quickreturn.reference_model.shapes import hermite_elements, no_shapes
+from quickreturn.reference_model.treatment import BASE, CHORDS, ELIMINATED
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_states import (
     ALONE,

@@ -5,16 +5,16 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.beam.modes import ModeFamily, mode_family
-from reference_model.beam.tables import slider_range, span_tables
-from reference_model.integrate import REACHED_END
-from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
-from reference_model.motion.parameters import parameters
-from reference_model.moving_boundaries.model import MovingBoundariesModel
-from reference_model.shapes import clamped_free_modes
-from reference_model.thesis.model import ThesisModel
-from reference_model.treatment import CLOSED, Treatment
+from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
+from quickreturn.reference_model.beam.tables import slider_range, span_tables
+from quickreturn.reference_model.integrate import REACHED_END
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.parameters import parameters
+from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
+from quickreturn.reference_model.shapes import clamped_free_modes
+from quickreturn.reference_model.thesis.model import ThesisModel
+from quickreturn.reference_model.treatment import CLOSED, Treatment
 
 Array = NDArray[np.float64]
 

@@ -6,14 +6,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.joint import Rollers
-from reference_model.mechanism import Base, Follower, FollowerAlone, Mechanism, PrescribedSpeed, Slider, SpinUp, Tip
-from reference_model.model import BeamModel
-from reference_model.motion.equations import evaluate, kernel
-from reference_model.motion.layout import state_size
-from reference_model.rigid import rigid_motion
-from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, vibrating
-from reference_model.treatment import BASE, CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
+from quickreturn.reference_model.joint import Rollers
+from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, Mechanism, PrescribedSpeed, Slider, SpinUp, Tip
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.equations import evaluate, kernel
+from quickreturn.reference_model.motion.layout import state_size
+from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, vibrating
+from quickreturn.reference_model.treatment import BASE, CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
 from tests.engines.scenes import INCH, run_24
 from tests.reference_model.beam_runs import fine_family, with_fine_tables
 from tests.reference_model.plain_beam import Following, Motion, PlainBeam, motion, of_clamped_modes, of_set

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from reference_model import joint
-from reference_model.joint import Rollers
+from quickreturn.reference_model import joint
+from quickreturn.reference_model.joint import Rollers
 from tests.reference_model.mutation import Hunt, Source
 from tests.reference_model.plain_beam import force_of_rollers, sliding_share
 

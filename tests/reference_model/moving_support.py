@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from reference_model.mechanism import Mechanism
-from reference_model.rigid import rigid_motion
-from reference_model.shapes import hermite_elements
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.shapes import hermite_elements
 from tests.reference_model.beam_runs import Array
 
 

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.columns import BEARINGS, BENDING, OBSERVED, SHAPE
-from reference_model.compilation import compiled
-from reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
-from reference_model.motion.address import Placed
-from reference_model.shapes import ShapeSet, hermite_elements
-from reference_model.thesis import equations as thesis_equations
-from reference_model.thesis import kinematics
-from reference_model.thesis.dynamics import evaluate
-from reference_model.thesis.parameters import (
+from quickreturn.reference_model.columns import BEARINGS, BENDING, OBSERVED, SHAPE
+from quickreturn.reference_model.compilation import compiled
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
+from quickreturn.reference_model.motion.address import Placed
+from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
+from quickreturn.reference_model.thesis import equations as thesis_equations
+from quickreturn.reference_model.thesis import kinematics
+from quickreturn.reference_model.thesis.dynamics import evaluate
+from quickreturn.reference_model.thesis.parameters import (
     PARAMETERS_TYPE,
     WORKSPACE_TYPE,
     Parameters,

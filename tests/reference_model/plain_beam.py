@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from scipy.optimize import newton
 from scipy.special import betainc
 
-from reference_model.joint import Rollers
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, Tip, TorqueDrive
-from reference_model.natural_modes import clamped_modes, supported_modes
-from reference_model.shapes import ShapeSet
-from reference_model.treatment import BASE, CHORDS, ELIMINATED, LEVER, ROLLERS, Treatment
+from quickreturn.reference_model.joint import Rollers
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, Tip, TorqueDrive
+from quickreturn.reference_model.natural_modes import clamped_modes, supported_modes
+from quickreturn.reference_model.shapes import ShapeSet
+from quickreturn.reference_model.treatment import BASE, CHORDS, ELIMINATED, LEVER, ROLLERS, Treatment
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

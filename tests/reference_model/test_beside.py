@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from reference_model.beside import wanted
-from reference_model.model import BeamModel
+from quickreturn.reference_model.beside import wanted
+from quickreturn.reference_model.model import BeamModel
 from tests.engines.scenes import run_24
 
 #: A few steps of run 24 and their observables, as a program of its own.
 RUN = """
-from reference_model.model import BeamModel
+from quickreturn.reference_model.model import BeamModel
 from tests.engines.scenes import run_24
 model = BeamModel.following(run_24(), 2)
 model.observe(model.integrate(model.straight_state(1.0, 0.0), 1e-3, 3, 1e-5).states)

@@ -1,4 +1,4 @@
-from reference_model import columns
+from quickreturn.reference_model import columns
 
 
 def test_places_in_a_row_are_those_of_the_names() -> None:

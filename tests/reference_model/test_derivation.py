@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-import engines
-import reference_model
+from quickreturn import engines, reference_model
 
 PACKAGE = Path(reference_model.__file__).parent
 #: Models with a document of their own: their files cite that one, all others the main one.

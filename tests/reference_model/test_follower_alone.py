@@ -7,13 +7,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from reference_model.mechanism import Base, Follower, FollowerAlone, ImpossibleMechanism, SpinUp, Tip
-from reference_model.model import BeamModel
-from reference_model.motion.equations import evaluate, kernel
-from reference_model.natural_modes import clamped_modes
-from reference_model.shapes import hermite_elements
-from reference_model.spin_up import base_motion
-from reference_model.thesis.model import ThesisModel
+from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, ImpossibleMechanism, SpinUp, Tip
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.equations import evaluate, kernel
+from quickreturn.reference_model.natural_modes import clamped_modes
+from quickreturn.reference_model.shapes import hermite_elements
+from quickreturn.reference_model.spin_up import base_motion
+from quickreturn.reference_model.thesis.model import ThesisModel
 
 Array = NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reference_model.columns import BENDING, MOMENTS, PLACES
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
-from reference_model.model import BeamModel
-from reference_model.rigid import rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
-from reference_model.thesis.model import ThesisModel
-from reference_model.tip_force import tip_force
+from quickreturn.reference_model.columns import BENDING, MOMENTS, PLACES
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.rigid import rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
+from quickreturn.reference_model.thesis.model import ThesisModel
+from quickreturn.reference_model.tip_force import tip_force
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array, run
 from tests.reference_model.thesis_runs import rigid

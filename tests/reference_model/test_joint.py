@@ -10,14 +10,14 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.integrate import REACHED_END
-from reference_model.joint import Rollers, joint_energy, joint_force, rollers
-from reference_model.mechanism import CONTACT_STIFFNESS, Mechanism, PrescribedSpeed, Slider
-from reference_model.model import BeamModel
-from reference_model.treatment import ROLLERS, Treatment
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.integrate import REACHED_END
+from quickreturn.reference_model.joint import Rollers, joint_energy, joint_force, rollers
+from quickreturn.reference_model.mechanism import CONTACT_STIFFNESS, Mechanism, PrescribedSpeed, Slider
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.treatment import ROLLERS, Treatment
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array
 from tests.reference_model.beam_states import rates

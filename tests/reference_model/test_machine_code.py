@@ -2,13 +2,14 @@
 
 import ctypes
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from tests.package_copy import copied_package
 
 ROOT = Path(__file__).parents[2]
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
@@ -17,13 +18,14 @@ PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
 CODE = """
 import os
 from pathlib import Path
-from reference_model import machine_code
-from reference_model.small import double
+from tests.package_copy import copied_package
+from quickreturn.reference_model import machine_code
+from quickreturn.reference_model.small import double
 assert double(4.0) == 8.0
 folder = Path(os.environ["NUMBA_CACHE_DIR"])
 print(folder, any(folder.rglob("*.nbi")), machine_code.forgotten(), sep="|")
 """
-SMALL = "from reference_model.compilation import compiled\n\n\n@compiled\ndef double(x):\n    return x + x\n"
+SMALL = "from quickreturn.reference_model.compilation import compiled\n\n\n@compiled\ndef double(x):\n    return x + x\n"
 
 
 def powerless() -> None:
@@ -35,9 +37,8 @@ def powerless() -> None:
 @pytest.fixture
 def installed(tmp_path: Path) -> Iterator[Path]:
     """A copy of what compiles."""
-    for package in ("reference_model", "engines"):
-        shutil.copytree(ROOT / package, tmp_path / "installed" / package, ignore=shutil.ignore_patterns("__pycache__"))
-    (tmp_path / "installed/reference_model/small.py").write_text(SMALL)
+    package = copied_package(tmp_path / "installed", "reference_model", "engines")
+    (package / "reference_model/small.py").write_text(SMALL)
     yield tmp_path / "installed"
     for path in [tmp_path / "installed", *(tmp_path / "installed").rglob("*")]:  # so that it can be removed
         path.chmod(path.stat().st_mode | 0o200)
@@ -63,7 +64,7 @@ def told(installed: Path, home: Path, **variables: str) -> tuple[Path, str]:
 
 def test_code_is_kept_beside_the_sources(installed: Path, tmp_path: Path) -> None:
     folder, sentence = told(installed, tmp_path)
-    assert folder.parent == installed / "reference_model/__pycache__"
+    assert folder.parent == installed / "quickreturn/reference_model/__pycache__"
     assert sentence == ""
 
 

@@ -10,13 +10,13 @@ import pytest
 import sympy as sp
 from scipy.integrate import trapezoid
 
-from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.model import BeamModel
-from reference_model.moving_boundaries import tables as t
-from reference_model.moving_boundaries.equations import FORCE, KINETIC, TORQUE
-from reference_model.moving_boundaries.model import MovingBoundariesModel
-from reference_model.natural_modes import supported_modes
-from reference_model.rigid import rigid_kinetostatics, rigid_motion
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.moving_boundaries import tables as t
+from quickreturn.reference_model.moving_boundaries.equations import FORCE, KINETIC, TORQUE
+from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
+from quickreturn.reference_model.natural_modes import supported_modes
+from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array, balance, run
 from tests.reference_model.moving_support import monodromy

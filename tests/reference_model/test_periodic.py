@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from reference_model.mechanism import PrescribedSpeed, TorqueDrive
-from reference_model.model import BeamModel
-from reference_model.motion.equations import evaluate, kernel
-from reference_model.motion.layout import MISSED
-from reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, floquet_multipliers, periodic_orbit
+from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.equations import evaluate, kernel
+from quickreturn.reference_model.motion.layout import MISSED
+from quickreturn.reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, floquet_multipliers, periodic_orbit
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 
 Array = NDArray[np.float64]

@@ -14,11 +14,21 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from reference_model.columns import BENDING
-from reference_model.motion.equations import evaluate, kernel
-from reference_model.motion.layout import COS_Q2, GAP, GAP_RATE, GAP_REMAINDER, Q2_RATE, Q2_REMAINDER, S_RATE, S_REMAINDER, SIN_Q2
-from reference_model.shapes import hermite_elements
-from reference_model.treatment import BASE, LEVER, ROLLERS
+from quickreturn.reference_model.columns import BENDING
+from quickreturn.reference_model.motion.equations import evaluate, kernel
+from quickreturn.reference_model.motion.layout import (
+    COS_Q2,
+    GAP,
+    GAP_RATE,
+    GAP_REMAINDER,
+    Q2_RATE,
+    Q2_REMAINDER,
+    S_RATE,
+    S_REMAINDER,
+    SIN_Q2,
+)
+from quickreturn.reference_model.shapes import hermite_elements
+from quickreturn.reference_model.treatment import BASE, LEVER, ROLLERS
 from tests.reference_model.beam_states import (
     ALONE,
     APART,

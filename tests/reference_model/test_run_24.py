@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from reference_model.model import BeamModel
-from reference_model.rigid import rigid_motion
-from reference_model.shapes import hermite_elements
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
 from tests.reference_model import beam_runs
 from tests.reference_model.beam_runs import Array, run, staying

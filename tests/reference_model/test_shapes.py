@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from reference_model.shapes import ShapeSet, clamped_free_modes, hermite_between, hermite_elements, no_shapes, vibrating
-from reference_model.thesis import tables
-from reference_model.thesis.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables
+from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_between, hermite_elements, no_shapes, vibrating
+from quickreturn.reference_model.thesis import tables
+from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables
 
 L = 0.7
 

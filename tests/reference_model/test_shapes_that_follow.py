@@ -6,12 +6,12 @@ from functools import partial
 import numpy as np
 import pytest
 
-from reference_model.beam.modes import ModeFamily, mode_family
-from reference_model.beam.tables import slider_range, span_tables
-from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
-from reference_model.motion.layout import Tables
-from reference_model.natural_modes import supported_modes
+from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
+from quickreturn.reference_model.beam.tables import slider_range, span_tables
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.natural_modes import supported_modes
 from tests.engines.scenes import INCH, run_24
 from tests.reference_model.beam_runs import Array, fine_family, places_of, run, with_fine_tables
 from tests.reference_model.plain_beam import derivative

@@ -8,14 +8,14 @@ import pytest
 from scipy.integrate import quad
 from scipy.linalg import eigvalsh
 
-from engines.accurate import ESTIMATED, run_once
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.start import standard_start
-from reference_model.integrate import CEILING, REACHED_END
-from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.model import BeamModel
-from reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
-from reference_model.rigid import deflection_scale, rigid_kinetostatics, rigid_motion, static_deflection
+from quickreturn.engines.accurate import ESTIMATED, run_once
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.integrate import CEILING, REACHED_END
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
+from quickreturn.reference_model.rigid import deflection_scale, rigid_kinetostatics, rigid_motion, static_deflection
 from tests.engines.scenes import run_24
 
 SPEED = 16.6  # rad/s

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from reference_model.mechanism import PrescribedSpeed
-from reference_model.shapes import hermite_elements
-from reference_model.thesis.parameters import UnsuitableShapes, build_parameters, build_workspace
+from quickreturn.reference_model.mechanism import PrescribedSpeed
+from quickreturn.reference_model.shapes import hermite_elements
+from quickreturn.reference_model.thesis.parameters import UnsuitableShapes, build_parameters, build_workspace
 from tests.reference_model.oracle_scene import (
     ABSENT,
     COMPILED,

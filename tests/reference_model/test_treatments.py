@@ -8,12 +8,12 @@ from typing import Final
 import numpy as np
 import pytest
 
-from reference_model.joint import Rollers
-from reference_model.mechanism import Slider
-from reference_model.model import BeamModel
-from reference_model.motion.layout import COS_Q2, MISSED, Q2_RATE, SIN_Q2
-from reference_model.thesis.frequencies import shape_frequencies
-from reference_model.treatment import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
+from quickreturn.reference_model.joint import Rollers
+from quickreturn.reference_model.mechanism import Slider
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.layout import COS_Q2, MISSED, Q2_RATE, SIN_Q2
+from quickreturn.reference_model.thesis.frequencies import shape_frequencies
+from quickreturn.reference_model.treatment import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array, balance, follower_energy, run, with_fine_tables
 from tests.reference_model.beam_states import COMPLIANT, EVERYTHING, HEAVY, ON_ELEMENTS, elements_of, modes_of, rates

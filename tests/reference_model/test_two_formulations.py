@@ -8,10 +8,10 @@ import math
 
 import pytest
 
-from reference_model.mechanism import Mechanism, PrescribedSpeed
-from reference_model.model import BeamModel
-from reference_model.shapes import clamped_free_modes
-from reference_model.thesis.model import ThesisModel
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.shapes import clamped_free_modes
+from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import INCH, run_24
 from tests.reference_model.beam_runs import run
 from tests.reference_model.thesis_runs import error, thesis

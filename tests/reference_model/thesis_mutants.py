@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from reference_model.mechanism import PrescribedSpeed
-from reference_model.shapes import ShapeSet, hermite_elements
-from reference_model.thesis import dynamics, equations, kinematics, observables
-from reference_model.thesis.parameters import Parameters, build_parameters
+from quickreturn.reference_model.mechanism import PrescribedSpeed
+from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
+from quickreturn.reference_model.thesis import dynamics, equations, kinematics, observables
+from quickreturn.reference_model.thesis.parameters import Parameters, build_parameters
 from tests.reference_model.mutation import Hunt, Source, plain
 from tests.reference_model.oracle_scene import (
     Array,

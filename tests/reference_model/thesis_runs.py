@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from reference_model.mechanism import Mechanism, TorqueDrive
-from reference_model.shapes import hermite_elements, no_shapes
-from reference_model.thesis.model import ThesisModel
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.shapes import hermite_elements, no_shapes
+from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array
 

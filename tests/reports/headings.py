@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from reports.words import case_label, duration, in_words, listed, number, quantity, size
+from quickreturn.reports.words import case_label, duration, in_words, listed, number, quantity, size
 
 Tables = Mapping[str, pd.DataFrame]
 

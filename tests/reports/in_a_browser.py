@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from reports.machine import machine_facts
-from reports.page.content import Content
-from reports.report import write
+from quickreturn.reports.machine import machine_facts
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.report import write
 from tests.cases.made_up_map import made_up_map
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.made_up_finding import made_up_finding

@@ -1,9 +1,9 @@
 """A report's page without running anything: made-up results, and what a chapter says."""
 
-from cases.runs.comparison import CaseResult
-from reports.page.chapters import chapters_of
-from reports.page.content import Content
-from reports.page.render import report_page
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.render import report_page
 from tests.reports.reported_results import PageReader, reported_result
 
 

@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from cases.case import Case
-from cases.case_file import load_case
-from cases.measures import CHANNELS
-from cases.recorded import RecordedTable
-from cases.runs.comparison import CaseResult, compare
-from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
-from cases.runs.recorded import recorded_run
-from cases.runs.request import INACCURATE, SETTLED, Run
-from engines.trajectory import OPTIONAL, REQUIRED
-from reference_model.columns import MOMENTS, SHAPE
-from reference_model.mechanism import Mechanism
-from reference_model.rigid import RigidMotion, rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
+from quickreturn.cases.case import Case
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.comparison import CaseResult, compare
+from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
+from quickreturn.cases.runs.recorded import recorded_run
+from quickreturn.cases.runs.request import INACCURATE, SETTLED, Run
+from quickreturn.engines.trajectory import OPTIONAL, REQUIRED
+from quickreturn.reference_model.columns import MOMENTS, SHAPE
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.rigid import RigidMotion, rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
 
 ENGINES = ("thesis", "reference", "exudyn", "mujoco")
 STIFFER = {"thesis": 1.13, "reference": 1.0, "exudyn": 1.002, "mujoco": 0.997}  # first mode over the reference's

@@ -2,8 +2,8 @@
 
 from html.parser import HTMLParser
 
-from cases.runs.comparison import CaseResult
-from cases.runs.request import PeriodicOrbit
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.request import PeriodicOrbit
 from tests.reports.plotted_results import made_up_result, with_run
 
 DEGREES_OF_FREEDOM = {"thesis": 3, "reference": 17, "exudyn": 70, "mujoco": 20}

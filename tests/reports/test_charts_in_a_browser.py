@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from cases.runs.comparison import compare
-from reports.looks import looks
-from reports.machine import machine_facts
-from reports.page.content import Content
-from reports.report import write
+from quickreturn.cases.runs.comparison import compare
+from quickreturn.reports.looks import looks
+from quickreturn.reports.machine import machine_facts
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.report import write
 from tests.reports.in_a_browser import Open, address, browser, opened
 from tests.reports.plotted_results import made_up_result
 

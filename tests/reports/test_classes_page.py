@@ -1,6 +1,6 @@
 """The chapter on classes says what the map says: who is first, by how much, by which time, and where each method fails."""
 
-from reports.tables import classes as tables
+from quickreturn.reports.tables import classes as tables
 from tests.cases.made_up_map import made_up_map
 from tests.reports.pages import one_run, read, text_of
 

@@ -4,13 +4,23 @@ from dataclasses import replace
 
 import pytest
 
-from cases.case_file import load_case
-from cases.judging.conditioning import Conditioning
-from cases.judging.matrix import Judged, Matrix
-from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, MEANINGS, NOT_CONVERGED, OWN_EQUATIONS, REFUSED, Verdict
-from cases.library.hard import IMPOSSIBLE
-from reports.page.facts.methods import hard_scenes
-from reports.tables import hard_scenes as tables
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.judging.conditioning import Conditioning
+from quickreturn.cases.judging.matrix import Judged, Matrix
+from quickreturn.cases.judging.verdicts import (
+    ACCURATE,
+    CONTRADICTED,
+    DIVERGED,
+    ENDED,
+    MEANINGS,
+    NOT_CONVERGED,
+    OWN_EQUATIONS,
+    REFUSED,
+    Verdict,
+)
+from quickreturn.cases.library.hard import IMPOSSIBLE
+from quickreturn.reports.page.facts.methods import hard_scenes
+from quickreturn.reports.tables import hard_scenes as tables
 from tests.reports import pages
 from tests.reports.reported_results import PageReader
 

@@ -6,15 +6,15 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from cases.benchmark import Compiling
-from cases.case_file import load_case
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.library import catalogue
-from reports.machine import machine_facts
-from reports.page.chapters import chapters_of
-from reports.page.content import Content
-from reports.report import PAGE, write, write_report
+from quickreturn.cases.benchmark import Compiling
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library import catalogue
+from quickreturn.reports.machine import machine_facts
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.report import PAGE, write, write_report
 from tests.cases.made_up_map import made_up_map
 from tests.reports.headings import EXPECTED, headings, mistakes, numbers_in, tables_in
 from tests.reports.made_up_benchmark import made_up_benchmark

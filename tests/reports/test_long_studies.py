@@ -8,28 +8,28 @@ from pathlib import Path
 
 import pytest
 
-from cases.benchmark import Benchmark
-from cases.benchmark.measurement import truth_of
-from cases.case_file import load_case
-from cases.classes.grid import CENTRE, case_of
-from cases.classes.map import Map
-from cases.classes.measurement import LEVELS, measured
-from cases.conformance import Check, Conformance, job
-from cases.jobs.job import Outcome
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.judging.matrix import Judged
-from cases.studies import confirming
-from engines.accurate import run_once
-from engines.registry import engine
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reports import long_studies
-from reports import report as report_module
-from reports.long_studies import About, RecordedConformance, RecordedPoint, table, text_of
-from reports.long_studies import __main__ as recording
-from reports.long_studies.__main__ import main
-from reports.page.facts.studies import CONFIRMED
+from quickreturn.cases.benchmark import Benchmark
+from quickreturn.cases.benchmark.measurement import truth_of
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.classes.grid import CENTRE, case_of
+from quickreturn.cases.classes.map import Map
+from quickreturn.cases.classes.measurement import LEVELS, measured
+from quickreturn.cases.conformance import Check, Conformance, job
+from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.judging.matrix import Judged
+from quickreturn.cases.studies import confirming
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.registry import engine
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reports import long_studies
+from quickreturn.reports import report as report_module
+from quickreturn.reports.long_studies import About, RecordedConformance, RecordedPoint, table, text_of
+from quickreturn.reports.long_studies import __main__ as recording
+from quickreturn.reports.long_studies.__main__ import main
+from quickreturn.reports.page.facts.studies import CONFIRMED
 from tests.cases.made_up_map import made_up_map
 from tests.reports import pages
 from tests.reports.made_up_benchmark import made_up_benchmark

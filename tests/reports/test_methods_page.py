@@ -4,11 +4,11 @@ import dataclasses
 
 import pytest
 
-from cases.benchmark import Compiling
-from cases.benchmark.findings import Confirmation
-from reports.page.answer import answer_of
-from reports.page.facts.methods import methods
-from reports.tables import benchmark as tables
+from quickreturn.cases.benchmark import Compiling
+from quickreturn.cases.benchmark.findings import Confirmation
+from quickreturn.reports.page.answer import answer_of
+from quickreturn.reports.page.facts.methods import methods
+from quickreturn.reports.tables import benchmark as tables
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.pages import one_run, read, text_of
 

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from reports.tables.orbits import orbits
+from quickreturn.reports.tables.orbits import orbits
 from tests.reports.pages import one_run, text_of
 from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import reported_result

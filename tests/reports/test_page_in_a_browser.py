@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from engines.trajectory import Trajectory
-from reference_model.columns import SHAPE
-from reports.machine import machine_facts
-from reports.page.content import Content
-from reports.page.render import animation_page
-from reports.report import write
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.columns import SHAPE
+from quickreturn.reports.machine import machine_facts
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.render import animation_page
+from quickreturn.reports.report import write
 from tests.reports.in_a_browser import RESULTS, Open, address, browser, opened
 from tests.reports.plotted_results import made_up_result
 from tests.reports.reported_results import reported_result

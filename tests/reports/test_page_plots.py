@@ -3,13 +3,13 @@
 import json
 import re
 
-from engines.registry import MAIN
-from reports.looks import looks
-from reports.page.chapters import chapters_of
-from reports.page.content import Content
-from reports.page.plot import Plot
-from reports.page.render import report_page
-from reports.words import QUANTITY
+from quickreturn.engines.registry import MAIN
+from quickreturn.reports.looks import looks
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.plot import Plot
+from quickreturn.reports.page.render import report_page
+from quickreturn.reports.words import QUANTITY
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.reported_results import reported_result
 from tests.reports.test_report import studies

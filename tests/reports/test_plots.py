@@ -11,12 +11,12 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from cases.experiment import axis_labels
-from cases.runs.comparison import CaseResult
-from engines.registry import MAIN, RIVALS
-from reports.document_pictures import png
-from reports.looks import looks
-from reports.plots import cycle, recorded, work_precision
+from quickreturn.cases.experiment import axis_labels
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.engines.registry import MAIN, RIVALS
+from quickreturn.reports.document_pictures import png
+from quickreturn.reports.looks import looks
+from quickreturn.reports.plots import cycle, recorded, work_precision
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.plotted_results import made_up_result, with_table
 

@@ -9,25 +9,25 @@ from typing import Any
 
 import pytest
 
-from cases.case_file import load_case
-from cases.jobs.key import code_fingerprint
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.runs.comparison import compare
-from cases.runs.request import Run
-from cases.studies import BothStarts, StudiedRun, Studies
-from reports import report as report_module
-from reports.machine import machine_facts
-from reports.output import OutputError, check_folder
-from reports.page.answer import answer_of
-from reports.page.chapters import chapters_of
-from reports.page.content import Content
-from reports.page.render import report_page
-from reports.report import CATALOGUE, PAGE, write, write_report
-from reports.tables.table import Table
-from reports.verification import FILE, PARTS, verification
-from reports.words import size
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.key import code_fingerprint
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.runs.comparison import compare
+from quickreturn.cases.runs.request import Run
+from quickreturn.cases.studies import BothStarts, StudiedRun, Studies
+from quickreturn.reports import report as report_module
+from quickreturn.reports.machine import machine_facts
+from quickreturn.reports.output import OutputError, check_folder
+from quickreturn.reports.page.answer import answer_of
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.render import report_page
+from quickreturn.reports.report import CATALOGUE, PAGE, write, write_report
+from quickreturn.reports.tables.table import Table
+from quickreturn.reports.verification import FILE, PARTS, verification
+from quickreturn.reports.words import size
 from tests.cases.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call

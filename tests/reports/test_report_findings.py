@@ -6,28 +6,28 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.experiment import statements
-from cases.frozen_crank import (
+from quickreturn.cases.experiment import statements
+from quickreturn.cases.frozen_crank import (
     FrozenCrank,
     Range,
     frozen_crank,
 )
-from cases.measures import CHANNELS
-from cases.runs.comparison import HALVES, CaseResult, Check, compare
-from cases.runs.estimates import EstimatedConsensus
-from cases.runs.request import Run
-from reports.findings.agreement import differences, outward, spread
-from reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
-from reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
-from reports.findings.failures import INCOMPLETE, troubles
-from reports.findings.measured import MeasuredHalf, measured_halves, statement_values
-from reports.findings.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
-from reports.page.answer import answer_of
-from reports.page.chapters import chapters_of
-from reports.page.content import Content
-from reports.page.facts import thesis
-from reports.page.facts.agreement import run_map
-from reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import HALVES, CaseResult, Check, compare
+from quickreturn.cases.runs.estimates import EstimatedConsensus
+from quickreturn.cases.runs.request import Run
+from quickreturn.reports.findings.agreement import differences, outward, spread
+from quickreturn.reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
+from quickreturn.reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
+from quickreturn.reports.findings.failures import INCOMPLETE, troubles
+from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
+from quickreturn.reports.findings.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
+from quickreturn.reports.page.answer import answer_of
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.facts import thesis
+from quickreturn.reports.page.facts.agreement import run_map
+from quickreturn.reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
 from tests.reports import pages
 from tests.reports.made_up_finding import made_up_finding
 from tests.reports.plotted_results import with_run, with_table

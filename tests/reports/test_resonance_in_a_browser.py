@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, Page
 
-from reports.findings.resonance import Around
-from reports.machine import machine_facts
-from reports.page.content import Content
-from reports.report import write
+from quickreturn.reports.findings.resonance import Around
+from quickreturn.reports.machine import machine_facts
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.report import write
 from tests.reports.in_a_browser import Open, browser, opened
 from tests.reports.made_up_resonance import RPM, height, made_up_around, speed
 from tests.reports.reported_results import reported_result

@@ -8,17 +8,17 @@ from pathlib import Path
 import pytest
 
 import quickreturn as qr
-from cases.case_file import load_case
-from cases.jobs.job import Job, Limits, Outcome, Watch
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.resonance_curve import job_around
-from engines.base import EngineFailure
-from reports.findings.resonance import Around, curves_around
-from reports.page.chapters import chapters_of
-from reports.page.content import Content
-from reports.page.facts.resonance import plot
-from reports.report import write
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.job import Job, Limits, Outcome, Watch
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.resonance_curve import job_around
+from quickreturn.engines.base import EngineFailure
+from quickreturn.reports.findings.resonance import Around, curves_around
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.facts.resonance import plot
+from quickreturn.reports.report import write
 from tests.reports.made_up_resonance import FOLD, OWN, PEAK, RPM, height, made_up_around, speed
 from tests.reports.pages import one_run, text_of
 from tests.reports.reported_results import reported_result

@@ -2,11 +2,11 @@
 
 import dataclasses
 
-from cases.uncertainty.thesis import EXCESS, UNPRINTED, Band
-from reports import long_studies
-from reports.long_studies import text_of
-from reports.tables.scatter import bands as banded
-from reports.tables.scatter import unprinted
+from quickreturn.cases.uncertainty.thesis import EXCESS, UNPRINTED, Band
+from quickreturn.reports import long_studies
+from quickreturn.reports.long_studies import text_of
+from quickreturn.reports.tables.scatter import bands as banded
+from quickreturn.reports.tables.scatter import unprinted
 from tests.reports.pages import one_run
 from tests.reports.pages import text_of as told_of
 

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from cases.case_file import load_case
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.measures import CHANNELS, measure_cycle, time_scale
-from cases.runs.comparison import KINDS, CaseResult, Kind, compare, cross_validate
-from cases.runs.estimates import EXTREMES, VIBRATION
-from cases.runs.request import Run
-from reports.findings.sharpness import PRECISION, Sharpness, sharpness, smallest_found
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures import CHANNELS, measure_cycle, time_scale
+from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare, cross_validate
+from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION
+from quickreturn.cases.runs.request import Run
+from quickreturn.reports.findings.sharpness import PRECISION, Sharpness, sharpness, smallest_found
 from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import reported_result
 

@@ -5,14 +5,14 @@ import re
 
 import pytest
 
-from cases.loads import loads_of_run, resonance
-from cases.runs.comparison import CaseResult, compare
-from reports.findings.loads import leading_loads, loads_of_case
-from reports.page.chapters import chapters_of
-from reports.page.content import Content
-from reports.page.view import cycles
-from reports.tables.strength import of_case
-from reports.words import quantity
+from quickreturn.cases.loads import loads_of_run, resonance
+from quickreturn.cases.runs.comparison import CaseResult, compare
+from quickreturn.reports.findings.loads import leading_loads, loads_of_case
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.view import cycles
+from quickreturn.reports.tables.strength import of_case
+from quickreturn.reports.words import quantity
 from tests.reports.pages import one_run, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run
 from tests.reports.reported_results import reported_result

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from matplotlib.patches import PathPatch
 
-from cases.case_file import load_case
-from cases.runs.request import SETTLED
-from cases.sweep.grid import Grid, axis
-from cases.sweep.rows import LEFT, UNSTABLE, Asked
-from cases.sweep.study import Study
-from reports.document_pictures import CURVE, MAPS
-from reports.plots.study import ENDINGS, draw, drawable
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.sweep.grid import Grid, axis
+from quickreturn.cases.sweep.rows import LEFT, UNSTABLE, Asked
+from quickreturn.cases.sweep.study import Study
+from quickreturn.reports.document_pictures import CURVE, MAPS
+from quickreturn.reports.plots.study import ENDINGS, draw, drawable
 from tests.reports.test_looks import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")

@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from reports.findings.sufficiency import Tried, conflicting, ratios, splits, sufficiency, tried
+from quickreturn.reports.findings.sufficiency import Tried, conflicting, ratios, splits, sufficiency, tried
 from tests.reports.made_up_finding import made_up_finding
 
 SETS = tried(made_up_finding())

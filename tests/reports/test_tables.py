@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from reports.tables.table import Cell, Column, Table
-from reports.words import angle_text, cost, counted, listed, number, percent, settings_words, size
+from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.words import angle_text, cost, counted, listed, number, percent, settings_words, size
 
 
 def made(**cells: object) -> Table:

@@ -26,24 +26,24 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from cases.case_file import load_case
-from cases.jobs.job import Job
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.library import case_names
-from engines.accurate import ESTIMATED, run_once, simulate
-from engines.accurate import Result as Accurate
-from engines.base import AnyEngine, EngineFailure, Refusal
-from engines.exudyn.settings import ExudynSettings
-from engines.mujoco.settings import ChainSettings
-from engines.own.reference import ReferenceSettings
-from engines.registry import MAIN, RIVALS, engine
-from engines.settings import Settings
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library import case_names
+from quickreturn.engines.accurate import ESTIMATED, run_once, simulate
+from quickreturn.engines.accurate import Result as Accurate
+from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.verification.claims import deliveries, left_out, summary
 from tests.verification.random_scenes import OUTPUT_STEP, Scene, condition_of, random_scenes, sensible_machines
 

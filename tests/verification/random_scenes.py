@@ -14,13 +14,13 @@ from typing import Final
 import numpy as np
 from numpy.random import Generator
 
-from engines.accurate import run_once
-from engines.base import EngineFailure
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
-from reference_model.natural_modes import stiffness_ratio
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
+from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 OUTPUT_STEP: Final = 1e-3  # s
 LARGEST_SLIDER_POSITION: Final = 0.98  # of the follower's length

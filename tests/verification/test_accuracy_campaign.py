@@ -10,14 +10,14 @@ import pandas as pd
 import pytest
 
 import tests.verification.accuracy_campaign
-from cases.jobs.job import Job, Outcome
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.library import case_names
-from engines.accurate import ESTIMATED
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.start import standard_start
+from quickreturn.cases.jobs.job import Job, Outcome
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library import case_names
+from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.start import standard_start
 from tests.verification.accuracy_campaign import ACCURACIES, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
 from tests.verification.claims import deliveries, judged, left_out, summary
 from tests.verification.random_scenes import (

@@ -9,14 +9,14 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from cases.case import Case
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.library import library_case
-from cases.library.thesis import run_name
-from cases.runs.comparison import CaseResult, Check, cross_validate
-from engines.registry import engine
-from reference_model.mechanism import Mechanism, changed
+from quickreturn.cases.case import Case
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library import library_case
+from quickreturn.cases.library.thesis import run_name
+from quickreturn.cases.runs.comparison import CaseResult, Check, cross_validate
+from quickreturn.engines.registry import engine
+from quickreturn.reference_model.mechanism import Mechanism, changed
 from tests.verification.random_scenes import sensible_machines
 from tests.verification.test_sensible_machines import SEED, case_of
 
@@ -87,7 +87,7 @@ def compared(cases: Sequence[Case], workshop: Workshop, engines: Sequence[str] =
 
 
 def refuses(name: str, case: Case) -> bool:
-    from engines.base import Refusal
+    from quickreturn.engines.base import Refusal
 
     try:
         engine(name).check(case.mechanism)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from engines.base import Refusal
+from quickreturn.engines.base import Refusal
 from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection
 from tests.verification.literature.spin_up import PUBLISHED, at_rate, fitted_vibration, manoeuvre, scene, spinning_rod_stretch
 from tests.verification.row import failures

@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from engines.own.simulation import OwnSimulation
-from engines.registry import usable_engine
-from reference_model.continuation import Branch, BranchPoint, branch
-from reference_model.cycle_family import CycleFamily
-from reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.registry import usable_engine
+from quickreturn.reference_model.continuation import Branch, BranchPoint, branch
+from quickreturn.reference_model.cycle_family import CycleFamily
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from tests.engines.scenes import run_24
 
 RPM = math.pi / 30.0

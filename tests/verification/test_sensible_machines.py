@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.case import Case
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.measures import on_common_grid
-from cases.runs.comparison import CaseResult, cross_validate
-from cases.runs.marching import channels_of
-from cases.runs.request import Run
-from engines.relative import rms
-from reference_model.natural_modes import stiffness_ratio
-from reference_model.rigid import crank_pace
+from quickreturn.cases.case import Case
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures import on_common_grid
+from quickreturn.cases.runs.comparison import CaseResult, cross_validate
+from quickreturn.cases.runs.marching import channels_of
+from quickreturn.cases.runs.request import Run
+from quickreturn.engines.relative import rms
+from quickreturn.reference_model.natural_modes import stiffness_ratio
+from quickreturn.reference_model.rigid import crank_pace
 from tests.verification.random_scenes import LEAST_STIFFNESS_RATIO, OUTPUT_STEP, Scene, sensible_machines
 
 ENGINES = ("reference", "mujoco")

@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from cases.runs.comparison import REFERENCE, CaseResult, Kind, not_judged
-from reports.findings.agreement import differences, engines_of, outward
-from reports.findings.sharpness import sharpness
-from reports.page.answer import answer_of
-from reports.page.content import Content
-from reports.page.plot import Plot, Series
-from reports.tables import claims
-from reports.tables.table import Cell, Column, Mark, Table
-from reports.words import QUANTITY, case_label, number, place
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind, not_judged
+from quickreturn.reports.findings.agreement import differences, engines_of, outward
+from quickreturn.reports.findings.sharpness import sharpness
+from quickreturn.reports.page.answer import answer_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.tables import claims
+from quickreturn.reports.tables.table import Cell, Column, Mark, Table
+from quickreturn.reports.words import QUANTITY, case_label, number, place
 
 #: Differences below this part of the tolerance are drawn at it: the logarithmic axis has no zero.
 LEAST_USED = 1e-5

@@ -3,14 +3,14 @@
 import math
 from typing import Any
 
-from cases.classes.grid import ROWS, TURNS, grid
-from cases.classes.groups import MEANINGS
-from cases.classes.map import TIMES, Map
-from cases.classes.measurement import LEVELS, LIMIT
-from reports.page.answer import is_own
-from reports.page.content import Content
-from reports.tables import classes as tables
-from reports.words import percent
+from quickreturn.cases.classes.grid import ROWS, TURNS, grid
+from quickreturn.cases.classes.groups import MEANINGS
+from quickreturn.cases.classes.map import TIMES, Map
+from quickreturn.cases.classes.measurement import LEVELS, LIMIT
+from quickreturn.reports.page.answer import is_own
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.tables import classes as tables
+from quickreturn.reports.words import percent
 
 
 def classes(content: Content) -> dict[str, Any] | None:

@@ -4,15 +4,15 @@ import statistics
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.experiment import statements
-from cases.finding.effects import effects, name_of
-from cases.finding.study import SECOND, Row
-from cases.runs.comparison import HALVES, REFERENCE, CaseResult
-from reports.findings.runs import thesis_runs
-from reports.findings.sufficiency import OF_NO_JOINT, SIMULATION, Tried, conflicting, splits, sufficiency, tried
-from reports.page.plot import Plot, Series
-from reports.tables import finding as tables
-from reports.words import number
+from quickreturn.cases.experiment import statements
+from quickreturn.cases.finding.effects import effects, name_of
+from quickreturn.cases.finding.study import SECOND, Row
+from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.reports.findings.runs import thesis_runs
+from quickreturn.reports.findings.sufficiency import OF_NO_JOINT, SIMULATION, Tried, conflicting, splits, sufficiency, tried
+from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.tables import finding as tables
+from quickreturn.reports.words import number
 
 #: The readings of the words that the frequency before the return is right, and that after it the excess is larger.
 PRE: Final = next(each for each in statements() if each.id == "pre-frequency")

@@ -4,19 +4,19 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
-from cases.benchmark import SCENES, Benchmark, fastest_at, observed_order, pareto_front
-from cases.benchmark.findings import LEVELS, Measured, completed, soonest_at
-from cases.benchmark.measurement import CONFIRMED
-from cases.judging.conditioning import CHANGE, ILL
-from cases.judging.matrix import MODEL, REQUESTED, Matrix
-from cases.judging.verdicts import LATER, MEANINGS, OWN_EQUATIONS
-from cases.library.hard import IMPOSSIBLE
-from reports.page.answer import contest, is_own
-from reports.page.content import Content
-from reports.page.plot import Plot, Series
-from reports.tables import benchmark as tables
-from reports.tables import hard_scenes as hard_tables
-from reports.words import duration, settings_words, size
+from quickreturn.cases.benchmark import SCENES, Benchmark, fastest_at, observed_order, pareto_front
+from quickreturn.cases.benchmark.findings import LEVELS, Measured, completed, soonest_at
+from quickreturn.cases.benchmark.measurement import CONFIRMED
+from quickreturn.cases.judging.conditioning import CHANGE, ILL
+from quickreturn.cases.judging.matrix import MODEL, REQUESTED, Matrix
+from quickreturn.cases.judging.verdicts import LATER, MEANINGS, OWN_EQUATIONS
+from quickreturn.cases.library.hard import IMPOSSIBLE
+from quickreturn.reports.page.answer import contest, is_own
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.tables import benchmark as tables
+from quickreturn.reports.tables import hard_scenes as hard_tables
+from quickreturn.reports.words import duration, settings_words, size
 
 #: What errors are drawn over.
 SOLVE_TIME: Final = "solve time [s]"

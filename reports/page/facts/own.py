@@ -4,14 +4,14 @@ import shlex
 from collections.abc import Sequence
 from typing import Any, Final
 
-from cases.runs.request import SETTLED
-from reference_model.mechanism import TorqueDrive
-from reports.findings.failures import MEANINGS
-from reports.findings.runs import thesis_runs
-from reports.page.content import Content
-from reports.tables import engines as engine_tables
-from reports.tables import provenance as tables
-from reports.tables.table import Column, Table
+from quickreturn.cases.runs.request import SETTLED
+from quickreturn.reference_model.mechanism import TorqueDrive
+from quickreturn.reports.findings.failures import MEANINGS
+from quickreturn.reports.findings.runs import thesis_runs
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.tables import engines as engine_tables
+from quickreturn.reports.tables import provenance as tables
+from quickreturn.reports.tables.table import Column, Table
 
 STANDARD_GRAVITY: Final = 9.80665  # m/s²
 

@@ -3,13 +3,13 @@
 import math
 from typing import Any, Final
 
-from cases.resonance_curve import NEAR
-from reports.findings.resonance import Around
-from reports.page.content import Content
-from reports.page.plot import Plot, Series
-from reports.tables.resonance import OWN, PEAK, remarkable, resonance_curve, resonances
-from reports.tables.table import SHOWN
-from reports.words import number, size
+from quickreturn.cases.resonance_curve import NEAR
+from quickreturn.reports.findings.resonance import Around
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.tables.resonance import OWN, PEAK, remarkable, resonance_curve, resonances
+from quickreturn.reports.tables.table import SHOWN
+from quickreturn.reports.words import number, size
 
 _RPM: Final = SHOWN["rpm"][1]
 

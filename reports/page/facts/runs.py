@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from cases.library import inconsistencies
-from cases.library.thesis import RUNS
-from reports.findings.agreement import engines_of, outward, resolvable
-from reports.page.content import Content
-from reports.tables import engines, experiment
-from reports.tables.claims import table_departures
+from quickreturn.cases.library import inconsistencies
+from quickreturn.cases.library.thesis import RUNS
+from quickreturn.reports.findings.agreement import engines_of, outward, resolvable
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.tables import engines, experiment
+from quickreturn.reports.tables.claims import table_departures
 
 
 def runs(content: Content) -> dict[str, Any]:

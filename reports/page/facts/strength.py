@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from reports.page.content import Content
-from reports.tables.strength import strength as table
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.tables.strength import strength as table
 
 
 def strength(content: Content) -> dict[str, Any] | None:

@@ -5,16 +5,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.runs.comparison import REFERENCE
-from cases.studies import StudiedRun
-from engines.accurate import ESTIMATED
-from reports.findings.agreement import engines_of
-from reports.page.content import Content
-from reports.page.plot import Plot, Series
-from reports.tables import studies as tables
-from reports.tables.orbits import GONE_AT, SETTLED_AT, both_starts, orbits
-from reports.tables.table import Table
-from reports.words import size
+from quickreturn.cases.runs.comparison import REFERENCE
+from quickreturn.cases.studies import StudiedRun
+from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.reports.findings.agreement import engines_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.tables import studies as tables
+from quickreturn.reports.tables.orbits import GONE_AT, SETTLED_AT, both_starts, orbits
+from quickreturn.reports.tables.table import Table
+from quickreturn.reports.words import size
 
 #: What two solutions may differ by to confirm each other.
 CONFIRMED: Final = 5e-4

@@ -5,23 +5,23 @@ from typing import Any, Final
 
 import numpy as np
 
-from cases.experiment import statements
-from cases.experiment.stiffness import stiffness_reading
-from cases.library import inconsistencies
-from cases.measures import CHANNELS
-from cases.runs.comparison import REFERENCE
-from cases.uncertainty.thesis import Band
-from engines.registry import OWN
-from reports.findings.agreement import differences, engines_of
-from reports.findings.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
-from reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, MODEL, NOT, OUTCOMES
-from reports.findings.raw_extremes import Excess, counted_excess
-from reports.page.content import Content
-from reports.page.facts.finding import EXCESS, finding
-from reports.tables import experiment as experiment_tables
-from reports.tables import scatter as scatter_tables
-from reports.tables import thesis_view as tables
-from reports.words import HALF, span
+from quickreturn.cases.experiment import statements
+from quickreturn.cases.experiment.stiffness import stiffness_reading
+from quickreturn.cases.library import inconsistencies
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import REFERENCE
+from quickreturn.cases.uncertainty.thesis import Band
+from quickreturn.engines.registry import OWN
+from quickreturn.reports.findings.agreement import differences, engines_of
+from quickreturn.reports.findings.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
+from quickreturn.reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, MODEL, NOT, OUTCOMES
+from quickreturn.reports.findings.raw_extremes import Excess, counted_excess
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.facts.finding import EXCESS, finding
+from quickreturn.reports.tables import experiment as experiment_tables
+from quickreturn.reports.tables import scatter as scatter_tables
+from quickreturn.reports.tables import thesis_view as tables
+from quickreturn.reports.words import HALF, span
 
 #: Hz, the mode that section 3.4 reads off run 24.
 SECOND_MODE: Final = next(found.low for found in statements() if found.id == "second-mode")

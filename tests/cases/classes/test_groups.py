@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.classes.grid import ROWS, TURNS, case_of, grid, name_of
-from cases.classes.groups import Groups, groups_of, scene_of
-from cases.classes.map import distance, off_the_map
-from cases.library.thesis import run_case
-from engines.accurate import run_once
-from engines.registry import engine
-from engines.start import standard_start
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
+from quickreturn.cases.classes.grid import ROWS, TURNS, case_of, grid, name_of
+from quickreturn.cases.classes.groups import Groups, groups_of, scene_of
+from quickreturn.cases.classes.map import distance, off_the_map
+from quickreturn.cases.library.thesis import run_case
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.registry import engine
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
 
 
 def test_the_groups_of_run_24_follow_from_what_is_published() -> None:

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from cases.benchmark.measurement import truth_of
-from cases.classes import measurement
-from cases.classes.grid import CENTRE, case_of, name_of
-from cases.classes.groups import Groups
-from cases.classes.map import TIMES
-from cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach, measured
-from cases.classes.study import _job, _kept, study
-from cases.jobs.isolation import STOPPED
-from cases.jobs.job import Outcome
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
+from quickreturn.cases.benchmark.measurement import truth_of
+from quickreturn.cases.classes import measurement
+from quickreturn.cases.classes.grid import CENTRE, case_of, name_of
+from quickreturn.cases.classes.groups import Groups
+from quickreturn.cases.classes.map import TIMES
+from quickreturn.cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach, measured
+from quickreturn.cases.classes.study import _job, _kept, study
+from quickreturn.cases.jobs.isolation import STOPPED
+from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
 from tests.cases.made_up_map import BY_SPEED, made_up_map
 
 SOLVING, WAITING = TIMES

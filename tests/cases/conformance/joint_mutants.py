@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism
 from tests.cases.conformance.mutants import Mutant, of_scene
 from tests.cases.conformance.third_mutants import of_pair
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, EngineFailure, Simulation
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.start import Start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, changed
+from quickreturn.engines.base import Comparison, EngineFailure, Simulation
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, changed
 
 Columns = dict[str, NDArray[np.float64]]
 

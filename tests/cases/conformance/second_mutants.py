@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from engines.base import Comparison
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.start import Start
-from reference_model.mechanism import Mechanism, PrescribedSpeed, changed
+from quickreturn.engines.base import Comparison
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.start import Start
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, changed
 from tests.cases.conformance.mutants import Columns, Mutant, column, of_columns, of_frequencies, of_scene
 
 

@@ -7,26 +7,26 @@ import time
 
 import pytest
 
-from cases.conformance import GROUPS, checks_of, conform
-from cases.conformance.bench import Bench
-from cases.conformance.checks import Fault, looked_at
-from cases.conformance.quantities import followed
-from cases.conformance.repetition import PARTS, Elsewhere, elsewhere, repetition, scenes_in_turn
-from cases.conformance.scenes import BASE, CHANGES
-from cases.conformance.settings import stated_errors
-from cases.conformance.together import PARTS as PARTS_AT_ONCE
-from cases.conformance.together import everything
-from engines.base import AnyEngine, Comparison, Simulation
-from engines.exudyn.engine import ExudynEngine
-from engines.exudyn.settings import ExudynSettings
-from engines.mujoco.engine import MujocoEngine
-from engines.mujoco.settings import ChainSettings
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.registry import engine
-from engines.relative import rms
-from engines.start import Start
-from reference_model.mechanism import Mechanism, Scene, changed
-from reference_model.scene_values import NAMED
+from quickreturn.cases.conformance import GROUPS, checks_of, conform
+from quickreturn.cases.conformance.bench import Bench
+from quickreturn.cases.conformance.checks import Fault, looked_at
+from quickreturn.cases.conformance.quantities import followed
+from quickreturn.cases.conformance.repetition import PARTS, Elsewhere, elsewhere, repetition, scenes_in_turn
+from quickreturn.cases.conformance.scenes import BASE, CHANGES
+from quickreturn.cases.conformance.settings import stated_errors
+from quickreturn.cases.conformance.together import PARTS as PARTS_AT_ONCE
+from quickreturn.cases.conformance.together import everything
+from quickreturn.engines.base import AnyEngine, Comparison, Simulation
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.registry import engine
+from quickreturn.engines.relative import rms
+from quickreturn.engines.start import Start
+from quickreturn.reference_model.mechanism import Mechanism, Scene, changed
+from quickreturn.reference_model.scene_values import NAMED
 from tests.cases.conformance.joint_mutants import JOINT
 from tests.cases.conformance.mutants import MUTANTS as FIRST
 from tests.cases.conformance.second_mutants import SECOND

@@ -9,14 +9,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.base import Comparison, Simulation
-from engines.own.alone import OwnAlone
-from engines.own.reference import ReferenceEngine, ReferenceSettings
-from engines.settings import setting
-from engines.start import Start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import FollowerAlone, Mechanism, Scene, changed
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.engines.base import Comparison, Simulation
+from quickreturn.engines.own.alone import OwnAlone
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.settings import setting
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, changed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.cases.conformance.mutants import Columns, Mutant, Spoiling, column, of_columns, of_frequencies, of_scene
 
 Array = NDArray[np.float64]

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from cases.finding import study
-from cases.finding.effects import PUBLISHED, Effect, effects
-from cases.finding.response import Response, _ring, respond
-from cases.library.thesis import run_case
-from cases.measures import CHANNELS, Cycle
-from cases.runs.orbit import Orbit, find_orbit
-from reference_model.mechanism import Mechanism, changed
-from reference_model.natural_modes import frozen_crank_modes
+from quickreturn.cases.finding import study
+from quickreturn.cases.finding.effects import PUBLISHED, Effect, effects
+from quickreturn.cases.finding.response import Response, _ring, respond
+from quickreturn.cases.library.thesis import run_case
+from quickreturn.cases.measures import CHANNELS, Cycle
+from quickreturn.cases.runs.orbit import Orbit, find_orbit
+from quickreturn.reference_model.mechanism import Mechanism, changed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 PERIOD = 0.378  # s
 

@@ -6,7 +6,6 @@ The work is done by functions of the standard library, so that every worker can 
 import contextlib
 import os
 import re
-import shutil
 import signal
 import socket
 import subprocess
@@ -23,13 +22,14 @@ import pytest
 from distributed import LocalCluster
 
 import quickreturn as qr
-from cases.jobs import cluster as module
-from cases.jobs.cluster import Cluster, cluster
-from cases.jobs.job import ExecutorError, Job, Limits
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
+from quickreturn.cases.jobs import cluster as module
+from quickreturn.cases.jobs.cluster import Cluster, cluster
+from quickreturn.cases.jobs.job import ExecutorError, Job, Limits
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.command_line import BAD_INPUT, _told_of
+from tests.package_copy import copied_package
 
 ROOT = Path(__file__).resolve().parents[3]
 #: How long anything here may take on a busy machine, s.
@@ -250,9 +250,8 @@ def test_a_job_that_kills_every_worker_is_given_up_and_the_others_are_done() -> 
 
 @pytest.mark.verify
 def test_a_worker_with_other_code_is_refused(tmp_path: Path) -> None:
-    for package in ("reference_model", "engines", "cases"):
-        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
-    with (tmp_path / "engines/base.py").open("a") as file:
+    package = copied_package(tmp_path, "reference_model", "engines", "cases")
+    with (package / "engines/base.py").open("a") as file:
         file.write("# one line more\n")
     assert re.fullmatch(
         r"has code of quickreturn [0-9a-f]{12}, this machine [0-9a-f]{12}; both must have the same", refusal(folder=tmp_path)
@@ -283,8 +282,8 @@ def test_who_asked_and_is_gone_leaves_nothing_at_work(scheduler: LocalCluster, n
         textwrap.dedent(
             f"""
             import sys
-            from cases.jobs.cluster import cluster
-            from cases.jobs.job import Job
+            from quickreturn.cases.jobs.cluster import cluster
+            from quickreturn.cases.jobs.job import Job
             with cluster({scheduler.scheduler_address!r}) as executor:
                 try:
                     list(executor.run([Job("sleeper", exec, ({sleeper(tmp_path)!r},))]))

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.jobs import key
-from cases.jobs.job import Job, Limits
-from cases.jobs.key import code_fingerprint, hash_of, key_of
+from quickreturn.cases.jobs import key
+from quickreturn.cases.jobs.job import Job, Limits
+from quickreturn.cases.jobs.key import code_fingerprint, hash_of, key_of
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.scenes import run_24
 
@@ -80,7 +80,7 @@ def job(**changes: Any) -> Job[Any]:
 
 def test_a_result_is_told_apart_by_all_that_determines_it_and_by_nothing_else() -> None:
     changes: list[dict[str, Any]] = [{"function": sum}, {"arguments": ((1, 3),)}, {"inputs": "other"}, {"kind": "other"}, {"engines": ()}]
-    others = [job(**change) for change in (*changes, {"code": ("cases.jobs.worker",)})]
+    others = [job(**change) for change in (*changes, {"code": ("quickreturn.cases.jobs.worker",)})]
     assert len({key_of(each) for each in (job(), *others)}) == 1 + len(others)
     assert key_of(job()) == key_of(job(name="two", limits=Limits(seconds=1.0))) == key_of(job(inputs=((1, 2),)))
 
@@ -95,7 +95,7 @@ def test_key_tells_everything_apart_that_matters() -> None:
 
 def test_key_does_not_depend_on_the_order_of_names_or_on_the_process() -> None:
     assert hash_of({"a": 1, "b": (2, 3)}) == hash_of({"b": [2, 3], "a": 1})
-    code = "from cases.jobs.key import hash_of; from tests.engines.scenes import run_24; print(hash_of({'scene': run_24()}))"
+    code = "from quickreturn.cases.jobs.key import hash_of; from tests.engines.scenes import run_24; print(hash_of({'scene': run_24()}))"
     root = Path(__file__).parents[3]
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
     assert answer.stdout.strip() == hash_of({"scene": run_24()})

@@ -22,12 +22,12 @@ from typing import Any
 
 import pytest
 
-from cases.jobs.isolation import end_waiting, isolated
-from cases.jobs.job import Job, Limits, Outcome
-from cases.jobs.processes import LocalProcesses, Pool
-from engines.base import EngineFailure
+from quickreturn.cases.jobs.isolation import end_waiting, isolated
+from quickreturn.cases.jobs.job import Job, Limits, Outcome
+from quickreturn.cases.jobs.processes import LocalProcesses, Pool
+from quickreturn.engines.base import EngineFailure
 
-PRELOAD = ("cases.jobs.worker",)  # these jobs need nothing slow
+PRELOAD = ("quickreturn.cases.jobs.worker",)  # these jobs need nothing slow
 GIB = 2**30
 RAISE = codecs.strict_errors  # raises whatever exception it is given
 
@@ -54,7 +54,7 @@ def test_limits_of_a_job_come_before_those_of_the_executor() -> None:
 
 
 def test_a_watcher_is_told_how_far_a_job_is_and_nobody_else() -> None:
-    code = "from engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=1); tell(cycle=2)"
+    code = "from quickreturn.engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=1); tell(cycle=2)"
     seen: list[tuple[str, str]] = []
     job = Job("job", exec, (code,))
     (outcome,) = LocalProcesses(1, preload=PRELOAD).run([job], lambda job, progress: seen.append((job.name, str(progress))))
@@ -147,7 +147,7 @@ def test_brief_jobs_share_a_process_until_one_breaks_it() -> None:
 
 def test_each_brief_job_has_its_own_output_progress_and_limits() -> None:
     seen: list[tuple[str, str]] = []
-    loud = "print('loud'), __import__('engines.progress').progress.tell(engine='fake', phase='marching')"
+    loud = "print('loud'), __import__('quickreturn.engines.progress').progress.tell(engine='fake', phase='marching')"
     jobs = [brief("loud", loud), brief("greedy", f"len(bytearray({2 * GIB}))", limits=Limits(memory=GIB)), brief("quiet", "7")]
     jobs.insert(1, brief("frugal", "len(bytearray(1000))", limits=Limits(memory=GIB)))
     outcomes = LocalProcesses(1, Limits(), PRELOAD).run(jobs, lambda job, progress: seen.append((job.name, str(progress))))
@@ -228,10 +228,10 @@ def test_folders_where_the_user_stands_are_not_taken_for_packages(tmp_path: Path
         textwrap.dedent(
             """
             import pkgutil
-            from cases.jobs.job import Job
-            from cases.jobs.processes import LocalProcesses
+            from quickreturn.cases.jobs.job import Job
+            from quickreturn.cases.jobs.processes import LocalProcesses
             if __name__ == "__main__":
-                (outcome,) = LocalProcesses().run([Job("job", pkgutil.resolve_name, ("cases.library.thesis:run_name",))])
+                (outcome,) = LocalProcesses().run([Job("job", pkgutil.resolve_name, ("quickreturn.cases.library.thesis:run_name",))])
                 print(outcome.failure or outcome.value(24))
             """
         )
@@ -325,8 +325,8 @@ def started_runner(tmp_path: Path) -> tuple["subprocess.Popen[str]", int]:
     script.write_text(
         textwrap.dedent(
             f"""
-            from cases.jobs.job import Job
-            from cases.jobs.processes import LocalProcesses
+            from quickreturn.cases.jobs.job import Job
+            from quickreturn.cases.jobs.processes import LocalProcesses
             import sys
             if __name__ == "__main__":
                 try:

@@ -12,16 +12,17 @@ from typing import Any
 
 import pytest
 
-from cases.jobs.display import Tally, answers, span
-from cases.jobs.job import Job, Outcome
-from cases.jobs.processes import LocalProcesses
-from engines.progress import Progress
+from quickreturn.cases.jobs.display import Tally, answers, span
+from quickreturn.cases.jobs.job import Job, Outcome
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.engines.progress import Progress
 
 CODE = """
-from cases.jobs.display import answers
-from cases.jobs.job import Job
-from cases.jobs.processes import LocalProcesses
-work = "import time; from engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=7, most=60); time.sleep(1.2)"
+from quickreturn.cases.jobs.display import answers
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.processes import LocalProcesses
+told = "from quickreturn.engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=7, most=60)"
+work = told + "; import time; time.sleep(1.2)"
 jobs = [Job(name, exec, (work,)) for name in ("one", "two")]
 print([outcome.failure for outcome in answers(LocalProcesses(1, preload=(), quiet=False), jobs, "runs")])
 """

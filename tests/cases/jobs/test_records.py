@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cases.jobs.records import decoded, encoded
-from cases.jobs.store import Record, Store
+from quickreturn.cases.jobs.records import decoded, encoded
+from quickreturn.cases.jobs.store import Record, Store
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.jobs.store import Record, Store, StoreError
+from quickreturn.cases.jobs.store import Record, Store, StoreError
 
 KEY = 64 * "a"
 
@@ -127,7 +127,7 @@ def test_two_runs_on_one_store_never_see_half_an_entry(tmp_path: Path) -> None:
     code = f"""
         import sys, numpy
         from pathlib import Path
-        from cases.jobs.store import Record, Store
+        from quickreturn.cases.jobs.store import Record, Store
         store, number = Store(Path({str(tmp_path)!r})), int(sys.argv[1])
         for turn in range(30):
             store.put({KEY!r}, Record({{"number": number}}, {{"a": numpy.full(2000, float(number))}}))

@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import cases.judging.conditioning
-from cases.case_file import load_case
-from cases.judging.conditioning import CHANGE, ILL, conditioning, variants
-from engines.trajectory import REQUIRED, Trajectory
-from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.judging.conditioning import CHANGE, ILL, conditioning, variants
+from quickreturn.engines.trajectory import REQUIRED, Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 
 MECHANISM = load_case("thesis-24").mechanism
 SPEED = MECHANISM.crank.drive.initial_speed
@@ -29,7 +28,7 @@ def motion(mechanism: Mechanism, duration: float, output_step: float) -> Traject
 
 @pytest.fixture(autouse=True)
 def _made_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cases.judging.conditioning, "_run", motion)
+    monkeypatch.setattr("quickreturn.cases.judging.conditioning._run", motion)
 
 
 def test_changes_of_a_known_motion() -> None:

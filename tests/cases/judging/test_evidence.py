@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from cases.judging.evidence import Trial, TrialScene, crank_jump, energy_residual, gather
-from cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
-from engines.base import Comparison, EngineFailure, Refusal
-from engines.relative import relative_error
-from engines.settings import Settings
-from engines.start import Start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, Slider
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.judging.evidence import Trial, TrialScene, crank_jump, energy_residual, gather
+from quickreturn.cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
+from quickreturn.engines.base import Comparison, EngineFailure, Refusal
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, Slider
 from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation, error_of
 
 SCENE = TrialScene(mechanism=load_case("thesis-24").mechanism, duration=10.0, output_step=0.1, horizon=10.0)

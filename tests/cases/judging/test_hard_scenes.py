@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from cases.case_file import load_case, with_times
-from cases.jobs.job import Limits
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.judging.matrix import Matrix, judge_scenes
-from cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
-from cases.library import catalogue
-from cases.library.hard import TAG
-from engines.registry import MAIN
+from quickreturn.cases.case_file import load_case, with_times
+from quickreturn.cases.jobs.job import Limits
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.judging.matrix import Matrix, judge_scenes
+from quickreturn.cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
+from quickreturn.cases.library import catalogue
+from quickreturn.cases.library.hard import TAG
+from quickreturn.engines.registry import MAIN
 
 SHORT = ("hard-speed-x3", "hard-slider-inertia")
 ENGINES = ("reference", "mujoco")

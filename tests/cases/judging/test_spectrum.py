@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cases.judging.conditioning import band_levels, later_differences
+from quickreturn.cases.judging.conditioning import band_levels, later_differences
 
 TIME = np.arange(0.0, 4.0005, 1e-3)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from cases.judging.verdicts import (
+from quickreturn.cases.judging.verdicts import (
     ACCURATE,
     CONTRADICTED,
     DIVERGED,

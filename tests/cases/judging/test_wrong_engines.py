@@ -2,23 +2,21 @@
 
 import os
 import pickle
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-import engines
-import reference_model
-from cases.case_file import load_case
-from cases.judging.evidence import Columns, Trial, TrialScene, gather
-from cases.judging.matrix import REQUESTED
-from cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, contradicted, judge
-from engines.base import Engine
-from engines.registry import engine
-from engines.relative import relative_error
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.judging.evidence import Columns, Trial, TrialScene, gather
+from quickreturn.cases.judging.matrix import REQUESTED
+from quickreturn.cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, contradicted, judge
+from quickreturn.engines.base import Engine
+from quickreturn.engines.registry import engine
+from quickreturn.engines.relative import relative_error
 from tests.engines.wrong_engines import Disguised, Restarting, Stiffer, TooLargeStep
+from tests.package_copy import copied_package
 
 MECHANISM = load_case("thesis-24").mechanism
 SHORT = TrialScene(mechanism=MECHANISM, duration=0.4, output_step=1e-3, horizon=0.4)
@@ -75,9 +73,9 @@ def test_a_stiffness_3_percent_off_is_found_by_comparison(sound: dict[str, Trial
 CORIOLIS = "2.0 * w.turn[at] + "
 PROGRAM = """
 import pickle, sys
-import reference_model
-from cases.case_file import load_case
-from cases.judging.evidence import TrialScene, gather
+from quickreturn import reference_model
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.judging.evidence import TrialScene, gather
 assert reference_model.__file__.startswith(sys.argv[1]), reference_model.__file__
 scene = TrialScene(mechanism=load_case("thesis-24").mechanism, duration=0.4, output_step=1e-3, horizon=0.4)
 run = gather("fixed-shapes", scene, float(sys.argv[2]), asked=(1.0,))
@@ -90,11 +88,9 @@ with open(sys.argv[3], "wb") as file:
 @pytest.mark.parametrize("dropped", [False, True])
 def test_a_dropped_coriolis_term_is_found(dropped: bool, sound: dict[str, Trial], tmp_path: Path) -> None:
     """A copy of the code with the term cut out of the source, and a whole copy to see that copying does no harm."""
-    for package in (reference_model, engines):
-        source = Path(package.__file__ or "").parent
-        shutil.copytree(source, tmp_path / source.name, ignore=shutil.ignore_patterns("__pycache__"))
+    package = copied_package(tmp_path, "reference_model", "engines")
     if dropped:
-        file = tmp_path / "reference_model" / "motion" / "loop.py"
+        file = package / "reference_model/motion/loop.py"
         text = file.read_text("utf-8")
         assert text.count(CORIOLIS) == 1
         file.write_text(text.replace(CORIOLIS, ""), "utf-8")

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from cases.measures import CHANNELS
-from cases.runs.comparison import CONSENSUS, CaseResult, Check, compare, not_judged
-from cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
-from cases.runs.request import FAILED, INACCURATE, REFUSED, SETTLED, Run
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, Check, compare, not_judged
+from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
+from quickreturn.cases.runs.request import FAILED, INACCURATE, REFUSED, SETTLED, Run
 
 CASE = load_case("thesis-24")
 PEAK = 2.0

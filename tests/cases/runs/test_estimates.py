@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from cases.measures import CHANNELS, Consensus, CycleMeasures, Measure
-from cases.runs.estimates import EstimatedMeasure, MeasuredCycle, mean_estimate, with_estimates
-from engines.accurate import LEAST_FACTOR, Compared
+from quickreturn.cases.measures import CHANNELS, Consensus, CycleMeasures, Measure
+from quickreturn.cases.runs.estimates import EstimatedMeasure, MeasuredCycle, mean_estimate, with_estimates
+from quickreturn.engines.accurate import LEAST_FACTOR, Compared
 
 GRID = 360  # crank angles in a half
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 401)

@@ -6,15 +6,15 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from cases.measures import AVERAGED, CHANNELS, Cycle
-from cases.measures.steady_state import GREATEST_NUMBER
-from cases.runs.estimates import MeasuredCycle, extreme_estimates
-from cases.runs.marching import channels_of, settle
-from cases.runs.request import SETTLED, RunRequest
-from cases.runs.steady_state import steady_state
-from engines.accurate import Compared
-from reference_model.mechanism import changed
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.measures import AVERAGED, CHANNELS, Cycle
+from quickreturn.cases.measures.steady_state import GREATEST_NUMBER
+from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates
+from quickreturn.cases.runs.marching import channels_of, settle
+from quickreturn.cases.runs.request import SETTLED, RunRequest
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.engines.accurate import Compared
+from quickreturn.reference_model.mechanism import changed
 from tests.cases.runs.test_estimates import measures
 
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 101)

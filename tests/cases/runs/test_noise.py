@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.runs.noise import white_noise
+from quickreturn.cases.runs.noise import white_noise
 
 TIME = np.arange(1000) * 1e-3
 

@@ -10,21 +10,21 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from cases.case_file import load_case
-from cases.jobs.key import hash_of
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
-from cases.runs.campaign import carry_out
-from cases.runs.orbit import Curve, Orbit, PeriodicStart, begins_in_orbit, cycles_needed, find_orbit, orbits
-from cases.runs.request import DIRECT, FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, RunRequest
-from cases.runs.steady_state import steady_state
-from engines.base import NoSteadyState
-from engines.own.reference import ReferenceEngine
-from engines.registry import MAIN, RIVALS, engine
-from engines.start import Start
-from reference_model.mechanism import Mechanism
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.key import hash_of
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
+from quickreturn.cases.runs.campaign import carry_out
+from quickreturn.cases.runs.orbit import Curve, Orbit, PeriodicStart, begins_in_orbit, cycles_needed, find_orbit, orbits
+from quickreturn.cases.runs.request import DIRECT, FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, RunRequest
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.engines.base import NoSteadyState
+from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.start import Start
+from quickreturn.reference_model.mechanism import Mechanism
 
 MECHANISM = load_case("thesis-17").mechanism  # the one that settles soonest
 CHEAP = {"links": "8"}
@@ -140,7 +140,7 @@ def test_the_runner_lets_them_begin_where_they_shall(tmp_path: Path) -> None:
 
 def test_a_run_that_will_not_do_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     start = find_start(MECHANISM)
-    monkeypatch.setattr("cases.runs.steady_state.settle", lambda *_: pytest.fail("it marched"))
+    monkeypatch.setattr("quickreturn.cases.runs.steady_state.settle", lambda *_: pytest.fail("it marched"))
     for orbit in (Orbit(start, 0.993), Orbit(None, 1.02, "the periodic state is not stable")):
         found = steady_state(request(settings=CHEAP, orbit=orbit))
         assert (found.status, found.settled, found.cycles) == (NOT_SETTLED, False, 0)

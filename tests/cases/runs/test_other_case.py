@@ -6,16 +6,16 @@ import functools
 import numpy as np
 import pytest
 
-from cases.case import Case
-from cases.case_file import load_case
-from cases.errors import CaseError
-from cases.recorded import table_of
-from cases.runs.differences import WHOLE, explanations
-from cases.runs.other_case import TRAITS, other_cases
-from cases.runs.recorded import recorded_run
-from cases.runs.request import Run
-from engines.registry import engine
-from engines.scene import simulate_scene
+from quickreturn.cases.case import Case
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.recorded import table_of
+from quickreturn.cases.runs.differences import WHOLE, explanations
+from quickreturn.cases.runs.other_case import TRAITS, other_cases
+from quickreturn.cases.runs.recorded import recorded_run
+from quickreturn.cases.runs.request import Run
+from quickreturn.engines.registry import engine
+from quickreturn.engines.scene import simulate_scene
 
 ALL = ("thesis-15", "thesis-17", "thesis-22", "thesis-24", "hard-ei-x10", "hard-no-tip")
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from cases.library import library_case
-from cases.runs.orbit import other_motion, periodic_state
-from engines.own.reference import ReferenceEngine
-from reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.cases.library import library_case
+from quickreturn.cases.runs.orbit import other_motion, periodic_state
+from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 
 
 def machine(speed: float) -> Mechanism:

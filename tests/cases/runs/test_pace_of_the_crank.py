@@ -6,13 +6,13 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from cases.runs.marching import March, settle
-from cases.runs.request import FAILED, RunRequest
-from cases.runs.steady_state import steady_state
-from engines.base import EngineFailure
-from engines.start import Start
-from engines.trajectory import Trajectory
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.runs.marching import March, settle
+from quickreturn.cases.runs.request import FAILED, RunRequest
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import Trajectory
 from tests.engines.fake_engine import FakeSettings, FakeSimulation
 
 STEP = 5e-4  # s

@@ -9,24 +9,24 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cases.case_file import load_case
-from cases.library import case_names
-from cases.measures import CHANNELS
-from cases.runs.comparison import HALVES
-from cases.runs.marching import March, columns_of, output_step, settle, whole_cycles
-from cases.runs.orbit import find_orbit
-from cases.runs.request import FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, Run, RunRequest
-from cases.runs.steady_state import steady_state
-from cases.studies import cycle_difference
-from engines.base import NoSteadyState, SteadyState
-from engines.own.reference import ReferenceEngine
-from engines.registry import engine
-from engines.settings import Settings, as_texts
-from engines.start import Start, standard_start
-from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
-from reference_model.periodic import periodic_orbit
-from reference_model.section_map import SectionMap
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.library import case_names
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import HALVES
+from quickreturn.cases.runs.marching import March, columns_of, output_step, settle, whole_cycles
+from quickreturn.cases.runs.orbit import find_orbit
+from quickreturn.cases.runs.request import FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, Run, RunRequest
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.cases.studies import cycle_difference
+from quickreturn.engines.base import NoSteadyState, SteadyState
+from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.registry import engine
+from quickreturn.engines.settings import Settings, as_texts
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.periodic import periodic_orbit
+from quickreturn.reference_model.section_map import SectionMap
 
 Array = NDArray[np.float64]
 
@@ -130,7 +130,7 @@ class Searching(ReferenceEngine):
 
 
 def outcome_with(monkeypatch: pytest.MonkeyPatch, stable: bool | None) -> Run:
-    monkeypatch.setattr("cases.runs.steady_state.engine_of_name", lambda _: Searching(stable))
+    monkeypatch.setattr("quickreturn.cases.runs.steady_state.engine_of_name", lambda _: Searching(stable))
     return steady_state(request("thesis-17", "reference", settings={"modes": "2", "tolerance": "1e-6"}))
 
 

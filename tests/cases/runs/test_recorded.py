@@ -8,17 +8,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from cases.case_file import load_case
-from cases.errors import CaseError
-from cases.recorded import read_table
-from cases.runs.comparison import CaseResult, compare
-from cases.runs.differences import column_differences, explanations
-from cases.runs.recorded import recorded_run
-from cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, TRANSIENT, Run, RunRequest
-from cases.runs.steady_state import steady_state
-from engines.accurate import simulate
-from engines.registry import engine
-from engines.start import standard_start
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.recorded import read_table
+from quickreturn.cases.runs.comparison import CaseResult, compare
+from quickreturn.cases.runs.differences import column_differences, explanations
+from quickreturn.cases.runs.recorded import recorded_run
+from quickreturn.cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, TRANSIENT, Run, RunRequest
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.registry import engine
+from quickreturn.engines.start import standard_start
 
 CASE = load_case("thesis-24")
 TURN = 2.0 * np.pi / 16.617773

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from cases.runs.request import SETTLED, RunRequest
-from cases.runs.steady_state import steady_state
-from engines.registry import MAIN
-from reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.runs.request import SETTLED, RunRequest
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.engines.registry import MAIN
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 
 
 def run_24(stiffness: float, *, driven: bool) -> Mechanism:

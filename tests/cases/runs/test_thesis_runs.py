@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from cases.case_file import load_case
-from cases.jobs.processes import LocalProcesses
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.library import case_names
-from cases.measures import CHANNELS
-from cases.runs.comparison import CONSENSUS, HALVES, CaseResult, claim, cross_validate
-from engines.registry import MAIN
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library import case_names
+from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, CaseResult, claim, cross_validate
+from quickreturn.engines.registry import MAIN
 
 RUNS = [name for name in case_names() if name.startswith("thesis-")]
 #: That of every test run: the heaviest tip body on a fast crank.

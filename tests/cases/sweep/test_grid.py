@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.errors import CaseError
-from cases.library import library_case
-from cases.sweep.grid import Grid, axis, scenes_of, si_text
-from cases.sweep.rows import OPEN, REFUSED, Impossible
-from cases.units import LENGTH, parse_quantity
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.library import library_case
+from quickreturn.cases.sweep.grid import Grid, axis, scenes_of, si_text
+from quickreturn.cases.sweep.rows import OPEN, REFUSED, Impossible
+from quickreturn.cases.units import LENGTH, parse_quantity
 
 RPM = math.pi / 30.0
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.library import library_case
-from cases.runs.request import SETTLED, RunRequest
-from cases.runs.steady_state import steady_state
-from cases.sweep.measures import MEASURES, Motion, measure
-from cases.sweep.rows import LEFT, REFUSED, Asked, row
-from reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
+from quickreturn.cases.library import library_case
+from quickreturn.cases.runs.request import SETTLED, RunRequest
+from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.cases.sweep.measures import MEASURES, Motion, measure
+from quickreturn.cases.sweep.rows import LEFT, REFUSED, Asked, row
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
 
 RPM = math.pi / 30.0
 NAMES = ("peak.tip_acceleration", "rms.strain_2", "min.slider_force", "peak.stress", "peak.crank_force", "multiplier", "turn.drive_work")

@@ -10,17 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.jobs.here import ThisProcess
-from cases.jobs.job import Outcome
-from cases.jobs.store import Store
-from cases.jobs.workshop import Workshop
-from cases.library import library_case
-from cases.runs.request import FAILED, SETTLED
-from cases.sweep import grid as of_grid
-from cases.sweep.grid import Grid, axis
-from cases.sweep.rows import Asked, Row
-from cases.sweep.study import study
 from quickreturn import sweeping
+from quickreturn.cases.jobs.here import ThisProcess
+from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.library import library_case
+from quickreturn.cases.runs.request import FAILED, SETTLED
+from quickreturn.cases.sweep import grid as of_grid
+from quickreturn.cases.sweep.grid import Grid, axis
+from quickreturn.cases.sweep.rows import Asked, Row
+from quickreturn.cases.sweep.study import study
 from tests.quickreturn.program import PROGRAM
 
 ASKED = Asked(measures=("peak.tip_acceleration", "multiplier"), claims=False)

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cases.case_file import load_case
-from cases.errors import CaseError
-from cases.recorded import RecordedTable, table_of
-from cases.uncertainty.calibration import calibrate
-from cases.uncertainty.covariance import covariance, smooth_part, untold
-from engines.accurate import run_once
-from engines.registry import engine
-from engines.start import standard_start
-from reference_model.mechanism import changed
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.recorded import RecordedTable, table_of
+from quickreturn.cases.uncertainty.calibration import calibrate
+from quickreturn.cases.uncertainty.covariance import covariance, smooth_part, untold
+from quickreturn.engines.accurate import run_once
+from quickreturn.engines.registry import engine
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import changed
 
 Array = NDArray[np.float64]
 
@@ -122,8 +122,8 @@ def test_parameters_that_do_the_same_are_not_told_apart() -> None:
 
 @pytest.mark.verify
 def test_the_steady_state_is_fitted_at_equal_crank_angles() -> None:
-    from cases.runs.marching import whole_cycles
-    from engines.own.reference import ReferenceEngine
+    from quickreturn.cases.runs.marching import whole_cycles
+    from quickreturn.engines.own.reference import ReferenceEngine
 
     true = changed(CASE.mechanism, {"follower.bending_stiffness": 1.03 * STIFFNESS})
     reference = ReferenceEngine()

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from cases.copies import as_written
-from cases.errors import CaseError
-from cases.reading import case_of
-from cases.uncertainty.parameters import Parameter, distribution, overrides
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.copies import as_written
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.reading import case_of
+from quickreturn.cases.uncertainty.parameters import Parameter, distribution, overrides
 
 CASE = load_case("thesis-24")
 MASS = Parameter.of_key("slider.mass", "test")

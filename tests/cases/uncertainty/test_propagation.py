@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from cases.case_file import load_case
-from cases.errors import CaseError
-from cases.library.thesis import RUNS
-from cases.sweep.rows import Asked
-from cases.uncertainty.propagation import Points, Scatter, planned, quantiles
-from cases.uncertainty.thesis import MEASURES, UNPRINTED, band
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.library.thesis import RUNS
+from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.uncertainty.propagation import Points, Scatter, planned, quantiles
+from quickreturn.cases.uncertainty.thesis import MEASURES, UNPRINTED, band
 
 ASKED = Asked(measures=("peak.strain_2",), claims=False)
 UNCERTAIN = {"slider.mass": "uniform 1 kg .. 3 kg", "tip.center_of_mass": "uniform 0 in .. 0.5 in"}

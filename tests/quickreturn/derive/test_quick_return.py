@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from quickreturn.derive import Model, natural_frequencies
 from quickreturn.derive.units import in_si
-from reference_model.mechanism import Mechanism
-from reference_model.model import BeamModel
-from reference_model.motion.layout import state_size
-from reference_model.shapes import hermite_elements, vibrating
-from reference_model.thesis.model import ThesisModel
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.layout import state_size
+from quickreturn.reference_model.shapes import hermite_elements, vibrating
+from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24
 from tests.quickreturn.derive.descriptions import described
 from tests.reference_model.beam_states import EVERYTHING, rates

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cases.data import read_toml
+from quickreturn.cases.data import read_toml
 from quickreturn.derive import Model
 from tests.quickreturn.derive.descriptions import described
 from tests.verification.literature.rotating_cantilever import frequencies, time_unit

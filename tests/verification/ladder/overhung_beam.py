@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 
-from reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 

@@ -13,19 +13,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.exudyn.settings import ExudynSettings
-from engines.mujoco.settings import ChainSettings
-from engines.own.fixed_shapes import FixedShapesSettings
-from engines.own.multiplier import MultiplierSettings
-from engines.own.nodal_load import NodalLoadSettings
-from engines.own.reference import ReferenceSettings
-from engines.own.stiff_spring import StiffSpringSettings
-from engines.own.thesis import ThesisSettings
-from engines.registry import engine
-from engines.settings import Settings
-from engines.start import Start, standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Follower, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
+from quickreturn.engines.own.multiplier import MultiplierSettings
+from quickreturn.engines.own.nodal_load import NodalLoadSettings
+from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringSettings
+from quickreturn.engines.own.thesis import ThesisSettings
+from quickreturn.engines.registry import engine
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Follower, Mechanism, PrescribedSpeed, Slider, TorqueDrive
 from tests.verification.ladder.overhung_beam import Mode, Sag, cubic_frequencies, cubic_sag, natural_modes, sag
 from tests.verification.ladder.rigid_loop import RigidLoop, rigid_loop
 from tests.verification.row import Row, smoothed

@@ -21,17 +21,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
-from engines.exudyn.settings import ExudynSettings
-from engines.mujoco.settings import ChainSettings
-from engines.own.fixed_shapes import FixedShapesSettings
-from engines.own.multiplier import MultiplierSettings
-from engines.own.reference import ReferenceSettings
-from engines.own.simulation import OwnSimulation
-from engines.registry import engine
-from engines.settings import Settings
-from engines.start import Start, standard_start
-from engines.start_state import StartState, reconstruct
-from reference_model.mechanism import Mechanism, Tip, TorqueDrive
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
+from quickreturn.engines.own.multiplier import MultiplierSettings
+from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.registry import engine
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.start_state import StartState, reconstruct
+from quickreturn.reference_model.mechanism import Mechanism, Tip, TorqueDrive
 from tests.verification.row import Row, smoothed
 
 Array = NDArray[np.float64]

@@ -19,15 +19,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.case_file import load_case
-from engines.exudyn.settings import ExudynSettings
-from engines.mujoco.settings import ChainSettings
-from engines.own.reference import ReferenceSettings
-from engines.registry import engine
-from engines.settings import Settings
-from engines.start import standard_start
-from engines.trajectory import Trajectory
-from reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.cases.case_file import load_case
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.registry import engine
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from tests.verification.row import Row, smoothed
 
 Array = NDArray[np.float64]

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from cases.case_file import load_case
-from cases.data import read_toml
-from engines.accurate import Result
-from engines.registry import engine
-from engines.scene import simulate_scene
-from reference_model.mechanism import FollowerAlone, SpinUp
-from reference_model.spin_up import base_motion
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.data import read_toml
+from quickreturn.engines.accurate import Result
+from quickreturn.engines.registry import engine
+from quickreturn.engines.scene import simulate_scene
+from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp
+from quickreturn.reference_model.spin_up import base_motion
 from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection, time_unit
 from tests.verification.row import Row
 

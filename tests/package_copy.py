@@ -1,0 +1,16 @@
+"""A copy of a part of the package, laid out as it installs."""
+
+import shutil
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def copied_package(folder: Path, *inner: str) -> Path:
+    """The folder `quickreturn`, made inside `folder`: the public package's `__init__.py`, and the inner packages that are named."""
+    package = folder / "quickreturn"
+    package.mkdir(parents=True)
+    shutil.copy(ROOT / "quickreturn/__init__.py", package)
+    for name in inner:
+        shutil.copytree(ROOT / name, package / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return package
