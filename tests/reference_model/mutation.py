@@ -182,7 +182,7 @@ def _statements(name: str) -> tuple[str, ...]:
     text = inspect.getsource(sys.modules[name])
     lines, found = text.splitlines(), []
     for statement in ast.parse(text).body:
-        if not (isinstance(statement, ast.ImportFrom) and (statement.module or "").startswith("reference_model")):
+        if not (isinstance(statement, ast.ImportFrom) and (statement.module or "").startswith("quickreturn.reference_model")):
             first = min([statement.lineno, *(each.lineno for each in getattr(statement, "decorator_list", ()))]) - 1
             found.append("\n" * first + "\n".join(lines[first : statement.end_lineno]))
     return tuple(found)

@@ -11,14 +11,12 @@ import pytest
 
 from tests.package_copy import copied_package
 
-ROOT = Path(__file__).parents[2]
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
 
 #: Compiles, calls and keeps a small function; then tells where, and what there is to say.
 CODE = """
 import os
 from pathlib import Path
-from tests.package_copy import copied_package
 from quickreturn.reference_model import machine_code
 from quickreturn.reference_model.small import double
 assert double(4.0) == 8.0

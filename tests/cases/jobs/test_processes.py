@@ -147,7 +147,7 @@ def test_brief_jobs_share_a_process_until_one_breaks_it() -> None:
 
 def test_each_brief_job_has_its_own_output_progress_and_limits() -> None:
     seen: list[tuple[str, str]] = []
-    loud = "print('loud'), __import__('quickreturn.engines.progress').progress.tell(engine='fake', phase='marching')"
+    loud = "print('loud'), __import__('quickreturn.engines.progress', fromlist=['tell']).tell(engine='fake', phase='marching')"
     jobs = [brief("loud", loud), brief("greedy", f"len(bytearray({2 * GIB}))", limits=Limits(memory=GIB)), brief("quiet", "7")]
     jobs.insert(1, brief("frugal", "len(bytearray(1000))", limits=Limits(memory=GIB)))
     outcomes = LocalProcesses(1, Limits(), PRELOAD).run(jobs, lambda job, progress: seen.append((job.name, str(progress))))
