@@ -41,7 +41,7 @@ def for_other_tools(case: Case, given: str) -> str:
     follower, tip = mechanism.follower, mechanism.tip_body
     thick = follower.thickness > 0.0 and not follower.is_rigid
     template = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=False).from_string(
-        (files("reports") / "templates" / "other_tools.jinja").read_text("utf-8")
+        (files("quickreturn.reports") / "templates" / "other_tools.jinja").read_text("utf-8")
     )
     text = template.render(
         case=case,

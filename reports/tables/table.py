@@ -18,7 +18,7 @@ from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, 
 Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed", "model"]
 
-CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("reports") / "templates" / "captions.toml").read_text("utf-8"))
+CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("quickreturn.reports") / "templates" / "captions.toml").read_text("utf-8"))
 #: Units of the page that are not those of the CSV file -> its unit, value in the page / value in the file.
 SHOWN: Final = {
     "%": ("1", 100.0),

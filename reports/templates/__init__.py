@@ -14,7 +14,7 @@ WORDS: Final = (
 
 def environment(escaped: bool = True) -> Environment:
     """The templates; with `escaped` everything put in is text and nothing else to a browser."""
-    loader = PackageLoader("reports")
+    loader = PackageLoader("quickreturn.reports")
     made = Environment(loader=loader, autoescape=escaped, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     made.globals |= {name: getattr(words, name) for name in WORDS}
     return made
