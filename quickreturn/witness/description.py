@@ -102,7 +102,9 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     system.load("tool", end, tool)
     system.damper("crank bearing", q1, p.crank_damping)
     system.damper("pivot", q2, p.base_damping)
-    system.load("friction of the pivot", q2, -p.pivot_friction * ca.tanh(system.rate(q2) / p.pivot_friction_rate))
+    # friction as a damper, so that its work counts as lost: tanh(u)/u, where a rate of zero leaves 1
+    u = ca.sqrt((system.rate(q2) / p.pivot_friction_rate) ** 2 + 1e-24)
+    system.damper("friction of the pivot", q2, p.pivot_friction / p.pivot_friction_rate * ca.tanh(u) / u)
     torque = p.torque
     if prescribed:
         torque = system.loop("drive", q1 - p.start_angle - p.speed * system.time, "rad", gives=[q1])
