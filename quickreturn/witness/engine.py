@@ -68,9 +68,11 @@ class DerivedEngine(Engine[DerivedSettings]):
     quantities = (*USUAL, "slider.inertia", *SPRING, "base.friction_torque", "follower.material_damping")
 
     def version(self) -> str:
+        """CasADi's."""
         return f"casadi {installed('casadi') or 'not installed'}"
 
     def unavailable(self) -> str | None:
+        """What is missing, and how to install it."""
         return None if find_spec("casadi") else "CasADi is not installed; pip install 'quickreturn[derive]'"
 
     def check(self, mechanism: Mechanism) -> None:
@@ -82,6 +84,7 @@ class DerivedEngine(Engine[DerivedSettings]):
             refusals.of_massless_parts(self.name, mechanism, " with a joint that gives way, which leaves the follower to itself")
 
     def describe(self, mechanism: Mechanism, settings: DerivedSettings) -> ModelDescription:
+        """Bodies and joints that have terms in the equations."""
         self.check(mechanism)
         slider, rigid = mechanism.slider, mechanism.slider.is_rigid
         compliant = f"slider beside the centre line (compliant joint, {slider.joint_stiffness:g} N/m, {slider.joint_damping:g} N*s/m)"
@@ -89,10 +92,11 @@ class DerivedEngine(Engine[DerivedSettings]):
         return description(mechanism, beam, ELIMINATED_SLIDER if rigid else compliant, settings.modes + (not rigid))
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> DerivedSettings:
+        """The ladder's rung."""
         return LADDER.pick(accuracy)
 
     def comparisons(self, settings: DerivedSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """A run with more modes and a tolerance fit for them, and one with still more: the same numbers of modes as `reference` compares."""
+        """A run with more modes and one with still more, as many as `reference` compares."""
         more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         if more > MOST_MODES:
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
@@ -102,9 +106,11 @@ class DerivedEngine(Engine[DerivedSettings]):
         return (Comparison(settings, finer, ratio, further),)
 
     def finer(self, settings: DerivedSettings, excess: tuple[float, ...], output_step: float) -> DerivedSettings | None:
+        """The next rung."""
         return LADDER.finer(settings, excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: DerivedSettings) -> "DerivedSimulation":
+        """See `Engine.prepare`."""
         self.check(mechanism)
         began = time.perf_counter()
         return DerivedSimulation(mechanism, start, settings, began)
@@ -146,6 +152,7 @@ class DerivedSimulation(Simulation):
         return model(self.shapes.placed.tables, self.settings.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
+        """See `Simulation.advance`."""
         from quickreturn.witness.recovery import columns
 
         began, equations = time.perf_counter(), self.model()
