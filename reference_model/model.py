@@ -17,18 +17,7 @@ from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from quickreturn.reference_model.motion.address import Placed
 from quickreturn.reference_model.motion.equations import evaluate, kernel, observe_states
-from quickreturn.reference_model.motion.layout import (
-    EXTRAS,
-    FOOT_1,
-    FOOT_2,
-    GAP_RATE,
-    PARAMETERS_TYPE,
-    S_RATE,
-    WORKSPACE_TYPE,
-    Parameters,
-    state_size,
-    workspace,
-)
+from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.natural_modes import clamped_modes
@@ -121,12 +110,10 @@ class BeamModel:
     def with_fewer_shapes(self, count: int) -> "BeamModel":
         """The model with the first shapes alone, on the same points: columns of the same tables."""
         p, t = self.parameters, self.parameters.tables
-        places = t.cells * t.S
-        extras = t.kinds * p.n * places
-        of_points = np.arange(extras).reshape(t.kinds, p.n, places)[:, :count].ravel()
-        of_shapes = extras + (np.arange(EXTRAS)[:, None] * p.n + np.arange(count)).ravel()
-        kept = np.concatenate([of_points, of_shapes, extras + EXTRAS * p.n + np.arange(t.cells)])
-        tables = t._replace(coefficients=beam.padded_to_lines(t.coefficients[:, :, kept]))
+        row = ShapeRow.of(t.coefficients, p.n, t)
+        kept = [*(part[..., :count, :] for part in row[:3]), *(part[..., :count] for part in row[3:-1]), row.length]
+        blocks = [part.reshape(*t.coefficients.shape[:2], -1) for part in kept]
+        tables = t._replace(coefficients=beam.padded_to_lines(np.concatenate(blocks, axis=-1)))
         fewer = p._replace(n=count, speeds=p.speeds - p.n + count, tables=tables)
 
         def shapes(s: float, x: Array) -> tuple[Array, Array]:
@@ -193,14 +180,14 @@ class BeamModel:
             """The projected shape differs a little from the given one, and so does the place that closes its loop."""
             y[m] = place
             self.can_move(y)
-            return float(np.hypot(f[FOOT_1], f[FOOT_2])) - math.hypot(v1, v2)
+            return float(np.hypot(f.foot_1, f.foot_2)) - math.hypot(v1, v2)
 
         y[m] = brentq(excess, 0.98 * s, min(1.02 * s, p.tables.high), xtol=1e-15)
         if not self.closes_loop:
             self.can_move(y)
-            y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f[FOOT_2], f[FOOT_1]), 0.0
+            y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot_2, f.foot_1), 0.0
             self.can_move(y)
-            y[m + 2 + n] = -f[GAP_RATE] / self.workspace.row_of_gap[n + 1]
+            y[m + 2 + n] = -f.gap_rate / self.workspace.row_of_gap[n + 1]
         return y
 
     def can_move(self, y: Array) -> bool:
@@ -258,7 +245,7 @@ class BeamModel:
         self.can_move(y)
         psi, psi_s = self._shapes(s, x)
         angle = psi @ y[1 : n + 1]
-        rate = psi @ y[m + 2 : m + 2 + n] + psi_s @ y[1 : n + 1] * self.workspace.facts[S_RATE]
+        rate = psi @ y[m + 2 : m + 2 + n] + psi_s @ y[1 : n + 1] * self.workspace.facts.s_rate
         slope, slope_rate = np.sin(angle), np.cos(angle) * rate
         # cubic through the slopes, integrated: exact to the fourth power of the spacing
         place = CubicHermiteSpline(x, slope, np.gradient(slope, x)).antiderivative()(x)
@@ -278,11 +265,9 @@ class BeamModel:
         return np.asarray(np.abs(np.real(np.sqrt(-self._frozen_squares(crank_angle).astype(complex)))), dtype=np.float64)
 
     def mass_matrix(self) -> Array:
-        """Of the state evaluated last, for all free speeds, from the factor that it was replaced by."""
-        factor = self.workspace.reduced[self.parameters.first :, self.parameters.first :]
-        D = 1.0 / np.diag(factor)
-        lower = np.tril(factor, -1) / D + np.eye(len(D))
-        return np.asarray((lower * D) @ lower.T)
+        """Of the state evaluated last, for all free speeds."""
+        lower = self.workspace.M[self.parameters.first :, self.parameters.first :]
+        return np.tril(lower) + np.tril(lower, -1).T
 
     def _frozen_squares(self, crank_angle: float) -> NDArray[np.complex128]:
         """Squares of the angular frequencies."""
@@ -291,8 +276,7 @@ class BeamModel:
         self.can_move(self.straight_state(crank_angle, 0.0))
         mass = self.mass_matrix()[1 - p.first :, 1 - p.first :]
         stiffness = np.zeros_like(mass)
-        first = p.tables.kinds * p.n * p.tables.cells * p.tables.S
-        stiffness[: p.n, : p.n] = np.diag(w.row[first : first + p.n])
+        stiffness[: p.n, : p.n] = np.diag(w.squares)
         if not self.closes_loop:
             row, spread = w.row_of_gap[1:], w.spread[1:]
             if p.treatment == ROLLERS:

@@ -40,12 +40,12 @@ Matrix = NDArray[np.float64]
 Cube = NDArray[np.float64]
 
 
-def tuple_type(named_tuple: Any, **nested: types.NamedTuple) -> types.NamedTuple:
+def tuple_type(named_tuple: Any, **nested: types.Type) -> types.NamedTuple:
     """The compiled type of a `NamedTuple` class.
 
     Args:
         named_tuple: members are annotated, as text, with names of `MEMBERS`.
-        nested: types of members that are tuples themselves, by the member's name.
+        nested: types of members that are tuples or records themselves, by the member's name.
     """
     annotations = {name: getattr(text, "__forward_arg__", text) for name, text in named_tuple.__annotations__.items()}
     return types.NamedTuple([nested.get(name) or MEMBERS[annotations[name]] for name in named_tuple._fields], named_tuple)

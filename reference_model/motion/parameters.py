@@ -43,6 +43,6 @@ def parameters(
         stabilization=treatment.stabilization,
         bending_damping=treatment.bending_damping + scene.follower.material_damping if shapes else 0.0,
         reach=reach,
-        knows_frequency=1 if tables.kinds == 3 and kind == ELIMINATED else 0,
+        knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,
         tables=tables,
     )

@@ -11,7 +11,6 @@ import pytest
 from quickreturn.reference_model.joint import Rollers
 from quickreturn.reference_model.mechanism import Slider
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.motion.layout import COS_Q2, MISSED, Q2_RATE, SIN_Q2
 from quickreturn.reference_model.thesis.frequencies import shape_frequencies
 from quickreturn.reference_model.treatment import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
 from tests.engines.scenes import run_24
@@ -90,7 +89,7 @@ def closed_state(model: BeamModel) -> Array:
     y[1 : n + 1], y[n + 3 : 2 * n + 3] = 0.004 / np.arange(1, n + 1) ** 2, -0.3 / np.arange(1, n + 1) ** 2
     for _ in range(60):  # what is missed falls fivefold each time at least
         assert model.can_move(y)
-        y[n + 1] += float(model.workspace.facts[MISSED])
+        y[n + 1] += float(model.workspace.facts.missed)
     return y
 
 
@@ -106,8 +105,8 @@ def test_without_a_gap_a_force_moves_the_follower_as_elimination_does(shapes: st
     n, y = closed.shapes, closed_state(closed)
     expected, f = rates(closed, y), closed.workspace.facts
     z = opened.straight_state(2.0, 16.0)
-    z[: n + 1], z[n + 1], z[n + 2] = y[: n + 1], math.pi + math.atan2(-f[SIN_Q2], -f[COS_Q2]), y[n + 1]
-    z[n + 3 : 2 * n + 4], z[2 * n + 4] = y[n + 2 : 2 * n + 3], f[Q2_RATE]
+    z[: n + 1], z[n + 1], z[n + 2] = y[: n + 1], math.pi + math.atan2(-f.sin_q2, -f.cos_q2), y[n + 1]
+    z[n + 3 : 2 * n + 4], z[2 * n + 4] = y[n + 2 : 2 * n + 3], f.q2_rate
     found = rates(opened, z)
     # rounding, times the condition of the matrix
     np.testing.assert_allclose(found[n + 3 : 2 * n + 4], expected[n + 2 : 2 * n + 3], rtol=0.0, atol=1e-11 * np.max(np.abs(expected)))
