@@ -180,12 +180,12 @@ class BeamModel:
             """The projected shape differs a little from the given one, and so does the place that closes its loop."""
             y[m] = place
             self.can_move(y)
-            return float(np.hypot(f.foot_1, f.foot_2)) - math.hypot(v1, v2)
+            return abs(f.foot) - math.hypot(v1, v2)
 
         y[m] = brentq(excess, 0.98 * s, min(1.02 * s, p.tables.high), xtol=1e-15)
         if not self.closes_loop:
             self.can_move(y)
-            y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot_2, f.foot_1), 0.0
+            y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot.imag, f.foot.real), 0.0
             self.can_move(y)
             y[m + 2 + n] = -f.gap_rate / self.workspace.row_of_gap[n + 1]
         return y

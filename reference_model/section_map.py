@@ -160,7 +160,7 @@ class SectionMap:
             y[p.speeds] = s
             if not self.model.can_move(y):
                 return False
-            excess = math.hypot(facts.foot_1, facts.foot_2) - distance
+            excess = float(abs(facts.foot)) - distance
             if abs(excess) < 1e-15 * p.L:
                 return True
             if i > 0 and s != last_s:

@@ -30,12 +30,14 @@ MEMBERS: Final[dict[str, Any]] = {
     "int": types.int64,
     "bool": types.boolean,
     "Vector": types.Array(types.float64, 1, "C"),
+    "ComplexVector": types.Array(types.complex128, 1, "C"),
     "Matrix": types.Array(types.float64, 2, "C"),
     "Cube": types.Array(types.float64, 3, "C"),
 }
 
 #: Arrays by their number of dimensions, C-contiguous: the names that `MEMBERS` knows.
 Vector = NDArray[np.float64]
+ComplexVector = NDArray[np.complex128]
 Matrix = NDArray[np.float64]
 Cube = NDArray[np.float64]
 

@@ -79,7 +79,7 @@ def _turn_base(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     """The base's prescribed motion in place of the loop (equation 11.3)."""
     f = w.facts
     angle, f.q2_rate, f.q2_bias = base_motion(p.base_speed, p.base_time, y[0])
-    f.cos_q2, f.sin_q2, f.along, f.across = math.cos(angle), math.sin(angle), 0.0, 0.0
+    f.frame, f.arm = complex(math.cos(angle), math.sin(angle)), 0j
     f.s_rate = f.s_bias = f.missed = 0.0
     bias_of_places(p, t, w, y)
 
@@ -192,7 +192,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
         return 1
     moment = moment_about_pivot(p, t, w)
     f = w.facts
-    f.at_slider, f.normal, f.tangential, f.slider_moment, f.torque = at, 0.0, 0.0, 0.0, moment
+    f.at_slider, f.normal, f.slider_force, f.slider_moment, f.torque = at, 0.0, 0j, 0.0, moment
     speed = f.q2_rate
     if p.treatment != BASE:
         slider_force(p, t, w, moment)

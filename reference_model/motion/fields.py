@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.compilation import inlined, stage
 from quickreturn.reference_model.motion.lanes import load, plus, spread, store
 from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
+from quickreturn.reference_model.motion.plane import point
 
 Array = NDArray[np.float64]
 
@@ -134,4 +135,5 @@ def place(p: Parameters, t: Tables, w: Workspace, y: Array, s: float) -> int:
             share = plus(spread(0.0), w.length[cell], load(t.weights, j))
             store(w.dx, cell * t.cell_size + j, share)
             store(w.dx, N + cell * t.cell_size + j, share)
+    w.facts.tip_arm = p.tip_offset * point(w.e, t.tip, N)
     return slider_cell * t.cell_size + t.gauss_points

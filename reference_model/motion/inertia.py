@@ -19,6 +19,7 @@ from quickreturn.reference_model.motion.layout import (
     Tables,
     Workspace,
 )
+from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.tip_force import share as share_of_force
 from quickreturn.reference_model.treatment import ELIMINATED, ROLLERS
 
@@ -44,9 +45,7 @@ def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: Array) -> Non
 def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
     """Rows of V: partial velocities of the beam's points and of all bodies for every speed (equations 4.1 and 4.2)."""
     n, N = p.n, t.points
-    end = t.tip
-    ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
-    bodies = 2 * N
+    end, bodies, arm = t.tip, 2 * N, w.facts.tip_arm
     for k in range(p.speeds):
         c, sigma = w.c[k], w.sigma[k]
         row = w.V[k]
@@ -60,8 +59,8 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
         if 0 < k <= n:
             tip += w.shape[k - 1, end]
             slider += w.shape[k - 1, at]
-        w.V[k, bodies + TIP_1] = w.V[k, end] - es * tip
-        w.V[k, bodies + TIP_2] = w.V[k, N + end] + ec * tip
+        w.V[k, bodies + TIP_1] = w.V[k, end] - arm.imag * tip
+        w.V[k, bodies + TIP_2] = w.V[k, N + end] + arm.real * tip
         w.V[k, bodies + TIP_TURN] = tip
         w.V[k, bodies + BASE_TURN] = c
         w.V[k, bodies + SLIDER_TURN] = slider
@@ -72,22 +71,19 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
 def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     """Accelerations of points and bodies when no speed changes, less gravity (4.3 and 4.4); the force on the tip (4.9)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
-    g1 = f.cos_q2 * p.gravity_1 + f.sin_q2 * p.gravity_2
-    g2 = -f.sin_q2 * p.gravity_1 + f.cos_q2 * p.gravity_2
+    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y[0], p.force_begin, p.force_span, p.force_ramp)
+    f.tip_force = acting * f.frame.conjugate() * complex(p.force_1, p.force_2)
+    f.gravity = f.frame.conjugate() * complex(p.gravity_1, p.gravity_2)
+    g1, g2 = f.gravity.real, f.gravity.imag
     q2_0, s_0 = f.q2_bias, f.s_bias if t.moves else 0.0
     for j in range(N):
         w.bias[j] = w.A[j] + s_0 * w.Y[j] - q2_0 * w.z[N + j] - g1
     for j in range(N):
         w.bias[N + j] = w.A[N + j] + s_0 * w.Y[N + j] + q2_0 * w.z[j] - g2
-    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y[0], p.force_begin, p.force_span, p.force_ramp)
-    f.tip_force_1 = acting * (f.cos_q2 * p.force_1 + f.sin_q2 * p.force_2)
-    f.tip_force_2 = acting * (f.cos_q2 * p.force_2 - f.sin_q2 * p.force_1)
-    end = t.tip
-    ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
-    turn_0, square = q2_0 + w.gamma[end] + w.psi_s[end] * s_0, w.turn[end] ** 2
-    bodies = 2 * N
-    w.bias[bodies + TIP_1] = w.bias[end] - es * turn_0 - ec * square
-    w.bias[bodies + TIP_2] = w.bias[N + end] + ec * turn_0 - es * square
+    end, bodies = t.tip, 2 * N
+    turn_0 = q2_0 + w.gamma[end] + w.psi_s[end] * s_0
+    centre = point(w.bias, end, N) + (1j * turn_0 - w.turn[end] ** 2) * f.tip_arm
+    w.bias[bodies + TIP_1], w.bias[bodies + TIP_2] = centre.real, centre.imag
     w.bias[bodies + TIP_TURN] = turn_0
     w.bias[bodies + BASE_TURN] = q2_0
     slider = q2_0 + f.angle_by_s * f.s_bias
@@ -120,8 +116,8 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
             moment += w.dx[j] * (p.beam_damping * w.z[j] * w.relative[N + j] - along * w.z[N + j] * w.relative[j])
     moment -= pivot_torque(p, w)
     end = t.tip
-    w.force[end] -= f.tip_force_1
-    w.force[N + end] -= f.tip_force_2
+    w.force[end] -= f.tip_force.real
+    w.force[N + end] -= f.tip_force.imag
     hardening = 0.0
     for i in range(n):
         hardening += 0.5 * w.squares_s[i] * y[1 + i] ** 2
@@ -194,9 +190,7 @@ def _bending_force(t: Tables, w: Workspace, k: int, n: int) -> float:
 @inlined
 def crank_weight(p: Parameters, w: Workspace) -> float:
     """Moment of gravity on the crank about O, N m."""
-    f = w.facts
-    weight = f.along * (-f.sin_q2 * p.gravity_1 + f.cos_q2 * p.gravity_2)
-    return p.crank_moment * (weight - f.across * (f.cos_q2 * p.gravity_1 + f.sin_q2 * p.gravity_2))
+    return p.crank_moment * cross(w.facts.arm, w.facts.gravity)
 
 
 @inlined
@@ -263,23 +257,20 @@ def moment_about_pivot(p: Parameters, t: Tables, w: Workspace) -> float:
     moment = p.base_inertia * w.a[bodies + BASE_TURN] + pivot_torque(p, w) + p.tip_inertia * w.a[bodies + TIP_TURN]
     for j in range(N):
         moment += w.mass[j] * (w.z[j] * w.a[N + j] - w.z[N + j] * w.a[j])
-    arm_1, arm_2 = w.z[end] + p.tip_offset * w.e[end], w.z[N + end] + p.tip_offset * w.e[N + end]
-    moment -= w.z[end] * f.tip_force_2 - w.z[N + end] * f.tip_force_1
-    return moment + p.tip_mass * (arm_1 * w.a[bodies + TIP_2] - arm_2 * w.a[bodies + TIP_1])
+    tip, acceleration = point(w.z, end, N), complex(w.a[bodies + TIP_1], w.a[bodies + TIP_2])
+    return moment - cross(tip, f.tip_force) + p.tip_mass * cross(tip + f.tip_arm, acceleration)
 
 
 @stage
 def power_of_tool(p: Parameters, t: Tables, w: Workspace) -> float:
     """Power of the force on the tip, W (equation 4.9)."""
     N, f = t.points, w.facts
-    end = t.tip
-    v1, v2 = w.relative[end] - f.q2_rate * w.z[N + end], w.relative[N + end] + f.q2_rate * w.z[end]
-    return f.tip_force_1 * v1 + f.tip_force_2 * v2
+    return dot(f.tip_force, point(w.relative, t.tip, N) + 1j * f.q2_rate * point(w.z, t.tip, N))
 
 
 @stage
 def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
-    """Normal and tangential force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
+    """Force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
     f = w.facts
     f.slider_moment = -p.slider_inertia * w.a[2 * t.points + SLIDER_TURN] / (1.0 - f.gap * f.curvature)
     f.tangential = -f.slider_moment * f.curvature
@@ -288,8 +279,8 @@ def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
     f.slider_moment -= f.gap * rubbing
     f.normal = f.force
     if p.treatment == ELIMINATED:
-        t1, t2, Z1, Z2 = f.tangent_1, f.tangent_2, f.foot_1, f.foot_2
-        f.normal = (moment - f.slider_moment - f.tangential * (Z1 * t2 - Z2 * t1)) / (Z1 * t1 + Z2 * t2)
+        f.normal = (moment - f.slider_moment - f.tangential * cross(f.foot, f.tangent)) / dot(f.foot, f.tangent)
+    f.slider_force = (1j * f.normal + f.tangential) * f.tangent
 
 
 @stage
@@ -297,8 +288,5 @@ def drive_torque(p: Parameters, w: Workspace) -> float:
     """Torque of the drive, N m: given, or what a prescribed speed takes (equation 5.7)."""
     if p.first == 0:
         return p.torque
-    f = w.facts
-    t1, t2 = f.tangent_1, f.tangent_2
-    F1, F2 = -f.normal * t2 + f.tangential * t1, f.normal * t1 + f.tangential * t2
-    # the crank tip moves along LA (-across, along); it carries the opposite force; the slider's moment turns with the follower
-    return p.LA * (-f.across * F1 + f.along * F2) - crank_weight(p, w)
+    # the crank tip carries the opposite of the slider's force; the slider's moment turns with the follower
+    return p.LA * cross(w.facts.arm, w.facts.slider_force) - crank_weight(p, w)

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numba
 import numpy as np
 
-from quickreturn.reference_model.motion.address import Cube, Matrix, Vector, on_lines, reader, tuple_type
+from quickreturn.reference_model.motion.address import ComplexVector, Cube, Matrix, Vector, on_lines, reader, tuple_type
 
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations; two more make the rows' length a multiple
 #: of four.
@@ -20,43 +20,40 @@ BODIES: Final = 8
 
 
 class Facts(np.record):
-    """Quantities of one state. `_1` and `_2`: along and across the follower's base tangent; bias: with all speeds held."""
+    """Quantities of one state. Vectors are in frame B; bias is what is left of an acceleration with all speeds held."""
 
-    cos_q2: float
-    sin_q2: float
+    frame: complex  # exp(i q2), which turns from frame B to frame N
     q2_rate: float
     q2_bias: float
     s_rate: float  # of the slider's place along the follower
     s_bias: float
-    along: float  # direction of the crank arm
-    across: float
-    tangent_1: float  # of the line that the slider rides on
-    tangent_2: float
+    arm: complex  # direction of the crank
+    tangent: complex  # of the line that the slider rides on
     curvature: float  # 1/m, at the slider
     angle_by_s: float  # change of the tangent's angle at the slider with s, amplitudes held, 1/m
-    foot_1: float  # m, place of the slider on the follower
-    foot_2: float
-    foot_by_s_1: float  # change of the foot with s, along and across the tangent
-    foot_by_s_2: float
-    along_by_q2: float  # m, right sides of the loop's rates for the speed of q2, along and across the tangent
-    across_by_q2: float
+    foot: complex  # m, place of the slider on the follower
+    foot_by_s: complex  # b_1 + i b_2, change of the foot with s, along and across the tangent
+    closing_by_q2: complex  # m, right sides of the loop's rates for the speed of q2, along and across the tangent
     missed: float  # m, how far s is from where the loop closes
     gap: float  # m, from the foot to the crank tip along the normal
     gap_rate: float
     gap_bias: float
     excess: float  # m, by which the loop is not closed
-    tip_force_1: float  # N, prescribed
-    tip_force_2: float
+    tip_arm: complex  # m, from x = L to the tip's centre of mass
+    gravity: complex  # m/s^2
+    tip_force: complex  # N, prescribed
     at_slider: int  # the slider's place among the points
     force: float  # N, of the slider along the normal where the loop is open
     friction: float  # N, opposes the slider's way along the follower
-    normal: float  # N, the slider's force on the follower
-    tangential: float  # N
+    normal: float  # N, parts of the slider's force on the follower
+    tangential: float
+    slider_force: complex  # N, on the follower
     slider_moment: float  # N m, on the follower
     torque: float  # N m, of the drive, or the base's where its motion is prescribed
 
 
-FACTS: Final = np.dtype((Facts, [(name, np.int64 if kind == "int" else np.float64) for name, kind in Facts.__annotations__.items()]))
+_KINDS: Final = {"int": np.int64, "float": np.float64, "complex": np.complex128}
+FACTS: Final = np.dtype((Facts, [(name, _KINDS[kind]) for name, kind in Facts.__annotations__.items()]))
 
 
 class ShapeRow(NamedTuple):
@@ -194,7 +191,9 @@ class Workspace(NamedTuple):
     a: Vector  # (M,) acceleration less gravity in frame B
     force: Vector  # (M,)
     weighted: Vector  # (M,) a row of V times the masses
-    foot: Matrix  # (3, m) right sides of the loop's rates along and across the tangent, and the tangent's turning, per speed, s held
+    foot_rate: ComplexVector  # (m,) partial velocities of the foot relative to frame B, s held
+    tangent_rate: Vector  # (m,) partial angular rates of the tangent there, likewise
+    closing: ComplexVector  # (m,) right sides of the loop's rates per speed, along and across the tangent
     c: Vector  # (m,) partial rates of q2
     sigma: Vector  # (m,) partial rates of s
     row_of_gap: Vector  # (m,) partial rates of the gap
@@ -234,16 +233,16 @@ def workspace(p: Parameters) -> Workspace:
         ("e z Y integrand relative dx A load load_moment inboard_force inboard_moment", (2 * N,)),
         ("recovered_angle recovered_e recovered_place", (2 * N,)),
         ("mass bias a force weighted", (M,)),
-        ("c sigma row_of_gap spread Q response acceleration", (m,)),
+        ("tangent_rate c sigma row_of_gap spread Q response acceleration", (m,)),
         ("U", (n, 2 * N)),
         ("V", (m, M)),
-        ("foot", (3, m)),
         ("M factor", (m, m)),
         ("slider", (2,)),
     )
     fields = {name: on_lines(size) for names, size in sizes for name in names.split()}
+    complexes = {name: np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}
     facts = np.zeros(1, FACTS)[0]
-    return Workspace(row=row, **ShapeRow.of(row, n, p.tables)._asdict(), **fields, facts=facts)
+    return Workspace(row=row, **ShapeRow.of(row, n, p.tables)._asdict(), **fields, **complexes, facts=facts)
 
 
 def state_size(p: Parameters) -> int:

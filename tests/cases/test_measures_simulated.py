@@ -60,7 +60,7 @@ def base_angles(model: BeamModel, states: Array) -> Array:
     angles, facts = np.empty(len(states)), model.workspace.facts
     for row, state in enumerate(states):
         assert model.can_move(state)
-        angles[row] = np.pi + np.arctan2(-facts.sin_q2, -facts.cos_q2)
+        angles[row] = np.pi + np.angle(-facts.frame)
     return angles
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED
-from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe
+from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane
 from quickreturn.reference_model.motion.layout import workspace
 from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.shapes import hermite_elements, no_shapes
@@ -67,7 +67,7 @@ LANES: Mapping[str, Callable[..., Any]] = {
     "total": lambda four: float(np.sum(four)),
 }
 SOURCE = Source(
-    modules=(fields, loop, inertia, observe, equations),
+    modules=(plane, fields, loop, inertia, observe, equations),
     no_equations=frozenset({"_factor", "_substitute", "kernel", "evaluate", "observe_states"}),
     stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "cache", "parameters_at", "workspace_at"), plain)
     | {"numbers_at": lambda array, size: array}

@@ -124,7 +124,7 @@ def test_partial_rates_and_biases_of_the_loop(name: str) -> None:
     here, tolerance = state(name), CASES[name].tolerance
     here.rate()
     f, w, o = here.model.workspace.facts, here.model.workspace, here.expected
-    turned = math.remainder(math.atan2(f.sin_q2, f.cos_q2) - o.configuration.q2, 2.0 * math.pi)
+    turned = math.remainder(float(np.angle(f.frame)) - o.configuration.q2, 2.0 * math.pi)
     assert abs(turned) < tolerance
     close(w.c, o.partial_q2, tolerance)
     close(w.sigma, o.partial_s, tolerance)

@@ -105,7 +105,7 @@ def test_without_a_gap_a_force_moves_the_follower_as_elimination_does(shapes: st
     n, y = closed.shapes, closed_state(closed)
     expected, f = rates(closed, y), closed.workspace.facts
     z = opened.straight_state(2.0, 16.0)
-    z[: n + 1], z[n + 1], z[n + 2] = y[: n + 1], math.pi + math.atan2(-f.sin_q2, -f.cos_q2), y[n + 1]
+    z[: n + 1], z[n + 1], z[n + 2] = y[: n + 1], math.pi + float(np.angle(-f.frame)), y[n + 1]
     z[n + 3 : 2 * n + 4], z[2 * n + 4] = y[n + 2 : 2 * n + 3], f.q2_rate
     found = rates(opened, z)
     # rounding, times the condition of the matrix
