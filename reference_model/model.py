@@ -13,10 +13,11 @@ from scipy.optimize import brentq
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
 from quickreturn.reference_model.constants import characteristic_frequency
+from quickreturn.reference_model.first_start import kernel
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
+from quickreturn.reference_model.machine.pointers import Placed
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from quickreturn.reference_model.motion.address import Placed
-from quickreturn.reference_model.motion.equations import evaluate, kernel, observe_states
+from quickreturn.reference_model.motion.equations import evaluate, observe_states
 from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.motion.parameters import parameters

@@ -13,10 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import compiled
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
+from quickreturn.reference_model.machine.compilation import compiled
+from quickreturn.reference_model.machine.pointers import call_equations
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.motion.address import call_equations
 
 Array = NDArray[np.float64]
 

@@ -15,9 +15,8 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.beside import helped
-from quickreturn.reference_model.compilation import KERNEL, compiled, inlined, stage
-from quickreturn.reference_model.motion.address import call_equations, numbers_at
+from quickreturn.reference_model.machine.compilation import KERNEL, compiled, inlined, stage
+from quickreturn.reference_model.machine.pointers import call_equations, numbers_at
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
     assemble,
@@ -204,8 +203,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
 @cache
 def kernel() -> int:
     """Address of the equations of motion, compiled or loaded from the disk at the first call."""
-    with helped():
-        compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
+    compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
     return int(compiled_kernel.address)
 
 

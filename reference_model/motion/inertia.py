@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model import joint
-from quickreturn.reference_model.compilation import inlined, stage
-from quickreturn.reference_model.motion.lanes import load, plus, plus_product, spread, store, total
+from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.machine.simd import load, plus, plus_product, spread, store, total
 from quickreturn.reference_model.motion.layout import (
     BASE_TURN,
     CRANK_TURN,

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numba
 import numpy as np
 
-from quickreturn.reference_model.motion.address import ComplexVector, Cube, Matrix, Vector, on_lines, reader, tuple_type
+from quickreturn.reference_model.machine.pointers import ComplexVector, Cube, Matrix, Vector, on_lines, reader, tuple_type
 
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations; two more make the rows' length a multiple
 #: of four.

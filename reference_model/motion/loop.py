@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.machine.simd import load, plus, spread, store
 from quickreturn.reference_model.motion.fields import combine, cumulate
-from quickreturn.reference_model.motion.lanes import load, plus, spread, store
 from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
 from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.treatment import CHORDS, ELIMINATED, LEVER

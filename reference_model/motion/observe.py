@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model import columns as c
-from quickreturn.reference_model.compilation import inlined, stage
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
+from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.machine.simd import load, plus_product, spread, total
 from quickreturn.reference_model.motion.fields import cumulate, directions
-from quickreturn.reference_model.motion.lanes import load, plus_product, spread, total
 from quickreturn.reference_model.motion.layout import TIP_1, TIP_2, TIP_TURN, Parameters, Tables, Workspace
 from quickreturn.reference_model.motion.loop import joint_power
 from quickreturn.reference_model.motion.plane import cross, dot, point

@@ -8,8 +8,8 @@ import numpy as np
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants
+from quickreturn.reference_model.machine.pointers import Cube, Matrix, Vector, reader, tuple_type
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from quickreturn.reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
 from quickreturn.reference_model.rigid import deflection_scale
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, Tables, build_tables

@@ -18,7 +18,7 @@ from numba.extending import infer_getattr, lower_getattr_generic, models, regist
 from numba.np.arrayobj import make_array, populate_array
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import compiled
+from quickreturn.reference_model.machine.compilation import compiled
 
 Array = NDArray[np.float64]
 
