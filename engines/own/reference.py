@@ -173,7 +173,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         from quickreturn.engines.own.simulation import OwnSimulation
         from quickreturn.reference_model.model import BeamModel
         from quickreturn.reference_model.periodic import MARCHED, PATIENT, NoPeriodicOrbit, periodic_orbit
-        from quickreturn.reference_model.section_map import turn_to
+        from quickreturn.reference_model.poincare import turn_to
 
         begin = self.prepare(mechanism, start, settings)
         model = begin.model

@@ -98,13 +98,13 @@ def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None
 def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     """Mass matrix (lower triangle) and generalised forces Q for the speeds (equations 4.5 to 4.7)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
-    bodies, lanes = 2 * N, len(w.mass)
+    bodies, size = 2 * N, len(w.mass)
     for j in range(2 * N):
         w.mass[j] = p.rhoA * w.dx[j]
     w.mass[bodies + TIP_1] = w.mass[bodies + TIP_2] = p.tip_mass
     w.mass[bodies + TIP_TURN], w.mass[bodies + BASE_TURN] = p.tip_inertia, p.base_inertia
     w.mass[bodies + SLIDER_TURN], w.mass[bodies + CRANK_TURN] = p.slider_inertia, p.crank_inertia
-    for j in range(lanes):
+    for j in range(size):
         w.force[j] = w.mass[j] * w.bias[j]
     moment = 0.0
     if p.beam_damping > 0.0:
@@ -124,15 +124,15 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     if p.bending_damping > 0.0:
         _damp_bending(p, t, w)
     for k in range(m):
-        w.Q[k] = moment * w.c[k] - hardening * w.sigma[k] - _dot(w.V[k], w.force, lanes)
+        w.Q[k] = moment * w.c[k] - hardening * w.sigma[k] - _dot(w.V[k], w.force, size)
         if 0 < k <= n:
             w.Q[k] -= w.squares[k - 1] * y[k]
         if p.bending_damping > 0.0:
             w.Q[k] -= _bending_force(t, w, k, n)
-        for j in range(lanes):
+        for j in range(size):
             w.weighted[j] = w.mass[j] * w.V[k, j]
         for i in range(k + 1):
-            w.M[k, i] = _dot(w.weighted, w.V[i], lanes)
+            w.M[k, i] = _dot(w.weighted, w.V[i], size)
     w.Q[0] += p.torque - p.crank_damping * y[m + 1] + crank_weight(p, w)
 
 

@@ -85,7 +85,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     EI = 0.0 if follower.is_rigid else follower.bending_stiffness
     places = follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)
     return Parameters(
-        **known,
+        **{name: value for name, value in known.items() if name in Parameters._fields},
         crank_is_free=isinstance(scene, Mechanism) and scene.crank_is_free,
         EI=EI,
         has_gravity=scene.has_gravity,

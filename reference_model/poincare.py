@@ -66,7 +66,7 @@ class Passage:
     sizes: Array
 
 
-class SectionMap:
+class PoincareMap:
     """The map of a model's cycle for its free quantities, the "point".
 
     Args:
