@@ -1,4 +1,4 @@
-"""The explicit model of one scene: shapes, treatment of the slider, equations, integration and observables under one roof."""
+"""The explicit model of one scene: shapes, slider constraint, equations, integration and observables under one roof."""
 
 import math
 from collections.abc import Callable
@@ -24,7 +24,7 @@ from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
 from quickreturn.reference_model.shapes import ShapeSet, no_shapes, vibrating
-from quickreturn.reference_model.treatment import BASE, CLOSED, ELIMINATED, ROLLERS, Treatment
+from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
 
 Array = NDArray[np.float64]
 #: Place of the slider and arc lengths (k,) to tangent angles of the shapes and their derivatives by that place, each (k, n).
@@ -40,7 +40,7 @@ class ObservationFailed(RuntimeError):
 
 
 class BeamModel:
-    """One beam in the angle of its tangent, with given shapes and a treatment of the slider; made by the class's three methods.
+    """One beam in the angle of its tangent, with given shapes and a slider constraint; made by the class's three methods.
 
     Args:
         scene: the mechanism, or the follower alone.
@@ -65,17 +65,17 @@ class BeamModel:
         self._at = Placed(constants, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
     @classmethod
-    def following(cls, mechanism: Mechanism, modes: int, treatment: Treatment = CLOSED) -> "BeamModel":
+    def following(cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED) -> "BeamModel":
         """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower."""
         if mechanism.follower.is_rigid:
-            return cls.staying(mechanism, no_shapes(mechanism.follower.length), treatment)
+            return cls.staying(mechanism, no_shapes(mechanism.follower.length), constraint)
         (tables, reach), family, seconds = beam.following(mechanism, modes)
-        constants = parameters(mechanism, modes, tables, reach, treatment)
+        constants = parameters(mechanism, modes, tables, reach, constraint)
         return cls(mechanism, constants, family.angles, _amplitude(mechanism, deflection_scale(mechanism)), seconds)
 
     @classmethod
     def staying(
-        cls, mechanism: Mechanism, shapes: ShapeSet, treatment: Treatment = CLOSED, *, transverse_damping: bool = False
+        cls, mechanism: Mechanism, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
     ) -> "BeamModel":
         """Shapes that stay where they are: slopes of clamped-free modes, or of cubic elements.
 
@@ -87,7 +87,7 @@ class BeamModel:
         own, squares = vibrating(shapes, mechanism.follower.mass_per_length, mechanism.follower.bending_stiffness)
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
         tables, reach = (beam.elements if of_elements else beam.staying)(mechanism, own, squares)
-        constants = parameters(mechanism, own.count, tables, reach, treatment, transverse_damping=transverse_damping)
+        constants = parameters(mechanism, own.count, tables, reach, constraint, transverse_damping=transverse_damping)
         return cls(
             mechanism, constants, partial(_unmoved, partial(own.evaluate, derivative=1)), _amplitude(mechanism, deflection_scale(mechanism))
         )
@@ -131,7 +131,7 @@ class BeamModel:
     @property
     def closes_loop(self) -> bool:
         """Whether the follower's angle is no coordinate: the slider is on the centre line by construction."""
-        return self.parameters.treatment == ELIMINATED
+        return self.parameters.constraint == ELIMINATED
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -209,7 +209,7 @@ class BeamModel:
         slider and of a radian for the follower's angle, a tenth of a radian for the crank and a tenth of its speed.
         """
         p, frequency = self.parameters, characteristic_frequency(self.parameters)
-        base = [] if self.closes_loop or p.treatment == BASE else [0.01]
+        base = [] if self.closes_loop or p.constraint == BASE else [0.01]
         # the place on a straight follower is known from the crank's angle, the state only follows it
         at_rest = [0.1, *[self._size] * p.n, *base, 0.01 * p.L if p.n or base else p.L]
         rates = [0.1 * max(abs(crank_speed), 1.0), *[self._size * frequency] * p.n, *[0.01 * frequency] * len(base)]
@@ -234,7 +234,7 @@ class BeamModel:
         if rows < len(states):
             raise ObservationFailed(rows)
         found = dict(zip((*OBSERVED, *JOINT_COLUMNS), np.ascontiguousarray(out.T), strict=True))
-        if self.parameters.treatment == BASE:
+        if self.parameters.constraint == BASE:
             return of_follower_alone(found)
         return {name: found[name] for name in OBSERVED} if self.closes_loop else found
 
@@ -280,7 +280,7 @@ class BeamModel:
         stiffness[: p.n, : p.n] = np.diag(w.squares)
         if not self.closes_loop:
             row, spread = w.row_of_gap[1:], w.spread[1:]
-            if p.treatment == ROLLERS:
+            if p.constraint == ROLLERS:
                 closed = p.plus + p.minus if p.plus_from < 0.0 else p.plus  # as `Slider.closed_stiffness` has it
                 stiffness += closed * np.outer(row, row)
             else:

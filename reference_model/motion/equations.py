@@ -1,4 +1,4 @@
-"""The equations of motion: treatments of the slider, solution, and the one compiled kernel (DERIVATION.md, section 5).
+"""The equations of motion: slider constraints, solution, and the one compiled kernel (DERIVATION.md, section 5).
 
 State vector (equation 5.8): the coordinates q1, eta (n) and with an open loop q2; the slider's arc length s; the speeds in the same
 order; dissipated energy, work of the drive, and with an open loop the work that the slider's force does on crank and follower together.
@@ -35,7 +35,7 @@ from quickreturn.reference_model.motion.inertia import (
 from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace, parameters_at, workspace_at
 from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, move_loop, share_force
 from quickreturn.reference_model.motion.observe import base_motion, observe
-from quickreturn.reference_model.treatment import BASE, ELIMINATED, ROLLERS
+from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
         The slider's place among the points; -1 where the state cannot be: outside the tables, bent too far, or a singular loop.
     """
     s = y[p.speeds]
-    if p.n == 0 and p.treatment == ELIMINATED:  # of a straight follower the place is known exactly
+    if p.n == 0 and p.constraint == ELIMINATED:  # of a straight follower the place is known exactly
         s = math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
     if not (t.low <= s <= t.high and abs(y[0]) < 1e9):
         return -1
@@ -59,7 +59,7 @@ def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
     at = place(p, t, w, y, s)
     if at < 0:
         return -1
-    if p.treatment == BASE:
+    if p.constraint == BASE:
         _turn_base(p, t, w, y)
     elif move_loop(p, t, w, y, at):
         bias_of_loop(p, t, w, y, at)
@@ -92,7 +92,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
     f.friction = 0.0
     for k in range(m):
         w.acceleration[k] = w.Q[k] if k >= first else 0.0
-    if p.treatment in (ELIMINATED, BASE):
+    if p.constraint in (ELIMINATED, BASE):
         _substitute(w.factor, w.acceleration, first, m)
         return True
     share_force(p, t, w, at)
@@ -106,7 +106,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
     free = f.gap_bias
     for k in range(first, m):
         free += w.row_of_gap[k] * w.acceleration[k]
-    if p.treatment == ROLLERS:
+    if p.constraint == ROLLERS:
         rollers = joint_force(f.gap, f.gap_rate, p.plus, p.minus, p.plus_from, p.minus_from, p.contact_loss, p.joint_damping)
         asked = rollers + p.joint_inertia * free
     else:
@@ -120,7 +120,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
     for k in range(first, m):
         compliance += w.row_of_gap[k] * w.response[k]
     # a force on the nodes may lose its hold on the gap, or friction jam; where force and motion are conjugate this is a sum of squares
-    hold = 1.0 + p.joint_inertia * compliance if p.treatment == ROLLERS else compliance
+    hold = 1.0 + p.joint_inertia * compliance if p.constraint == ROLLERS else compliance
     if not hold > 0.0:
         return False
     f.force = asked / hold
@@ -193,7 +193,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
     f = w.facts
     f.at_slider, f.normal, f.slider_force, f.slider_moment, f.torque = at, 0.0, 0j, 0.0, moment
     speed = f.q2_rate
-    if p.treatment != BASE:
+    if p.constraint != BASE:
         slider_force(p, t, w, moment)
         f.torque, speed = drive_torque(p, w), y[m + 1]
     out[2 * m + 2] = f.torque * speed + power_of_tool(p, t, w)

@@ -20,8 +20,8 @@ from quickreturn.reference_model.motion.layout import (
     Workspace,
 )
 from quickreturn.reference_model.motion.plane import cross, dot, point
+from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
 from quickreturn.reference_model.tip_force import share as share_of_force
-from quickreturn.reference_model.treatment import ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
 
@@ -229,7 +229,7 @@ def dissipation(p: Parameters, t: Tables, w: Workspace, y: Array) -> float:
         for j in range(N):
             power += p.EI * p.bending_damping * w.dx[j] * w.curvature_rate[j] ** 2
     power += w.facts.friction * w.facts.s_rate
-    if p.treatment == ROLLERS:
+    if p.constraint == ROLLERS:
         power += _loss_of_rollers(p, w.facts.gap, w.facts.gap_rate)
     return power
 
@@ -278,7 +278,7 @@ def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
     f.tangential += rubbing
     f.slider_moment -= f.gap * rubbing
     f.normal = f.force
-    if p.treatment == ELIMINATED:
+    if p.constraint == ELIMINATED:
         f.normal = (moment - f.slider_moment - f.tangential * cross(f.foot, f.tangent)) / dot(f.foot, f.tangent)
     f.slider_force = (1j * f.normal + f.tangential) * f.tangent
 

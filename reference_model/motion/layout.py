@@ -107,7 +107,7 @@ class Tables(NamedTuple):
 class Parameters(NamedTuple):
     """Constants of the equations, SI. m = speeds: the crank's, n amplitudes', and where the loop is open the base angle's."""
 
-    treatment: int
+    constraint: int
     n: int  # shapes
     speeds: int  # m
     first: int  # first free speed: 1 where the crank's is prescribed

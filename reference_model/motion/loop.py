@@ -10,7 +10,7 @@ from quickreturn.reference_model.machine.simd import load, plus, spread, store
 from quickreturn.reference_model.motion.fields import combine, cumulate
 from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
 from quickreturn.reference_model.motion.plane import cross, dot, point
-from quickreturn.reference_model.treatment import CHORDS, ELIMINATED, LEVER
+from quickreturn.reference_model.slider_constraint import CHORDS, ELIMINATED, LEVER
 
 Array = NDArray[np.float64]
 
@@ -64,13 +64,13 @@ def _on_chord(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
 def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> bool:
     """Gap and partial rates sigma of s, of the gap and c of q2; then the rates themselves (equations 3.1 to 3.6)."""
     n, m, f = p.n, p.speeds, w.facts
-    if p.treatment == CHORDS:
+    if p.constraint == CHORDS:
         _on_chord(p, t, w, at)
     else:
         _on_line(p, t, w, y, at)
     crank = p.LA * complex(math.cos(y[0]), math.sin(y[0]))
     tip = crank - p.d
-    if p.treatment == ELIMINATED:
+    if p.constraint == ELIMINATED:
         distance, reach = math.sqrt(dot(tip, tip)), math.sqrt(dot(f.foot, f.foot))
         f.frame = tip * f.foot.conjugate() / (distance * reach)
         f.gap, f.missed = 0.0, distance - reach
@@ -86,7 +86,7 @@ def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> bool
     w.closing[0] = 1j * p.LA * f.tangent.conjugate() * f.arm
     for k in range(1, n + 1):
         w.closing[k] = f.gap * w.tangent_rate[k] - f.tangent.conjugate() * w.foot_rate[k]
-    if p.treatment == ELIMINATED:
+    if p.constraint == ELIMINATED:
         # q2 and s are what leaves no gap
         determinant = cross(f.closing_by_q2, f.foot_by_s)
         if not abs(determinant) > 1e-6 * p.L:
@@ -118,7 +118,7 @@ def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> N
     n, m, f = p.n, p.speeds, w.facts
     s_rate = f.s_rate
     bias_of_places(p, t, w, y)
-    if p.treatment == CHORDS:
+    if p.constraint == CHORDS:
         turn, turn_bias, foot_bias = _bias_of_chord(p, t, w, y, at)
     else:
         turn, turn_bias = w.turn[at] + f.curvature * s_rate, 0.0
@@ -127,7 +127,7 @@ def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> N
             turn_bias += 2.0 * w.angle_at_slider_s[i] * s_rate * y[m + 2 + i] + w.angle_at_slider_ss[i] * s_rate**2 * y[1 + i]
     away = foot_bias + p.LA * y[m + 1] ** 2 * f.arm
     closing = 2.0 * f.gap_rate * turn + f.gap * turn_bias + 1j * f.gap * turn**2 - f.tangent.conjugate() * away
-    if p.treatment == ELIMINATED:
+    if p.constraint == ELIMINATED:
         determinant = cross(f.closing_by_q2, f.foot_by_s)
         f.s_bias = cross(f.closing_by_q2, closing) / determinant
         f.q2_bias, f.gap_bias = cross(f.foot_by_s, closing) / determinant, 0.0
@@ -182,7 +182,7 @@ def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) ->
 def share_force(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
     """To `spread`: what a unit of the slider's force, sign reversed, does for every speed (equation 4.8)."""
     N, f = t.points, w.facts
-    if p.treatment != LEVER:
+    if p.constraint != LEVER:
         for k in range(p.speeds):
             w.spread[k] = w.row_of_gap[k]
         return

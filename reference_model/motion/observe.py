@@ -18,8 +18,8 @@ from quickreturn.reference_model.motion.fields import cumulate, directions
 from quickreturn.reference_model.motion.layout import TIP_1, TIP_2, TIP_TURN, Parameters, Tables, Workspace
 from quickreturn.reference_model.motion.loop import joint_power
 from quickreturn.reference_model.motion.plane import cross, dot, point
+from quickreturn.reference_model.slider_constraint import BASE
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
-from quickreturn.reference_model.treatment import BASE
 
 Array = NDArray[np.float64]
 
@@ -117,7 +117,7 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
     about_pivot = cross(tip + f.tip_arm, of_body) - p.tip_inertia * w.a[bodies + TIP_TURN] + w.inboard_moment[end] + cross(tip, f.tip_force)
     for j in range(N):
         w.moment[j] = about_pivot - w.inboard_moment[j] - cross(point(w.z, j, N), outboard - point(w.inboard_force, j, N))
-    if p.treatment != BASE:
+    if p.constraint != BASE:
         # at the slider itself the moment jumps by the slider's; the outboard side is shown
         for j in range(at if f.slider_moment != 0.0 else at + 1):
             w.moment[j] += cross(point(w.z, at, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
@@ -146,7 +146,7 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
     for gauge in range(3):
         o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
     frame, ds = f.frame, 0.0
-    if p.treatment == BASE:
+    if p.constraint == BASE:
         o[c.FOLLOWER_ANGLE] = base_motion(p.base_speed, p.base_time, y[0])[0]
     else:
         # the crank tip is beside the line, by the gap along its normal

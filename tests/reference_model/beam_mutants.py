@@ -17,7 +17,7 @@ from quickreturn.reference_model.motion import equations, fields, inertia, loop,
 from quickreturn.reference_model.motion.layout import workspace
 from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.shapes import hermite_elements, no_shapes
-from quickreturn.reference_model.treatment import BASE, CHORDS, ELIMINATED
+from quickreturn.reference_model.slider_constraint import BASE, CHORDS, ELIMINATED
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_states import (
     ALONE,

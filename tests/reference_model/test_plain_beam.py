@@ -1,6 +1,6 @@
 """Loop, mass matrix, forces and observables of the one beam at random states against differences of places (`plain_beam`).
 
-Every family of shapes, every treatment of the slider, free and prescribed crank, and the follower alone. Differences of order eight leave
+Every family of shapes, every slider constraint, free and prescribed crank, and the follower alone. Differences of order eight leave
 1e-11 to 1e-9. Shapes that follow stand in tables of 400 intervals, those of elements are exact. The tables of clamped-free modes are
 those in use, cubic on 12 intervals a mode: they leave 1e-8 of two modes and 1e-7 of three.
 """
@@ -17,7 +17,7 @@ import pytest
 from quickreturn.reference_model.columns import BENDING
 from quickreturn.reference_model.motion.equations import evaluate, kernel
 from quickreturn.reference_model.shapes import hermite_elements
-from quickreturn.reference_model.treatment import BASE, LEVER, ROLLERS
+from quickreturn.reference_model.slider_constraint import BASE, LEVER, ROLLERS
 from tests.reference_model.beam_states import (
     ALONE,
     APART,
@@ -253,7 +253,7 @@ def test_the_cases_hold_what_they_are_there_for() -> None:
     pressed = set()
     for name in ("plus roller", "minus roller", "both rollers", "neither roller"):
         here = state(f"following, rubbing, {name}")
-        gap, rollers = here.expected.configuration.gap, here.beam.treatment.rollers
+        gap, rollers = here.expected.configuration.gap, here.beam.constraint.rollers
         pressed.add((gap > rollers.plus_from, -gap > rollers.minus_from))
         assert 0.1 < abs(here.expected.s_rate) / RUBBING.slider.friction_speed < 1.2  # neither stuck nor as good as constant
     assert len(pressed) == 4
