@@ -6,7 +6,7 @@ Fields over the points lie in rows, complex ones as their N real parts followed 
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numba
 import numpy as np
@@ -19,7 +19,7 @@ TIP_1, TIP_2, TIP_TURN, BASE_TURN, SLIDER_TURN, CRANK_TURN = range(6)
 BODIES: Final = 8
 
 
-class Facts(np.record):
+class Facts:
     """Quantities of one state. Vectors are in frame B; bias is what is left of an acceleration with all speeds held."""
 
     frame: complex  # exp(i q2), which turns from frame B to frame N
@@ -53,7 +53,7 @@ class Facts(np.record):
 
 
 _KINDS: Final = {"int": np.int64, "float": np.float64, "complex": np.complex128}
-FACTS: Final = np.dtype((Facts, [(name, _KINDS[kind]) for name, kind in Facts.__annotations__.items()]))
+FACTS: Final = np.dtype((np.record, [(name, _KINDS[kind]) for name, kind in Facts.__annotations__.items()]))
 
 
 class ShapeRow(NamedTuple):
@@ -239,10 +239,10 @@ def workspace(p: Parameters) -> Workspace:
         ("M factor", (m, m)),
         ("slider", (2,)),
     )
-    fields = {name: on_lines(size) for names, size in sizes for name in names.split()}
-    complexes = {name: np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}
+    fields: dict[str, Any] = {name: on_lines(size) for names, size in sizes for name in names.split()}
+    fields |= {name: np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}
     facts = np.zeros(1, FACTS)[0]
-    return Workspace(row=row, **ShapeRow.of(row, n, p.tables)._asdict(), **fields, **complexes, facts=facts)
+    return Workspace(row=row, **ShapeRow.of(row, n, p.tables)._asdict(), **fields, facts=facts)
 
 
 def state_size(p: Parameters) -> int:
