@@ -6,6 +6,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 TEST := $(VENV)/.test
 VERIFY := $(VENV)/.verify
+DOCS := $(VENV)/.docs
 PARALLEL ?= 2
 # Folders that install as quickreturn.NAME; for the type checker links lay them out as they install.
 INNER := reference_model engines cases reports
@@ -14,7 +15,7 @@ TYPED := build/typed/quickreturn
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test verify record lint compile clean
+.PHONY: report test verify record lint docs compile clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
@@ -40,13 +41,18 @@ lint: $(TEST)
 	mkdir -p $(TYPED) && ln -sfn $(addprefix $(CURDIR)/,$(wildcard quickreturn/*) $(INNER)) $(TYPED)
 	$(BIN)/mypy $(TYPED) tests/verification
 
+# The documentation site, without a network: build/site/index.html. Each warning, lost link or unknown name is an error.
+docs: $(DOCS)
+	$(BIN)/sphinx-build --quiet --builder html --conf-dir docs/site --doctree-dir build/doctrees --fail-on-warning --keep-going --nitpicky . build/site
+
 compile: $(TEST)
 	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name) for name in ("thesis", "reference", "mujoco")]'
 
 $(READY): EXTRA :=
 $(TEST): EXTRA := [test]
 $(VERIFY): EXTRA := [verify]
-$(READY) $(TEST) $(VERIFY): pyproject.toml setup.py constraints.txt
+$(DOCS): EXTRA := [docs]
+$(READY) $(TEST) $(VERIFY) $(DOCS): pyproject.toml setup.py constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.$(EXTRA)'
 	touch $@

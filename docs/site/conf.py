@@ -14,7 +14,7 @@ author = "The quickreturn developers"
 copyright = "2026, the quickreturn developers"
 version = release = installed_version("quickreturn")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "formulas", "front_page"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "formulas", "front_page"]
 root_doc = "README"
 include_patterns = [
     "README.md",
@@ -45,8 +45,13 @@ autodoc_preserve_defaults = True
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 88
 add_module_names = False
-# What other packages and the internals of this one define is named in signatures, and not explained here.
 nitpicky = True
+# Signatures name types of other packages, and internals of this one that have no entry on the API page: neither is a broken reference.
+nitpick_ignore_regex = [
+    ("py:.*", r"(casadi|collections|matplotlib|numpy|os|pandas|pathlib|pd|types|xarray|xr)\..*"),
+    ("py:.*", r"quickreturn\.(cases|catalogue|derive|engines|reference_model)\..*"),
+    ("py:.*", "(About|AnyEngine|AnyEngineOrTable|Document|Limits|Workshop)"),
+]
 
 html_theme = "furo"
 html_title = f"quickreturn {release}"
