@@ -6,7 +6,6 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 TEST := $(VENV)/.test
 VERIFY := $(VENV)/.verify
-DOCS := $(VENV)/.docs
 PARALLEL ?= 2
 # Folders that install as quickreturn.NAME; for the type checker links lay them out as they install.
 INNER := reference_model engines cases reports
@@ -23,7 +22,7 @@ report: $(READY)
 # What two processes would compile side by side is compiled before, while the type checker is at work: each keeps one core busy. A file's
 # tests stay in one process, for what they share is made once. The longest files come first.
 test: $(TEST)
-	$(MAKE) --jobs $(PARALLEL) lint compile
+	$(MAKE) --jobs $(PARALLEL) lint compile docs
 	$(BIN)/pytest -n $(PARALLEL) --dist loadfile --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
@@ -42,7 +41,7 @@ lint: $(TEST)
 	$(BIN)/mypy $(TYPED) tests/verification
 
 # The documentation site, without a network: build/site/index.html. Each warning, lost link or unknown name is an error.
-docs: $(DOCS)
+docs: $(TEST)
 	$(BIN)/sphinx-build --quiet --builder html --conf-dir docs/site --doctree-dir build/doctrees --fail-on-warning --keep-going --nitpicky . build/site
 
 compile: $(TEST)
@@ -51,8 +50,7 @@ compile: $(TEST)
 $(READY): EXTRA :=
 $(TEST): EXTRA := [test]
 $(VERIFY): EXTRA := [verify]
-$(DOCS): EXTRA := [docs]
-$(READY) $(TEST) $(VERIFY) $(DOCS): pyproject.toml setup.py constraints.txt
+$(READY) $(TEST) $(VERIFY): pyproject.toml setup.py constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.$(EXTRA)'
 	touch $@

@@ -1,6 +1,6 @@
-"""Formulas as MathML, which browsers typeset themselves: no script, no network, and text that can be copied.
+r"""Formulas as MathML, which browsers typeset themselves: no script, no network, and text that can be copied.
 
-The numbers of equations (`\\tag{5.12}`) become labels of their own, which links can name: `#equation-5.12`.
+The numbers of equations (`\tag{5.12}`) become labels of their own, which links can name: `#equation-5.12`.
 """
 
 import re
