@@ -36,6 +36,7 @@ myst_url_schemes = ["http", "https"]
 
 # Docstrings: sections Args, Raises, Attributes; `name` in single backticks is code.
 default_role = "code"
+smartquotes = False  # examples are copied from docstrings
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
