@@ -17,20 +17,26 @@ from sphinx.writers.html5 import HTML5Translator
 #: STIX Two Math, which comes with ziamath (SIL Open Font License): many machines have no font for formulas.
 FONT = Path(ziamath.__file__).parent / "fonts/STIXTwoMath-Regular.ttf"
 TAG = re.compile(r"\\tag\{([^}]*)\}")
+#: Primes with a power behind them, outside of `\text`.
+PRIMES = re.compile(r"\\text\{[^}]*\}|('+)(?:\^(\{[^}]*\}|\\[A-Za-z]+|.))?")
 #: What the converter does not know -> what says the same.
-REWRITTEN = (
-    (re.compile(r"('+)\^(\{[^}]*\}|.)"), lambda found: "^{" + r"\prime" * len(found[1]) + " " + found[2] + "}"),
-    (re.compile(r"\\arg\b"), lambda found: r"\operatorname{arg}"),
-)
+SAME = (("{aligned}", "{align*}"), (r"\arg", r"\operatorname{arg}"))
+#: What it leaves where it does not know a command, an environment or the end of a row.
+LEFT = re.compile(r"\\[A-Za-z]+|<mi>&</mi>|linebreak")
+
+
+def one_superscript(found: re.Match[str]) -> str:
+    """`''^2` as one superscript, which the converter refuses or nests."""
+    return "^{" + r"\prime " * len(found[1]) + (found[2] or "") + "}" if found[1] else found[0]
 
 
 def mathml(formula: str, display: str) -> str:
-    """A formula of LaTeX as an element `math`; ValueError: it has a command that the converter does not know."""
-    for pattern, say in REWRITTEN:
-        formula = pattern.sub(say, formula)
-    found = convert(formula, display=display)
-    if unknown := re.findall(r"\\[A-Za-z]+", found):
-        raise ValueError(f"no MathML for {', '.join(sorted(set(unknown)))} in {formula!r}")
+    """A formula of LaTeX as an element `math`; ValueError: the converter does not know all of it."""
+    for ours, known in SAME:
+        formula = formula.replace(ours, known)
+    found = convert(PRIMES.sub(one_superscript, formula), display=display)
+    if left := LEFT.findall(found):
+        raise ValueError(f"no MathML for {', '.join(sorted(set(left)))} in {formula!r}")
     return found
 
 
