@@ -14,7 +14,7 @@ TYPED := build/typed/quickreturn
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test verify record lint compile clean
+.PHONY: report test verify record lint docs compile clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
@@ -22,7 +22,7 @@ report: $(READY)
 # What two processes would compile side by side is compiled before, while the type checker is at work: each keeps one core busy. A file's
 # tests stay in one process, for what they share is made once. The longest files come first.
 test: $(TEST)
-	$(MAKE) --jobs $(PARALLEL) lint compile
+	$(MAKE) --jobs $(PARALLEL) lint compile docs
 	$(BIN)/pytest -n $(PARALLEL) --dist loadfile --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
@@ -39,6 +39,10 @@ lint: $(TEST)
 	$(BIN)/ruff format --check .
 	mkdir -p $(TYPED) && ln -sfn $(addprefix $(CURDIR)/,$(wildcard quickreturn/*) $(INNER)) $(TYPED)
 	$(BIN)/mypy $(TYPED) tests/verification
+
+# The documentation site, without a network: build/site/index.html. Each warning, lost link or unknown name is an error.
+docs: $(TEST)
+	$(BIN)/sphinx-build --quiet --builder html --conf-dir docs/site --doctree-dir build/doctrees --fail-on-warning --keep-going --nitpicky . build/site
 
 compile: $(TEST)
 	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name) for name in ("thesis", "reference", "mujoco")]'

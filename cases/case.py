@@ -28,7 +28,7 @@ class Case(Shown):
         tags: groups that the case belongs to, e.g. "thesis".
         scene: the mechanism, or a follower alone.
         duration: s, a whole multiple of `output_step`.
-        output_step: s.
+        output_step: s, the time between two rows of a result.
         notes: what a reader of results must know, e.g. which published value was replaced and why, or which value is hardly meant.
         source: the file's path, or "library".
         document: the values as they were written, with their units; None of a case that was made from numbers.

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.document import OVERRIDE, Document, document_of, header_of, in_words
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.errors import CaseError, together
 from quickreturn.cases.errors import as_written as value_as_written
 from quickreturn.cases.reading import case_of
 
@@ -58,8 +58,11 @@ def told_as_overrides(overrides: Any) -> Iterator[None]:
     try:
         yield
     except CaseError as wrong:
-        source = "overrides" if wrong.source == OVERRIDE else wrong.source
-        raise CaseError(source, wrong.key, wrong.value, wrong.problem, wrong.accepted) from None
+        mistakes = [
+            CaseError("overrides" if each.source == OVERRIDE else each.source, each.key, each.value, each.problem, each.accepted)
+            for each in (wrong, *wrong.further)
+        ]
+        raise together(mistakes) from None
 
 
 def as_written(case: Case) -> Document:

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from quickreturn.cases.broken_toml import broken_toml
 from quickreturn.cases.case import HEADER, PATHS, SECTIONS, Case, dimension_of, shown_value
-from quickreturn.cases.errors import CaseError, as_written, nearest_or_all, shortened
+from quickreturn.cases.errors import CaseError, as_written, attempted, nearest_or_all, shortened, together
 from quickreturn.reference_model.scene_values import replaced_by
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
@@ -30,6 +30,7 @@ class Document:
     header: Mapping[str, Any]  # name, title and tags as read
     values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI of a case that was no text
     overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> raw value that `--set` gave, latest last
+    mistakes: tuple[CaseError, ...] = ()  # of sections and keys that the values therefore lack
 
     def at(self, path: str) -> Any:
         """The value at a dotted key, or at one of the header; None where there is none."""
@@ -71,11 +72,16 @@ class Document:
             CaseError: a key that cannot be set, or a value of the wrong kind.
         """
         values: dict[str, Any] = dict.fromkeys(replaced_by(texts))
+        mistakes: list[CaseError] = []
         for path, text in texts.items():
-            if path in HEADER:
-                raise CaseError(OVERRIDE, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque")
             values[path] = _value_of(text) if isinstance(text, str) else list(text) if isinstance(text, tuple) else text
-            _check(OVERRIDE, path, values[path])
+            if path in HEADER:
+                problem = "cannot be set", "only quantities can, such as crank.torque"
+                mistakes.append(CaseError(OVERRIDE, path, as_written(text), *problem))
+            else:
+                attempted(mistakes, _check, OVERRIDE, path, values[path])
+        if mistakes:
+            raise together([*self.mistakes, *mistakes])
         earlier = {path: value for path, value in self.overridden.items() if path not in values}
         return replace(self.changed(values), overridden=earlier | {path: values[path] for path in texts})
 
@@ -86,10 +92,12 @@ def document_of(case: Case) -> Document:
 
 
 def read_document(text: str, source: str) -> Document:
-    """Parse TOML and check that it holds only known sections and keys of the right TOML types.
+    """Parse TOML, and keep the known sections and keys whose values have the right TOML types.
+
+    An unknown or misplaced key, or a value that is no string, becomes one of the document's mistakes.
 
     Raises:
-        CaseError: broken TOML, an unknown or misplaced key, a value that is no string.
+        CaseError: broken TOML.
     """
     for number, line in enumerate(text.split("\n"), start=1):
         if len(line) > LONGEST_LINE:
@@ -102,18 +110,20 @@ def read_document(text: str, source: str) -> Document:
         raise broken_toml(source, text, str(broken)) from None
 
     header: dict[str, Any] = {key: content.pop(key) for key in HEADER if key in content}
+    mistakes: list[CaseError] = []
+    values: dict[str, dict[str, Any]] = {}
     for name, section in content.items():
         if name not in SECTIONS:
-            raise _unknown(source, name, section)
-        if not isinstance(section, dict):
-            raise CaseError(source, name, as_written(section), "is no section", f"write [{name}] with its keys below")
-        for key, value in section.items():
-            _check(source, f"{name}.{key}", value)
-    return Document(source, header, content)
+            mistakes.append(_unknown(source, name, section))
+        elif not isinstance(section, dict):
+            mistakes.append(CaseError(source, name, as_written(section), "is no section", f"write [{name}] with its keys below"))
+        else:
+            values[name] = {key: value for key, value in section.items() if attempted(mistakes, _check, source, f"{name}.{key}", value)}
+    return Document(source, header, values, mistakes=tuple(mistakes))
 
 
-def _check(source: str, path: str, value: Any) -> None:
-    """Raise CaseError for an unknown key, for what is no string or, where several are wanted, for what is no list of so many."""
+def _check(source: str, path: str, value: Any) -> bool:
+    """True. CaseError: an unknown key, what is no string or, where several are wanted, what is no list of so many."""
     if path not in PATHS:
         raise _unknown(source, path, value)
     wanted, example = PATHS[path], dimension_of(path).example
@@ -125,6 +135,7 @@ def _check(source: str, path: str, value: Any) -> None:
         problem, accepted = f"is no list of {wanted.count} strings", f"write one such as [{', '.join([example] * wanted.count)}]"
     if not fits:
         raise CaseError(source, path, as_written(value), problem, accepted)
+    return True
 
 
 def _unknown(source: str, path: str, value: Any) -> CaseError:
@@ -143,19 +154,22 @@ def _unknown(source: str, path: str, value: Any) -> CaseError:
 
 
 def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
-    """Name, title and tags; only the name must be there. Raises CaseError."""
-    name = document.header.get("name")
+    """Name, title and tags; only the name must be there. CaseError: all mistakes in them."""
+    name: Any = document.header.get("name")
+    mistakes = list[CaseError]()
     if name is None:
-        raise CaseError(document.source, "name", None, "this key is missing", 'write a name, such as name = "stiffer-follower"')
-    if not isinstance(name, str) or not NAME.fullmatch(name):
+        mistakes.append(document.error("name", "this key is missing", 'write a name, such as name = "stiffer-follower"'))
+    elif not isinstance(name, str) or not NAME.fullmatch(name):
         accepted = "up to 64 letters, digits, points, hyphens and underscores in quotes, beginning with a letter or digit, are accepted"
-        raise document.error("name", "is no name", accepted)
-    title = document.header.get("title", name)
+        mistakes.append(document.error("name", "is no name", accepted))
+    title = document.header.get("title", name or "")
     if not isinstance(title, str) or not title.isprintable() or len(title) > _LONGEST_TITLE:
-        raise document.error("title", "is no title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted")
+        mistakes.append(document.error("title", "is no title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted"))
     tags = document.header.get("tags", [])
     if not isinstance(tags, list) or not all(isinstance(tag, str) and NAME.fullmatch(tag) for tag in tags):
-        raise document.error("tags", "is no list of tags", 'write one such as ["thesis", "fast"], each tag like a name')
+        mistakes.append(document.error("tags", "is no list of tags", 'write one such as ["thesis", "fast"], each tag like a name'))
+    if mistakes:
+        raise together(mistakes)
     return name, title, tuple(tags)
 
 

@@ -1,16 +1,20 @@
 """The one kind of mistake that a person can make in a case, a data file or an override, and how it is told."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from difflib import SequenceMatcher
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 _LONGEST_VALUE = 60
 _LONGEST_PATH = 255
+_MOST_TOLD = 10  # mistakes in one answer: a screen of a terminal holds them
 _NEAR = 0.6  # of 1: share of letters in the same order; less is no slip of the hand
 
 
 class CaseError(Exception):
-    """Something in a case cannot be used; the text is one sentence.
+    """Something in a case cannot be used; the text is one sentence, followed by one for each further mistake, a line each.
 
     Attributes:
         source: file name, name of the case, or `--set`.
@@ -18,6 +22,7 @@ class CaseError(Exception):
         value: what was given, as written, or None where nothing was.
         problem: what is wrong with it.
         accepted: what is accepted instead; may be empty.
+        further: other mistakes of the same case, in the order of its file.
     """
 
     def __init__(self, source: str, key: str | None, value: str | None, problem: str, accepted: str = "") -> None:
@@ -28,6 +33,29 @@ class CaseError(Exception):
         self.value = value
         self.problem = problem
         self.accepted = accepted
+        self.further: tuple[CaseError, ...] = ()
+
+    def __str__(self) -> str:
+        told = [str(mistake.args[0]) for mistake in (self, *self.further[: _MOST_TOLD - 1])]
+        if left := len(self.further) - len(told) + 1:
+            told.append(f"{self.source}: {left} more mistake{'s' * (left > 1)}; mend those above first")
+        return "\n".join(told)
+
+
+def together(mistakes: Sequence[CaseError]) -> CaseError:
+    """Mistakes (not none) as one error: the first, with the others as its further ones."""
+    first, *others = mistakes
+    first.further += tuple(one for other in others for one in (other, *other.further))
+    return first
+
+
+def attempted(mistakes: list[CaseError], function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
+    """What a function returns; None where it raises a CaseError, which joins `mistakes`."""
+    try:
+        return function(*args, **kwargs)
+    except CaseError as mistake:
+        mistakes.append(mistake)
+        return None
 
 
 def as_written(value: Any) -> str:

@@ -1,16 +1,16 @@
 """From a document to a `Case` in SI units, or to one sentence about what is wrong with it."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from quickreturn.cases.case import PATHS, SECTIONS, Case, dimension_of
 from quickreturn.cases.document import Document, header_of, read_document, with_changes
 from quickreturn.cases.doubts import doubts
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.errors import CaseError, attempted, together
 from quickreturn.cases.units import QuantityError, parse_quantity
 from quickreturn.reference_model.mechanism import ImpossibleMechanism
-from quickreturn.reference_model.scene_values import MissingQuantity, scene_of
+from quickreturn.reference_model.scene_values import MissingQuantity, misfits_of_keys, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # a table of a gigabyte
 _LARGEST_ANGLE: Final = math.radians(1e6)  # there a double is still exact to 4e-12 rad; far beyond, a crank would turn in jumps
@@ -32,26 +32,30 @@ def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = Non
 
 
 def case_of(document: Document) -> Case:
-    """The case that a document describes. CaseError: any mistake in it."""
-    name, title, tags = header_of(document)
-    values = {
-        section: {key: _quantity(document, f"{section}.{key}", written) for key, written in keys.items()}
+    """The case that a document describes.
+
+    Raises:
+        CaseError: all mistakes that can be told without each other; where every value can be read, what does not fit together.
+    """
+    mistakes = list(document.mistakes)
+    header = attempted(mistakes, header_of, document)
+    values: dict[str, dict[str, Any]] = {
+        section: {key: attempted(mistakes, _quantity, document, f"{section}.{key}", written) for key, written in keys.items()}
         for section, keys in document.values.items()
     }
-    times = values.pop("simulation", None)
-    untimed = ["[simulation]"] if times is None else [f"simulation.{key}" for key in SECTIONS["simulation"] if key not in times]
-    if abs(values.get("crank", {}).get("initial_angle", 0.0)) > _LARGEST_ANGLE:
-        raise document.error("crank.initial_angle", "is beyond a million degrees", "angles from -1e6 deg to 1e6 deg are accepted")
+    mistakes += _mistaken_keys(document)
+    if header is None or mistakes:
+        raise together(mistakes)
+    name, title, tags = header
+    times = values.pop("simulation")
     try:
         scene = scene_of(values)
-    except MissingQuantity as missing:
-        raise _missing(document, [*missing.keys, *untimed], missing.accepted) from None
     except ImpossibleMechanism as impossible:
-        raise document.error(document.blame(impossible.key, *impossible.others), impossible.problem, impossible.accepted) from None
-    if times is None or untimed:
-        raise _missing(document, untimed)
+        mistakes.append(_impossible(document, impossible))
     if problem := misfit(times["duration"], times["output_step"]):
-        raise document.error(document.blame("simulation.duration", "simulation.output_step"), *problem)
+        mistakes.append(document.error(document.blame("simulation.duration", "simulation.output_step"), *problem))
+    if mistakes:
+        raise together(mistakes)
     notes, title = tuple(doubts(scene)), with_changes(title, document.overridden)
     return Case(name=name, title=title, tags=tags, scene=scene, source=document.source, notes=notes, document=document, **times)
 
@@ -65,6 +69,32 @@ def misfit(duration: float, output_step: float) -> tuple[str, str] | None:
     if round(steps) < 1 or abs(steps - round(steps)) > _ROUNDING * steps:
         return f"gives {steps:.6g} output steps ({times})", "the duration must be a whole multiple of the output step"
     return None
+
+
+def _mistaken_keys(document: Document) -> Iterator[CaseError]:
+    """Keys that conflict, and those that are missing: neither given with a mistake, nor meant by a key that is unknown."""
+    given = {section: set(keys) for section, keys in document.values.items()}
+    for mistake in document.mistakes:
+        section, _, key = (mistake.key or "").partition(".")
+        given.setdefault(section, set()).add(key)
+    times = given.get("simulation")
+    missing = ["[simulation]"] if times is None else [f"simulation.{key}" for key in SECTIONS["simulation"] if key not in times]
+    accepted = ""
+    for misfit_of_keys in misfits_of_keys(given):
+        if isinstance(misfit_of_keys, MissingQuantity):
+            missing, accepted = [*misfit_of_keys.keys, *missing], misfit_of_keys.accepted
+        else:
+            yield _impossible(document, misfit_of_keys)
+    meant = " ".join(mistake.accepted for mistake in document.mistakes)
+    if missing := [key for key in missing if key.strip("[]") not in meant]:
+        yield _missing(document, missing, accepted)
+
+
+def _impossible(document: Document, impossible: ImpossibleMechanism) -> CaseError:
+    """What does not fit together as a mistake of the document, which has it as its cause."""
+    mistake = document.error(document.blame(impossible.key, *impossible.others), impossible.problem, impossible.accepted)
+    mistake.__cause__ = impossible
+    return mistake
 
 
 def _missing(document: Document, keys: Sequence[str], accepted: str = "") -> CaseError:
@@ -93,4 +123,6 @@ def _quantity(document: Document, path: str, written: Any) -> Any:
         raise document.error(path, "is not positive", f"{dimension.name} greater than zero is accepted", value=written)
     if wanted.sign == "not negative" and value < 0.0:
         raise document.error(path, "is negative", f"{dimension.name} of zero or more is accepted", value=written)
+    if path == "crank.initial_angle" and abs(value) > _LARGEST_ANGLE:
+        raise document.error(path, "is beyond a million degrees", "angles from -1e6 deg to 1e6 deg are accepted")
     return value

@@ -25,9 +25,9 @@ from quickreturn.reference_model.continuation import Branch, BranchPoint, NotCon
 from quickreturn.reference_model.cycle_family import CycleFamily
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import NoPeriodicOrbit
+from quickreturn.reference_model.poincare import CycleBroken
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.scene_values import replaced_by, scene_of
-from quickreturn.reference_model.section_map import CycleBroken
 
 Array = NDArray[np.float64]
 

@@ -99,7 +99,7 @@ class Simulation(ABC):
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two runs whose difference D shows a part of an error: that part is D / |factor - 1| in `run`.
+    """Two runs whose difference D shows a part of an error: that part is D / abs(factor - 1) in `run`.
 
     Attributes:
         run: settings whose error is judged; those of the delivered run, or of one with the same error in this part.

@@ -53,8 +53,8 @@ def case(
         name: e.g. "thesis-24" or "my/scene.toml".
         overrides: other values, as a case file has them, by dotted key: {"crank.length": "5 in"}. The name stays, as with `--set`, so
             that results are found under it, and the title tells the changes; `Case.with_` makes a copy with a name of its own.
-        duration: s, where not that of the case.
-        output_step: s, likewise.
+        duration: s; None: that of the case.
+        output_step: s, the time between two rows of a result; None: that of the case.
 
     Raises:
         CaseError: no such case, or a mistake in the file or the overrides; the sentence names the nearest that is known.

@@ -221,7 +221,10 @@ def _told_of(error: Exception) -> int:
         if isinstance(error, kind):
             return _told(f"{option} {error}", BAD_INPUT)
     if isinstance(error, (CaseError, Refusal, StoreError, ExecutorError, ImpossibleMechanism, UnknownColumn)):
-        return _told(str(error), BAD_INPUT)
+        *others, last = str(error).splitlines() if isinstance(error, CaseError) else [str(error)]
+        for mistake in others:
+            tell(mistake)
+        return _told(last, BAD_INPUT)
     if isinstance(error, (EngineFailure, EngineDied)):
         return _told(str(error), ENGINE_TROUBLE)
     return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ENGINE_TROUBLE)

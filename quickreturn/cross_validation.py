@@ -144,7 +144,7 @@ def run(
     """Bring engines to their steady state on cases, each in a process of its own, measure and compare. Results are kept as they come.
 
     Args:
-        cases: names, paths, patterns ("thesis-2*") or `Case`s, one or several.
+        cases: names, paths, patterns ("thesis-2*") or `Case` objects, one or several.
         engines: names, or engines that are installed, one or several; default: the four main ones. Paths of recorded tables (.csv) may
             stand among them.
         accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.

@@ -23,8 +23,8 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model import machine_code
 from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS
+from quickreturn.reference_model.machine import machine_code
 
 if TYPE_CHECKING:
     import pandas as pd

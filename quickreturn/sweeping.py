@@ -68,8 +68,8 @@ def sweep(
         quiet: whether nothing is told on standard error.
 
     Returns:
-        A dataset with a dimension for each key, and "path" if both ways were gone. Variables: the measures, each with its error (the
-        simulation's own, by the engine's estimate) under the name with ".error"; "status" and "sentence" of each point; "two_motions".
+        A dataset with a dimension for each key, and "path" if both ways were gone. Its variables are the measures, "status" and
+        "sentence" of each point, and "two_motions". The error of the measure NAME, by the engine's estimate, is "NAME.error".
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be; the sentence says what is accepted.

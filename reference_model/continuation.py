@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from quickreturn.reference_model.periodic import eigenvalues, instability
-from quickreturn.reference_model.section_map import CycleBroken
+from quickreturn.reference_model.poincare import CycleBroken
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from quickreturn.reference_model.continuation import BranchPoint, Image, correct
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, changed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.periodic import periodic_orbit
-from quickreturn.reference_model.section_map import SectionMap
+from quickreturn.reference_model.poincare import PoincareMap
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class CycleFamily:
         self.tolerance = tolerance
         self._built = lru_cache(KEPT)(lambda scene: BeamModel.following(scene, modes))
 
-    def at(self, value: float) -> tuple[SectionMap, Array]:
+    def at(self, value: float) -> tuple[PoincareMap, Array]:
         """The cycle's map for a value, and a state at the farthest place with its crank speed."""
         scene = self.scene_at(value)
         speed = scene.crank.drive.initial_speed
@@ -46,7 +46,7 @@ class CycleFamily:
             scene = changed(scene, {"crank.drive.speed": pace})
         model = self._built(scene)
         state = model.straight_state(math.pi, speed)
-        return SectionMap(model, self.tolerance), state
+        return PoincareMap(model, self.tolerance), state
 
     def image(self, point: Array, value: float) -> Image:
         """The state a cycle later. Raises CycleBroken."""

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-from quickreturn.reference_model.compilation import borrowing, compiled
-from quickreturn.reference_model.motion.address import call_equations
+from quickreturn.reference_model.machine.compilation import compiled, without_references
+from quickreturn.reference_model.machine.pointers import call_equations
 
 STAGES: Final = 12
 _A = np.vstack([np.hstack([DOP853.A, np.zeros((STAGES, 4))]), np.zeros((1, 16)), DOP853.A_EXTRA])
@@ -124,7 +124,7 @@ def _leaving_time(
     return low
 
 
-@borrowing
+@without_references
 def _dop853(
     function: int,
     parameters: int,
@@ -196,13 +196,13 @@ def _dop853(
     return REACHED_END, rows, t, calls, step
 
 
-@borrowing
+@without_references
 def _copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
     for i in range(len(source)):
         target[i] = source[i]
 
 
-@borrowing
+@without_references
 def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: float, out: NDArray[np.float64]) -> None:
     for i in range(len(y)):
         out[i] = y[i]
@@ -213,7 +213,7 @@ def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: 
                 out[i] += weight * K[j, i]
 
 
-@borrowing
+@without_references
 def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], controlled: int) -> float:
     error5 = error3 = 0.0
     for i in range(controlled):
@@ -228,7 +228,7 @@ def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], c
     return h * error5 / math.sqrt((error5 + 0.01 * error3) * controlled)
 
 
-@borrowing
+@without_references
 def _dense_coefficients(y: NDArray[np.float64], new: NDArray[np.float64], K: NDArray[np.float64], h: float, F: NDArray[np.float64]) -> None:
     for i in range(len(y)):
         delta = new[i] - y[i]
@@ -242,7 +242,7 @@ def _dense_coefficients(y: NDArray[np.float64], new: NDArray[np.float64], K: NDA
             F[3 + m, i] = h * total
 
 
-@borrowing
+@without_references
 def _interpolate(y: NDArray[np.float64], F: NDArray[np.float64], u: float, out: NDArray[np.float64]) -> None:
     for i in range(len(y)):
         value = 0.0

@@ -1,4 +1,4 @@
-"""The explicit model of one scene: shapes, treatment of the slider, equations, integration and observables under one roof."""
+"""The explicit model of one scene: shapes, slider constraint, equations, integration and observables under one roof."""
 
 import math
 from collections.abc import Callable
@@ -13,28 +13,18 @@ from scipy.optimize import brentq
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
 from quickreturn.reference_model.constants import characteristic_frequency
+from quickreturn.reference_model.first_start import kernel
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
+from quickreturn.reference_model.machine.pointers import Placed
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from quickreturn.reference_model.motion.address import Placed
-from quickreturn.reference_model.motion.equations import evaluate, kernel, observe_states
-from quickreturn.reference_model.motion.layout import (
-    EXTRAS,
-    FOOT_1,
-    FOOT_2,
-    GAP_RATE,
-    PARAMETERS_TYPE,
-    S_RATE,
-    WORKSPACE_TYPE,
-    Parameters,
-    state_size,
-    workspace,
-)
+from quickreturn.reference_model.motion.equations import evaluate, observe_states
+from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
 from quickreturn.reference_model.shapes import ShapeSet, no_shapes, vibrating
-from quickreturn.reference_model.treatment import BASE, CLOSED, ELIMINATED, ROLLERS, Treatment
+from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
 
 Array = NDArray[np.float64]
 #: Place of the slider and arc lengths (k,) to tangent angles of the shapes and their derivatives by that place, each (k, n).
@@ -50,7 +40,7 @@ class ObservationFailed(RuntimeError):
 
 
 class BeamModel:
-    """One beam in the angle of its tangent, with given shapes and a treatment of the slider; made by the class's three methods.
+    """One beam in the angle of its tangent, with given shapes and a slider constraint; made by the class's three methods.
 
     Args:
         scene: the mechanism, or the follower alone.
@@ -75,17 +65,17 @@ class BeamModel:
         self._at = Placed(constants, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
     @classmethod
-    def following(cls, mechanism: Mechanism, modes: int, treatment: Treatment = CLOSED) -> "BeamModel":
+    def following(cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED) -> "BeamModel":
         """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower."""
         if mechanism.follower.is_rigid:
-            return cls.staying(mechanism, no_shapes(mechanism.follower.length), treatment)
+            return cls.staying(mechanism, no_shapes(mechanism.follower.length), constraint)
         (tables, reach), family, seconds = beam.following(mechanism, modes)
-        constants = parameters(mechanism, modes, tables, reach, treatment)
+        constants = parameters(mechanism, modes, tables, reach, constraint)
         return cls(mechanism, constants, family.angles, _amplitude(mechanism, deflection_scale(mechanism)), seconds)
 
     @classmethod
     def staying(
-        cls, mechanism: Mechanism, shapes: ShapeSet, treatment: Treatment = CLOSED, *, transverse_damping: bool = False
+        cls, mechanism: Mechanism, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
     ) -> "BeamModel":
         """Shapes that stay where they are: slopes of clamped-free modes, or of cubic elements.
 
@@ -97,7 +87,7 @@ class BeamModel:
         own, squares = vibrating(shapes, mechanism.follower.mass_per_length, mechanism.follower.bending_stiffness)
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
         tables, reach = (beam.elements if of_elements else beam.staying)(mechanism, own, squares)
-        constants = parameters(mechanism, own.count, tables, reach, treatment, transverse_damping=transverse_damping)
+        constants = parameters(mechanism, own.count, tables, reach, constraint, transverse_damping=transverse_damping)
         return cls(
             mechanism, constants, partial(_unmoved, partial(own.evaluate, derivative=1)), _amplitude(mechanism, deflection_scale(mechanism))
         )
@@ -121,12 +111,10 @@ class BeamModel:
     def with_fewer_shapes(self, count: int) -> "BeamModel":
         """The model with the first shapes alone, on the same points: columns of the same tables."""
         p, t = self.parameters, self.parameters.tables
-        places = t.cells * t.S
-        extras = t.kinds * p.n * places
-        of_points = np.arange(extras).reshape(t.kinds, p.n, places)[:, :count].ravel()
-        of_shapes = extras + (np.arange(EXTRAS)[:, None] * p.n + np.arange(count)).ravel()
-        kept = np.concatenate([of_points, of_shapes, extras + EXTRAS * p.n + np.arange(t.cells)])
-        tables = t._replace(coefficients=beam.padded_to_lines(t.coefficients[:, :, kept]))
+        row = ShapeRow.of(t.coefficients, p.n, t)
+        kept = [*(part[..., :count, :] for part in row[:3]), *(part[..., :count] for part in row[3:-1]), row.length]
+        blocks = [part.reshape(*t.coefficients.shape[:2], -1) for part in kept]
+        tables = t._replace(coefficients=beam.padded_to_lines(np.concatenate(blocks, axis=-1)))
         fewer = p._replace(n=count, speeds=p.speeds - p.n + count, tables=tables)
 
         def shapes(s: float, x: Array) -> tuple[Array, Array]:
@@ -143,7 +131,7 @@ class BeamModel:
     @property
     def closes_loop(self) -> bool:
         """Whether the follower's angle is no coordinate: the slider is on the centre line by construction."""
-        return self.parameters.treatment == ELIMINATED
+        return self.parameters.constraint == ELIMINATED
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -193,14 +181,14 @@ class BeamModel:
             """The projected shape differs a little from the given one, and so does the place that closes its loop."""
             y[m] = place
             self.can_move(y)
-            return float(np.hypot(f[FOOT_1], f[FOOT_2])) - math.hypot(v1, v2)
+            return abs(f.foot) - math.hypot(v1, v2)
 
         y[m] = brentq(excess, 0.98 * s, min(1.02 * s, p.tables.high), xtol=1e-15)
         if not self.closes_loop:
             self.can_move(y)
-            y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f[FOOT_2], f[FOOT_1]), 0.0
+            y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot.imag, f.foot.real), 0.0
             self.can_move(y)
-            y[m + 2 + n] = -f[GAP_RATE] / self.workspace.row_of_gap[n + 1]
+            y[m + 2 + n] = -f.gap_rate / self.workspace.row_of_gap[n + 1]
         return y
 
     def can_move(self, y: Array) -> bool:
@@ -221,7 +209,7 @@ class BeamModel:
         slider and of a radian for the follower's angle, a tenth of a radian for the crank and a tenth of its speed.
         """
         p, frequency = self.parameters, characteristic_frequency(self.parameters)
-        base = [] if self.closes_loop or p.treatment == BASE else [0.01]
+        base = [] if self.closes_loop or p.constraint == BASE else [0.01]
         # the place on a straight follower is known from the crank's angle, the state only follows it
         at_rest = [0.1, *[self._size] * p.n, *base, 0.01 * p.L if p.n or base else p.L]
         rates = [0.1 * max(abs(crank_speed), 1.0), *[self._size * frequency] * p.n, *[0.01 * frequency] * len(base)]
@@ -246,7 +234,7 @@ class BeamModel:
         if rows < len(states):
             raise ObservationFailed(rows)
         found = dict(zip((*OBSERVED, *JOINT_COLUMNS), np.ascontiguousarray(out.T), strict=True))
-        if self.parameters.treatment == BASE:
+        if self.parameters.constraint == BASE:
             return of_follower_alone(found)
         return {name: found[name] for name in OBSERVED} if self.closes_loop else found
 
@@ -258,7 +246,7 @@ class BeamModel:
         self.can_move(y)
         psi, psi_s = self._shapes(s, x)
         angle = psi @ y[1 : n + 1]
-        rate = psi @ y[m + 2 : m + 2 + n] + psi_s @ y[1 : n + 1] * self.workspace.facts[S_RATE]
+        rate = psi @ y[m + 2 : m + 2 + n] + psi_s @ y[1 : n + 1] * self.workspace.facts.s_rate
         slope, slope_rate = np.sin(angle), np.cos(angle) * rate
         # cubic through the slopes, integrated: exact to the fourth power of the spacing
         place = CubicHermiteSpline(x, slope, np.gradient(slope, x)).antiderivative()(x)
@@ -278,11 +266,9 @@ class BeamModel:
         return np.asarray(np.abs(np.real(np.sqrt(-self._frozen_squares(crank_angle).astype(complex)))), dtype=np.float64)
 
     def mass_matrix(self) -> Array:
-        """Of the state evaluated last, for all free speeds, from the factor that it was replaced by."""
-        factor = self.workspace.reduced[self.parameters.first :, self.parameters.first :]
-        D = 1.0 / np.diag(factor)
-        lower = np.tril(factor, -1) / D + np.eye(len(D))
-        return np.asarray((lower * D) @ lower.T)
+        """Of the state evaluated last, for all free speeds."""
+        lower = self.workspace.M[self.parameters.first :, self.parameters.first :]
+        return np.tril(lower) + np.tril(lower, -1).T
 
     def _frozen_squares(self, crank_angle: float) -> NDArray[np.complex128]:
         """Squares of the angular frequencies."""
@@ -291,11 +277,10 @@ class BeamModel:
         self.can_move(self.straight_state(crank_angle, 0.0))
         mass = self.mass_matrix()[1 - p.first :, 1 - p.first :]
         stiffness = np.zeros_like(mass)
-        first = p.tables.kinds * p.n * p.tables.cells * p.tables.S
-        stiffness[: p.n, : p.n] = np.diag(w.row[first : first + p.n])
+        stiffness[: p.n, : p.n] = np.diag(w.squares)
         if not self.closes_loop:
             row, spread = w.row_of_gap[1:], w.spread[1:]
-            if p.treatment == ROLLERS:
+            if p.constraint == ROLLERS:
                 closed = p.plus + p.minus if p.plus_from < 0.0 else p.plus  # as `Slider.closed_stiffness` has it
                 stiffness += closed * np.outer(row, row)
             else:

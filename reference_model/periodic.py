@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.section_map import CycleBroken, Passage, SectionMap
+from quickreturn.reference_model.poincare import CycleBroken, Passage, PoincareMap
 
 Array = NDArray[np.float64]
 
@@ -90,13 +90,13 @@ def periodic_orbit(
         NoPeriodicOrbit: not converged.
     """
     try:
-        return _search(SectionMap(model, integration), guess, tolerance, marched)
+        return _search(PoincareMap(model, integration), guess, tolerance, marched)
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
 
 
-def _search(whole: SectionMap, guess: Array, tolerance: float, marched: int) -> PeriodicOrbit:
-    slow = SectionMap(whole.model.with_fewer_shapes(min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
+def _search(whole: PoincareMap, guess: Array, tolerance: float, marched: int) -> PeriodicOrbit:
+    slow = PoincareMap(whole.model.with_fewer_shapes(min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
     coarse = _newton(_marched(slow, _with_modes(guess, slow.parameters.n), marched), None, GUESS)
     jacobian = coarse.jacobian
     if coarse.carried > CARRIED:
@@ -126,7 +126,7 @@ def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: flo
         NoPeriodicOrbit: the state is not one of a cycle.
     """
     try:
-        return eigenvalues(_jacobian(_Cycle.of(SectionMap(model, integration), orbit.state, orbit.period)))
+        return eigenvalues(_jacobian(_Cycle.of(PoincareMap(model, integration), orbit.state, orbit.period)))
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
 
@@ -149,12 +149,12 @@ def instability(multipliers: NDArray[np.complex128]) -> str:
 class _Cycle:
     """A cycle from a state at the farthest place; `residual` is what it changes of the free quantities."""
 
-    map: SectionMap
+    map: PoincareMap
     state: Array
     passage: Passage
 
     @classmethod
-    def of(cls, cycle_map: SectionMap, state: Array, duration: float, step: float = 0.0) -> Self:
+    def of(cls, cycle_map: PoincareMap, state: Array, duration: float, step: float = 0.0) -> Self:
         """Make the cycle; it takes about `duration` (s)."""
         return cls(cycle_map, state, cycle_map.passage(state, duration, step))
 
@@ -183,7 +183,7 @@ class _FixedPoint:
     steps: int
 
 
-def _marched(slow: SectionMap, guess: Array, cycles: int) -> _Cycle:
+def _marched(slow: PoincareMap, guess: Array, cycles: int) -> _Cycle:
     """A cycle that is not far from the steady state."""
     speed = guess[slow.parameters.n + 2]
     if speed == 0.0:
@@ -271,7 +271,7 @@ def _with_modes(state: Array, modes: int) -> Array:
     return other
 
 
-def _among_all_modes(jacobian: Array, slow: SectionMap, whole: SectionMap) -> Array:
+def _among_all_modes(jacobian: Array, slow: PoincareMap, whole: PoincareMap) -> Array:
     """The slow quantities' derivatives among all: what the other modes were a cycle ago is forgotten (equation 10.6)."""
     n = whole.parameters.n
     numbered = _with_modes(np.arange(1.0, 2 * slow.parameters.n + 6), n)

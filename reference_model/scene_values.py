@@ -24,6 +24,8 @@ from quickreturn.reference_model.quantities import Quantity, quantities_of
 Value = float | tuple[float, ...]
 #: Section -> key -> SI value.
 Values = Mapping[str, Mapping[str, Value]]
+#: Section -> keys that are given, whatever their values.
+Keys = Mapping[str, Container[str]]
 
 #: Parts that a section is made of; of some only one is there.
 _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
@@ -81,10 +83,9 @@ def scene_of(values: Values) -> Scene:
     Raises:
         ImpossibleMechanism: what cannot be, does not fit together, or (`MissingQuantity`) is missing.
     """
+    if misfit := next(misfits_of_keys(values), None):
+        raise misfit
     alone = _is_alone(values)
-    _check_alternatives(values)
-    if missing := tuple(_missing(values, alone)):
-        raise MissingQuantity(missing)
     given: dict[str, dict[str, Any]] = {name: dict(values.get(name, {})) for name in SECTIONS}
     base = given["base"]
     spin_up = SpinUp(speed=base.pop("spin_up_speed"), time=base.pop("spin_up_time")) if alone else None
@@ -131,43 +132,47 @@ def replaced_by(paths: Container[str]) -> list[str]:
     return found
 
 
-def _is_alone(values: Values) -> bool:
-    """Whether the scene is a follower alone: no crank, and a base that is spun up."""
-    given = [path for path in SPIN_UP if _has(values, path)]
-    if given and "crank" in values:
-        raise ImpossibleMechanism(given[0], "conflicts with [crank], which turns the follower", CRANK_OR_NOT)
-    for key, there in (("[slider]", "slider" in values), ("mechanism.pivot_distance", _has(values, "mechanism.pivot_distance"))):
-        if given and there:
-            raise ImpossibleMechanism(key, "conflicts with the missing [crank]", "leave it out, or give [crank]")
-    return bool(given)
-
-
-def _check_alternatives(values: Values) -> None:
+def misfits_of_keys(given: Keys) -> Iterator[ImpossibleMechanism]:
+    """Keys that conflict, and (the last one, a `MissingQuantity`) all that are missing; whatever their values are."""
+    if (spun_up := [path for path in SPIN_UP if _has(given, path)]) and "crank" in given:
+        yield ImpossibleMechanism(spun_up[0], "conflicts with [crank], which turns the follower", CRANK_OR_NOT)
+        return  # what is missing depends on which of them goes
+    if spun_up:
+        for key, there in (("[slider]", "slider" in given), ("mechanism.pivot_distance", _has(given, "mechanism.pivot_distance"))):
+            if there:
+                yield ImpossibleMechanism(key, "conflicts with the missing [crank]", "leave it out, or give [crank]")
     for first, others in ALTERNATIVES:
-        if _has(values, first) and (given := [other for other in others if _has(values, other)]):
+        if _has(given, first) and (conflicting := [other for other in others if _has(given, other)]):
             accepted = DRIVE_CHOICE if first.startswith("crank.") else "give one of them"
-            raise ImpossibleMechanism(first, f"conflicts with {given[0]}", accepted)
+            yield ImpossibleMechanism(first, f"conflicts with {conflicting[0]}", accepted)
     speed, of_torque = ALTERNATIVES[0]
-    if "crank" in values and not any(_has(values, path) for path in (speed, *of_torque)):
-        raise ImpossibleMechanism("crank", "nothing drives the crank", DRIVE_CHOICE)
+    if "crank" in given and not any(_has(given, path) for path in (speed, *of_torque)):
+        yield ImpossibleMechanism("crank", "nothing drives the crank", DRIVE_CHOICE)
+    elif missing := tuple(_missing(given, _is_alone(given))):
+        yield MissingQuantity(missing)
 
 
-def _missing(values: Values, alone: bool) -> Iterator[str]:
+def _is_alone(given: Keys) -> bool:
+    """Whether the scene is a follower alone: no crank, and a base that is spun up."""
+    return "crank" not in given and any(_has(given, path) for path in SPIN_UP)
+
+
+def _missing(given: Keys, alone: bool) -> Iterator[str]:
     """Keys, and sections as `[name]`, that are not there and cannot be left out."""
     needless = {"mechanism.pivot_distance"} if alone else {*SPIN_UP}
     for first, others in ALTERNATIVES:
-        needless |= {first, *others} if _has(values, first) else {first}
+        needless |= {first, *others} if _has(given, first) else {first}
     for section, keys in SECTIONS.items():
-        if section in values:
-            paths = {f"{section}.{name}": found for name, found in keys.items() if name not in values[section]}
+        if section in given:
+            paths = {f"{section}.{name}": found for name, found in keys.items() if name not in given[section]}
             yield from (path for path, found in paths.items() if not found.optional and path not in needless)
         elif section not in OPTIONAL_SECTIONS and not (alone and section in ("mechanism", "crank")):
             yield f"[{section}]"
 
 
-def _has(values: Values, path: str) -> bool:
+def _has(given: Keys, path: str) -> bool:
     section, _, key = path.partition(".")
-    return key in values.get(section, {})
+    return key in given.get(section, ())
 
 
 def _follower(given: dict[str, Any]) -> Follower:

@@ -12,6 +12,7 @@ A block's first word says how it is read, the second which file it becomes, or w
 """
 
 import functools
+import importlib
 import itertools
 import os
 import re
@@ -27,6 +28,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
+import quickreturn
 from quickreturn.cases.benchmark import fastest_at
 from quickreturn.command_line import BAD_INPUT, COMMANDS, GOOD, main
 from quickreturn.reports.long_studies import benchmarks
@@ -266,7 +268,28 @@ def test_examples_that_are_packages_have_short_lines(file: Path) -> None:
     assert [line for line in file.read_text("utf-8").splitlines() if len(line) > LONGEST_LINE_OF_CODE] == []
 
 
-def test_the_version_is_told_everywhere_alike() -> None:
+def test_the_version_is_told_everywhere_alike(capfd: pytest.CaptureFixture[str]) -> None:
     version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
-    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
-    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)[1] == version  # type: ignore[index]
+    released = re.search(r"^## (\S+) \((\S+)\)$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)
+    assert released
+    assert released[1] == version
+    assert f"\nversion: {version}\ndate-released: {released[2]}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
+    assert quickreturn.__version__ == version
+    assert called("quickreturn --version") == GOOD
+    assert version in capfd.readouterr().out
+
+
+def test_metadata_and_citation_name_the_same_authors_and_keywords() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    cited = (ROOT / "CITATION.cff").read_text("utf-8").partition("references:")[0]
+    assert re.findall(r"^  - name: (.*)$", cited, re.MULTILINE) == [author["name"] for author in project["authors"]]
+    assert re.findall(r"^  - (.*)$", cited.partition("keywords:")[2], re.MULTILINE) == project["keywords"]
+
+
+@pytest.mark.parametrize("package", ["", ".derive"])
+def test_every_exported_name_has_an_entry_on_the_api_page(package: str) -> None:
+    page = (ROOT / "docs/site/api.md").read_text("utf-8")
+    section = re.search(rf"currentmodule:: quickreturn{re.escape(package)}\n(.*?)(?=\.\. currentmodule|\Z)", page, re.DOTALL)
+    assert section
+    shown = re.findall(r"^\.\. auto\w+:: (\w+)$", section[1], re.MULTILINE)
+    assert sorted(shown) == sorted(importlib.import_module(f"quickreturn{package}").__all__)

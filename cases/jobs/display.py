@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
 from quickreturn.engines import progress as progress_of_engines
-from quickreturn.reference_model import machine_code
+from quickreturn.reference_model.machine import machine_code
 
 if TYPE_CHECKING:
     from quickreturn.engines.progress import Progress

@@ -35,7 +35,7 @@ from typing import Any, Final
 from quickreturn.cases.jobs.fork_server import PRELOAD, Process
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, T, Watch, default_limits
 from quickreturn.cases.jobs.worker import serve
-from quickreturn.reference_model import machine_code
+from quickreturn.reference_model.machine import machine_code
 
 #: How the failure of a job begins that took longer than it may.
 STOPPED: Final = "stopped at the time limit"

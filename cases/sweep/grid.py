@@ -156,7 +156,7 @@ def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanis
         try:
             return case_of(document.overridden_by(overrides)).mechanism
         except CaseError as wrong:
-            impossible = wrong.__context__  # what the parts do not fit together by
+            impossible = wrong.__cause__  # what the parts do not fit together by
             open_loop = isinstance(impossible, ImpossibleMechanism) and impossible.key == "crank.length"
             return Impossible(OPEN if open_loop else REFUSED, str(wrong))
 

@@ -1,4 +1,4 @@
-"""What the engines on the one beam share: description, start, preparation. An engine chooses shapes and treatment of the slider.
+"""What the engines on the one beam share: description, start, preparation. An engine chooses shapes and slider constraint.
 
 The compiled equations are loaded when the first model is built, not when engines are listed.
 """

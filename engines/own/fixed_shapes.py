@@ -49,7 +49,7 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         if isinstance(scene, FollowerAlone):
             return BeamModel.alone(scene, shapes, transverse_damping=transverse)
         refusals.of_kinks(scene, shapes, "clamped-free modes or one Hermite element")
-        return BeamModel.staying(scene, shapes, self.treatment(scene, settings), transverse_damping=transverse)
+        return BeamModel.staying(scene, shapes, self.constraint(scene, settings), transverse_damping=transverse)
 
     def natural_frequencies(
         self, mechanism: Mechanism, crank_angle: float, count: int, settings: FixedShapesSettings

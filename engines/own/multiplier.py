@@ -6,7 +6,7 @@ from quickreturn.engines.base import FRICTION, USUAL
 from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.treatment import MULTIPLIER, Treatment
+from quickreturn.reference_model.slider_constraint import MULTIPLIER, SliderConstraint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +27,8 @@ class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[Mult
     settings_type = MultiplierSettings
     quantities = (*USUAL, *FRICTION, "follower.material_damping")
 
-    def treatment(self, mechanism: Mechanism, settings: MultiplierSettings) -> Treatment:
-        return Treatment(kind=MULTIPLIER, stabilization=settings.stabilization)
+    def constraint(self, mechanism: Mechanism, settings: MultiplierSettings) -> SliderConstraint:
+        return SliderConstraint(kind=MULTIPLIER, stabilization=settings.stabilization)
 
     def joint_line(self, mechanism: Mechanism, settings: MultiplierSettings) -> str:
         return "slider on the centre line (Lagrange multiplier)"

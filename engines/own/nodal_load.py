@@ -10,7 +10,7 @@ from quickreturn.engines.own.staying_shapes import RivalEngine
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import Follower, Mechanism
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements, no_shapes
-from quickreturn.reference_model.treatment import CHORDS, LEVER, MULTIPLIER, Treatment
+from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, SliderConstraint
 
 _DISTRIBUTIONS: Final = {"lever": LEVER, "consistent": MULTIPLIER, "both linear": CHORDS}
 
@@ -72,11 +72,11 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
     def shapes(self, follower: Follower, settings: NodalLoadSettings) -> ShapeSet:
         return no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
 
-    def treatment(self, mechanism: Mechanism, settings: NodalLoadSettings) -> Treatment:
+    def constraint(self, mechanism: Mechanism, settings: NodalLoadSettings) -> SliderConstraint:
         """Conjugate distributions need no damping; a rigid follower has no nodes but one multiplier."""
         kind = MULTIPLIER if mechanism.follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
         damping = settings.bending_damping if settings.distribution == "lever" else 0.0
-        return Treatment(kind=kind, stabilization=settings.stabilization, bending_damping=damping)
+        return SliderConstraint(kind=kind, stabilization=settings.stabilization, bending_damping=damping)
 
     def joint_line(self, mechanism: Mechanism, settings: NodalLoadSettings) -> str:
         """Which distribution."""

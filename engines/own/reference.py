@@ -18,11 +18,11 @@ from quickreturn.engines.own.alone import OwnAlone
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.reference_model import treatment
+from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.joint import in_words, rollers
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
-from quickreturn.reference_model.treatment import CLOSED, MULTIPLIER, Treatment
+from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, SliderConstraint
 
 if TYPE_CHECKING:
     from quickreturn.engines.own.simulation import OwnSimulation
@@ -110,9 +110,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         held = CLOSED
         if not scene.slider.is_rigid:
             inertia = joint_inertia(scene, settings.modes) if scene.slider.is_linear else 0.0
-            held = Treatment(kind=treatment.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
+            held = SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
         elif scene.slider.has_friction:
-            held = Treatment(kind=MULTIPLIER, stabilization=STABILIZATION)
+            held = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
         return BeamModel.following(scene, settings.modes, held)
 
     def joint_line(self, mechanism: Mechanism, settings: ReferenceSettings) -> str:
@@ -173,7 +173,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         from quickreturn.engines.own.simulation import OwnSimulation
         from quickreturn.reference_model.model import BeamModel
         from quickreturn.reference_model.periodic import MARCHED, PATIENT, NoPeriodicOrbit, periodic_orbit
-        from quickreturn.reference_model.section_map import turn_to
+        from quickreturn.reference_model.poincare import turn_to
 
         begin = self.prepare(mechanism, start, settings)
         model = begin.model

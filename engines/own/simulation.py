@@ -14,8 +14,8 @@ from quickreturn.reference_model.columns import JOINT_COLUMNS
 from quickreturn.reference_model.mechanism import FollowerAlone
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
+from quickreturn.reference_model.slider_constraint import LEVER
 from quickreturn.reference_model.thesis.model import ThesisModel
-from quickreturn.reference_model.treatment import LEVER
 
 Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ class OwnSimulation(Simulation):
 
     @property
     def _is_lever(self) -> bool:
-        return isinstance(self.model, BeamModel) and self.model.parameters.treatment == LEVER
+        return isinstance(self.model, BeamModel) and self.model.parameters.constraint == LEVER
 
     def _of_joint(self, joint: dict[str, Array], states: Array, output_step: float) -> dict[str, float]:
         if not joint:

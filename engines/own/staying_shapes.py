@@ -11,7 +11,7 @@ from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, S, gai
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import Follower, Mechanism
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
-from quickreturn.reference_model.treatment import CLOSED, Treatment
+from quickreturn.reference_model.slider_constraint import CLOSED, SliderConstraint
 
 if TYPE_CHECKING:
     from quickreturn.reference_model.model import BeamModel
@@ -71,14 +71,14 @@ class StayingEngine(BeamEngine[S]):
     def shapes(self, follower: Follower, settings: S) -> ShapeSet:
         """Of a follower; none of a rigid one."""
 
-    def treatment(self, mechanism: Mechanism, settings: S) -> Treatment:
+    def constraint(self, mechanism: Mechanism, settings: S) -> SliderConstraint:
         """What happens to the gap at the slider; unless overridden the follower's angle closes it."""
         return CLOSED
 
     def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
         from quickreturn.reference_model.model import BeamModel
 
-        return BeamModel.staying(mechanism, self.shapes(mechanism.follower, settings), self.treatment(mechanism, settings))
+        return BeamModel.staying(mechanism, self.shapes(mechanism.follower, settings), self.constraint(mechanism, settings))
 
 
 class StayingShapesEngine(StayingEngine[AnyShapes]):

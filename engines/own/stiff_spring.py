@@ -10,10 +10,10 @@ from quickreturn.engines.own.beam_engine import gain_of
 from quickreturn.engines.own.staying_shapes import LADDER as SHAPES
 from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, of_shapes
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model import treatment
+from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.joint import Rollers, in_words, rollers
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.treatment import Treatment
+from quickreturn.reference_model.slider_constraint import SliderConstraint
 
 LEAST_STIFFNESS: Final = 1.0  # N/m
 MOST_STIFFNESS: Final = 1e12  # N/m
@@ -78,13 +78,13 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
     settings_type = StiffSpringSettings
     quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping")
 
-    def treatment(self, mechanism: Mechanism, settings: StiffSpringSettings) -> Treatment:
+    def constraint(self, mechanism: Mechanism, settings: StiffSpringSettings) -> SliderConstraint:
         """The scene's joint if it is compliant, else the stiff spring of the settings; dampings of joint and settings do not add."""
         if mechanism.slider.is_rigid:
             spring = Rollers(plus=settings.stiffness, minus=settings.stiffness, damping=settings.damping)
         else:
             spring = rollers(mechanism.slider)
-        return Treatment(kind=treatment.ROLLERS, rollers=spring)
+        return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=spring)
 
     def joint_line(self, mechanism: Mechanism, settings: StiffSpringSettings) -> str:
         """Whose spring it is."""

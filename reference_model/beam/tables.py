@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
+from quickreturn.reference_model.machine.pointers import on_lines
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
-from quickreturn.reference_model.motion.address import on_lines
 from quickreturn.reference_model.motion.layout import Tables
 from quickreturn.reference_model.shapes import ShapeSet
 
@@ -117,7 +117,7 @@ def span_tables(family: ModeFamily, points: int, intervals: int) -> Tables:
     u = np.append(0.5 * (gauss + 1.0), 1.0)
     nodes = np.linspace(family.low, family.high, intervals + 1)
     spans = [family.shapes_at(nodes, u, span) for span in range(2)]
-    psi = [np.stack([span[kind] for span in spans], axis=1) for kind in range(3)]  # (k, cells, G + 1, n)
+    psi = [np.stack([span[kind] for span in spans], axis=1) for kind in range(3)]  # (k, cells, points and end, n)
     extras = [
         *(family.squares_at(nodes, order) for order in (0, 1)),
         spans[0][3][:, -1, :],
@@ -125,7 +125,7 @@ def span_tables(family: ModeFamily, points: int, intervals: int) -> Tables:
     ]
     lengths = np.stack([nodes, family.length - nodes], axis=1)
     coefficients = CubicSpline(nodes, _rows(psi, extras, lengths), axis=0).c.transpose(1, 0, 2)
-    return _tables(nodes[0], nodes[-1], coefficients, 3, points, np.zeros(intervals), 2)
+    return _tables(nodes[0], nodes[-1], coefficients, True, points, np.zeros(intervals), 2)
 
 
 def staying(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> Placed:
@@ -147,7 +147,7 @@ def staying(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> Placed:
 
     rows = _fixed_rows(shapes, squares, nodes, edges(nodes), 7)
     coefficients = CubicSpline(nodes, rows, axis=0).c.transpose(1, 0, 2)
-    return Placed(_tables(nodes[0], nodes[-1], coefficients, 1, 7, np.full(len(nodes) - 1, inboard - 1.0), cells), length)
+    return Placed(_tables(nodes[0], nodes[-1], coefficients, False, 7, np.full(len(nodes) - 1, inboard - 1.0), cells), length)
 
 
 def elements(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> Placed:
@@ -166,8 +166,8 @@ def elements(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> Placed:
         edges = np.stack([*fixed[: k + 1], s, *fixed[k + 1 :]], axis=1)
         powers = np.vander(s - shapes.edges[k], 4)
         pieces.append(np.linalg.solve(powers, _fixed_rows(shapes, squares, s, edges, points)))
-    before = np.arange(count, dtype=np.float64)
-    tables = _tables(0.0, (1.0 + _BEYOND) * length, np.array(pieces), 1, points, before, count + 1)
+    slider_cell = np.arange(count, dtype=np.float64)
+    tables = _tables(0.0, (1.0 + _BEYOND) * length, np.array(pieces), False, points, slider_cell, count + 1)
     return Placed(tables._replace(step=step), length)
 
 
@@ -191,9 +191,9 @@ def clamped(scene: FollowerAlone, angles: Callable[[Array], Array], squares: Arr
     row = _rows([angles(x.ravel()).reshape(*x.shape, n)], [squares[None], nothing, nothing, nothing, nothing], np.diff(edges)[None])
     coefficients = np.zeros((1, 4, row.shape[1]))
     coefficients[0, 3] = row
-    before = max(cells // 2, 1) - 1
-    middle = float(edges[before + 1])
-    return _tables(middle, middle, coefficients, 1, points, np.array([float(before)]), cells)._replace(step=length)
+    inboard = max(cells // 2, 1)
+    middle = float(edges[inboard])
+    return _tables(middle, middle, coefficients, False, points, np.array([inboard - 1.0]), cells)._replace(step=length)
 
 
 def _fixed_rows(shapes: ShapeSet, squares: Array, s: Array, edges: Array, points: int) -> Array:
@@ -212,14 +212,14 @@ def _places(edges: Array, u: Array) -> Array:
 
 
 def _rows(psi: list[Array], extras: list[Array], lengths: Array) -> Array:
-    """Rows (k, row length) of blocks (k, cells, G + 1, n), extras (k, n) and lengths of cells (k, cells)."""
+    """Rows (k, row length) of blocks (k, cells, Gauss points and end, n), extras (k, n) and lengths of cells (k, cells)."""
     places, taken = len(psi[0]), psi[0].shape[2]
     rest = 4 * ((taken - 1) // 4 + 1) - taken
     blocks = [np.pad(block, ((0, 0), (0, 0), (0, rest), (0, 0))).transpose(0, 3, 1, 2).reshape(places, -1) for block in psi]
     return np.concatenate([*blocks, *extras, lengths], axis=1)
 
 
-def _tables(low: float, high: float, coefficients: Array, kinds: int, points: int, before: Array, cells: int) -> Tables:
+def _tables(low: float, high: float, coefficients: Array, moves: bool, points: int, slider_cell: Array, cells: int) -> Tables:
     gauss, weights = np.polynomial.legendre.leggauss(points)
     places = 4 * (points // 4 + 1)
     to_points = on_lines((points, places))
@@ -230,12 +230,14 @@ def _tables(low: float, high: float, coefficients: Array, kinds: int, points: in
         low=float(low),
         high=float(high),
         step=float(high - low) / len(coefficients),
-        kinds=kinds,
+        moves=moves,
         coefficients=padded_to_lines(coefficients),
-        before=np.ascontiguousarray(before),
-        G=points,
-        S=places,
+        slider_cell=np.ascontiguousarray(slider_cell),
+        gauss_points=points,
+        cell_size=places,
         cells=cells,
+        points=cells * places,
+        tip=(cells - 1) * places + points,
         u=0.5 * (gauss + 1.0),
         lagrange=lagrange_weights(0.5 * (gauss + 1.0)),
         weights=of_cell,

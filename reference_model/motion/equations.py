@@ -1,4 +1,4 @@
-"""The equations of motion: treatments of the slider, solution, and the one compiled kernel (DERIVATION.md, section 5).
+"""The equations of motion: slider constraints, solution, and the one compiled kernel (DERIVATION.md, section 5).
 
 State vector (equation 5.8): the coordinates q1, eta (n) and with an open loop q2; the slider's arc length s; the speeds in the same
 order; dissipated energy, work of the drive, and with an open loop the work that the slider's force does on crank and follower together.
@@ -15,12 +15,12 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.beside import helped
-from quickreturn.reference_model.compilation import KERNEL, compiled, inlined, stage
-from quickreturn.reference_model.motion.address import call_equations, numbers_at
+from quickreturn.reference_model.machine.compilation import KERNEL, compiled, inlined, stage
+from quickreturn.reference_model.machine.pointers import call_equations, numbers_at
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
     assemble,
+    bias_accelerations,
     dissipation,
     drive_torque,
     friction_share,
@@ -30,38 +30,12 @@ from quickreturn.reference_model.motion.inertia import (
     partial_velocities,
     power_of_tool,
     relative_velocities,
-    remaining_accelerations,
     slider_force,
 )
-from quickreturn.reference_model.motion.layout import (
-    ACROSS,
-    ALONG,
-    AT,
-    COS_Q2,
-    FORCE,
-    FRICTION,
-    GAP,
-    GAP_RATE,
-    GAP_REMAINDER,
-    MISSED,
-    NORMAL,
-    Q2_RATE,
-    Q2_REMAINDER,
-    S_RATE,
-    S_REMAINDER,
-    SIN_Q2,
-    SLIDER_MOMENT,
-    TANGENTIAL,
-    TORQUE,
-    Parameters,
-    Tables,
-    Workspace,
-    parameters_at,
-    workspace_at,
-)
-from quickreturn.reference_model.motion.loop import accelerate_loop, joint_power, move_loop, remaining_places, share_force
+from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace, parameters_at, workspace_at
+from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, move_loop, share_force
 from quickreturn.reference_model.motion.observe import base_motion, observe
-from quickreturn.reference_model.treatment import BASE, ELIMINATED, ROLLERS
+from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
 
@@ -71,13 +45,13 @@ FEEDBACK: Final = 100.0
 
 @inlined
 def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
-    """Partial velocities, remaining accelerations, and the accelerations of the speeds: equations 2.1 to 5.3, everything left in `w`.
+    """Partial velocities, bias accelerations, and the accelerations of the speeds: equations 2.1 to 5.3, everything left in `w`.
 
     Returns:
         The slider's place among the points; -1 where the state cannot be: outside the tables, bent too far, or a singular loop.
     """
     s = y[p.speeds]
-    if p.n == 0 and p.treatment == ELIMINATED:  # of a straight follower the place is known exactly
+    if p.n == 0 and p.constraint == ELIMINATED:  # of a straight follower the place is known exactly
         s = math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
     if not (t.low <= s <= t.high and abs(y[0]) < 1e9):
         return -1
@@ -85,15 +59,15 @@ def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
     at = place(p, t, w, y, s)
     if at < 0:
         return -1
-    if p.treatment == BASE:
+    if p.constraint == BASE:
         _turn_base(p, t, w, y)
     elif move_loop(p, t, w, y, at):
-        accelerate_loop(p, t, w, y, at)
+        bias_of_loop(p, t, w, y, at)
     else:
         return -1
     relative_velocities(p, t, w, y)
     partial_velocities(p, t, w, at)
-    remaining_accelerations(p, t, w, y)
+    bias_accelerations(p, t, w, y)
     assemble(p, t, w, y)
     w.slider[1] = highest_frequency(p, t, w)
     return at if _solve(p, t, w, at) else -1
@@ -103,72 +77,72 @@ def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
 def _turn_base(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     """The base's prescribed motion in place of the loop (equation 11.3)."""
     f = w.facts
-    angle, f[Q2_RATE], f[Q2_REMAINDER] = base_motion(p.base_speed, p.base_time, y[0])
-    f[COS_Q2], f[SIN_Q2], f[ALONG], f[ACROSS] = math.cos(angle), math.sin(angle), 0.0, 0.0
-    f[S_RATE] = f[S_REMAINDER] = f[MISSED] = 0.0
-    remaining_places(p, t, w, y)
+    angle, f.q2_rate, f.q2_bias = base_motion(p.base_speed, p.base_time, y[0])
+    f.frame, f.arm = complex(math.cos(angle), math.sin(angle)), 0j
+    f.s_rate = f.s_bias = f.missed = 0.0
+    bias_of_places(p, t, w, y)
 
 
 @inlined
 def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
     """Accelerations and, where the loop is open, the slider's force (equations 5.1 to 5.3)."""
     m, first, f = p.speeds, p.first, w.facts
-    if not _factor(w.reduced, first, m):
+    if not _factor(w.M, w.factor, first, m):
         return False
-    f[FRICTION] = 0.0
-    if first == 1:
-        w.acceleration[0] = 0.0
-    if p.treatment in (ELIMINATED, BASE):
-        _substitute(w.reduced, w.acceleration, first, m)
+    f.friction = 0.0
+    for k in range(m):
+        w.acceleration[k] = w.Q[k] if k >= first else 0.0
+    if p.constraint in (ELIMINATED, BASE):
+        _substitute(w.factor, w.acceleration, first, m)
         return True
     share_force(p, t, w, at)
     sliding = 0.0  # share of the friction that acts, with the sign of the slider's way
     if p.friction > 0.0 or p.friction_force > 0.0:
-        sliding = friction_share(f[S_RATE], p.friction_speed)
+        sliding = friction_share(f.s_rate, p.friction_speed)
         for k in range(first, m):
             w.acceleration[k] -= p.friction_force * sliding * w.sigma[k]
-    _substitute(w.reduced, w.acceleration, first, m)
+    _substitute(w.factor, w.acceleration, first, m)
     # the gap's second derivative without the slider's force
-    free = f[GAP_REMAINDER]
+    free = f.gap_bias
     for k in range(first, m):
         free += w.row_of_gap[k] * w.acceleration[k]
-    if p.treatment == ROLLERS:
-        rollers = joint_force(f[GAP], f[GAP_RATE], p.plus, p.minus, p.plus_from, p.minus_from, p.contact_loss, p.joint_damping)
+    if p.constraint == ROLLERS:
+        rollers = joint_force(f.gap, f.gap_rate, p.plus, p.minus, p.plus_from, p.minus_from, p.contact_loss, p.joint_damping)
         asked = rollers + p.joint_inertia * free
     else:
-        asked = free + p.stabilization * (2.0 * f[GAP_RATE] + p.stabilization * f[GAP])
+        asked = free + p.stabilization * (2.0 * f.gap_rate + p.stabilization * f.gap)
     # what a unit of the slider's force takes off, its friction with it: the force has the sign of what is asked of it
     rubbing = math.copysign(p.friction, asked) * sliding
     for k in range(m):
         w.response[k] = w.spread[k] + rubbing * w.sigma[k]
-    _substitute(w.reduced, w.response, first, m)
+    _substitute(w.factor, w.response, first, m)
     compliance = 0.0
     for k in range(first, m):
         compliance += w.row_of_gap[k] * w.response[k]
     # a force on the nodes may lose its hold on the gap, or friction jam; where force and motion are conjugate this is a sum of squares
-    hold = 1.0 + p.joint_inertia * compliance if p.treatment == ROLLERS else compliance
+    hold = 1.0 + p.joint_inertia * compliance if p.constraint == ROLLERS else compliance
     if not hold > 0.0:
         return False
-    f[FORCE] = asked / hold
-    f[FRICTION] = p.friction_force * sliding + rubbing * f[FORCE]
+    f.force = asked / hold
+    f.friction = p.friction_force * sliding + rubbing * f.force
     for k in range(first, m):
-        w.acceleration[k] -= f[FORCE] * w.response[k]
+        w.acceleration[k] -= f.force * w.response[k]
     return True
 
 
 @stage
-def _factor(A: Array, first: int, size: int) -> bool:
-    """A = L D L^T without roots, in place, for rows and columns from `first` on; False if A (lower triangle) is not positive definite.
+def _factor(M: Array, A: Array, first: int, size: int) -> bool:
+    """To `A`: M = L D L^T without roots, for rows and columns from `first` on; False if M (lower triangle) is not positive definite.
 
-    The reciprocals of D replace the diagonal, L D the rest.
+    The reciprocals of D are the diagonal of `A`, L D the rest.
     """
     for i in range(first, size):
         for j in range(first, i):
-            total = A[i, j]
+            total = M[i, j]
             for m in range(first, j):
                 total -= A[i, m] * A[j, m] * A[m, m]
             A[i, j] = total
-        pivot = A[i, i]
+        pivot = M[i, i]
         for m in range(first, i):
             pivot -= A[i, m] * A[i, m] * A[m, m]
         if not pivot > 0.0:
@@ -208,7 +182,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
         return 0
     for k in range(m):
         out[k], out[m + 1 + k] = y[m + 1 + k], w.acceleration[k]
-    out[m] = w.facts[S_RATE] + FEEDBACK * (w.facts[MISSED] + w.slider[0] - y[m])
+    out[m] = w.facts.s_rate + FEEDBACK * (w.facts.missed + w.slider[0] - y[m])
     out[2 * m + 1] = dissipation(p, t, w, y)
     if m > n + 1:
         out[2 * m + 3] = joint_power(p, w, y)
@@ -217,20 +191,19 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
         return 1
     moment = moment_about_pivot(p, t, w)
     f = w.facts
-    f[AT], f[NORMAL], f[TANGENTIAL], f[SLIDER_MOMENT], f[TORQUE] = at, 0.0, 0.0, 0.0, moment
-    speed = f[Q2_RATE]
-    if p.treatment != BASE:
+    f.at_slider, f.normal, f.slider_force, f.slider_moment, f.torque = at, 0.0, 0j, 0.0, moment
+    speed = f.q2_rate
+    if p.constraint != BASE:
         slider_force(p, t, w, moment)
-        f[TORQUE], speed = drive_torque(p, w), y[m + 1]
-    out[2 * m + 2] = f[TORQUE] * speed + power_of_tool(p, t, w)
+        f.torque, speed = drive_torque(p, w), y[m + 1]
+    out[2 * m + 2] = f.torque * speed + power_of_tool(p, t, w)
     return 1
 
 
 @cache
 def kernel() -> int:
     """Address of the equations of motion, compiled or loaded from the disk at the first call."""
-    with helped():
-        compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
+    compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
     return int(compiled_kernel.address)
 
 

@@ -5,9 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import inlined, stage
-from quickreturn.reference_model.motion.lanes import load, plus, spread, store
+from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.machine.simd import load, plus, spread, store
 from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
+from quickreturn.reference_model.motion.plane import point
 
 Array = NDArray[np.float64]
 
@@ -24,7 +25,7 @@ def interpolate_row(t: Tables, s: float, row: Array) -> int:
     ds = s - t.low - k * t.step
     for m in range(len(row)):
         row[m] = ((t.coefficients[k, 0, m] * ds + t.coefficients[k, 1, m]) * ds + t.coefficients[k, 2, m]) * ds + t.coefficients[k, 3, m]
-    return int(t.before[k])
+    return int(t.slider_cell[k])
 
 
 @stage
@@ -59,7 +60,7 @@ def cumulate(t: Tables, length: Array, f: Array, out: Array) -> None:
 
     Real and imaginary parts side by side, twelve points at a time, which share what is loaded, or four.
     """
-    G, S, cells = t.G, t.S, t.cells
+    G, S, cells = t.gauss_points, t.cell_size, t.cells
     N = cells * S
     before_1 = before_2 = 0.0
     for cell in range(cells):
@@ -90,52 +91,49 @@ def cumulate(t: Tables, length: Array, f: Array, out: Array) -> None:
 
 
 @inlined
-def turned(rate: Array, first: int, e: Array, f: Array) -> None:
-    """To `f`: i rate e, for N real rates from rate[first] on."""
+def turned(rate: Array, e: Array, f: Array) -> None:
+    """To `f`: i rate e, for N real rates."""
     N = len(e) // 2
     for j in range(N):
-        f[j] = -rate[first + j] * e[N + j]
+        f[j] = -rate[j] * e[N + j]
     for j in range(N):
-        f[N + j] = rate[first + j] * e[j]
+        f[N + j] = rate[j] * e[j]
 
 
 @inlined
-def combine(row: Array, first: int, n: int, y: Array, at: int, out: Array) -> None:
-    """To `out`: sum_i y[at + i] (block i of the row from `first` on)."""
-    N = len(out)
-    for j in range(0, N, 4):
+def combine(shape: Array, y: Array, first: int, out: Array) -> None:
+    """To `out`: sum_i y[first + i] shape_i."""
+    for j in range(0, len(out), 4):
         sums = spread(0.0)
-        for i in range(n):
-            sums = plus(sums, y[at + i], load(row, first + i * N + j))
+        for i in range(len(shape)):
+            sums = plus(sums, y[first + i], load(shape[i], j))
         store(out, j, sums)
 
 
 @stage
 def place(p: Parameters, t: Tables, w: Workspace, y: Array, s: float) -> int:
-    """Angles, places and the integrals U_i (in V) and Y of the state `y`, the slider at s (equations 2.1 to 2.5).
+    """Angles, places and the integrals U_i and Y of the state `y`, the slider at s (equations 2.1 to 2.5).
 
     Returns:
         The slider's place among the points; -1 where the follower is bent too far.
     """
-    n, N = p.n, t.cells * t.S
-    before = interpolate_row(t, s, w.row)
-    lengths = t.kinds * n * N + 5 * n
-    for cell in range(t.cells):
-        w.length[cell] = w.row[lengths + cell]
-    combine(w.row, 0, n, y, 1, w.psi)
+    n, N = p.n, t.points
+    slider_cell = interpolate_row(t, s, w.row)
+    combine(w.shape, y, 1, w.psi)
     if not directions(w.psi, w.e):
         return -1
     cumulate(t, w.length, w.e, w.z)
-    if t.kinds == 3:
-        combine(w.row, n * N, n, y, 1, w.psi_s)
-        turned(w.psi_s, 0, w.e, w.integrand)
+    if t.moves:
+        combine(w.shape_s, y, 1, w.psi_s)
+        turned(w.psi_s, w.e, w.integrand)
         cumulate(t, w.length, w.integrand, w.Y)
     for i in range(n):
-        turned(w.row, i * N, w.e, w.integrand)
-        cumulate(t, w.length, w.integrand, w.V[1 + i])
+        turned(w.shape[i], w.e, w.integrand)
+        cumulate(t, w.length, w.integrand, w.U[i])
     for cell in range(t.cells):
-        for j in range(0, t.S, 4):
+        for j in range(0, t.cell_size, 4):
             share = plus(spread(0.0), w.length[cell], load(t.weights, j))
-            store(w.dx, cell * t.S + j, share)
-            store(w.dx, N + cell * t.S + j, share)
-    return before * t.S + t.G
+            store(w.dx, cell * t.cell_size + j, share)
+            store(w.dx, N + cell * t.cell_size + j, share)
+    w.facts.tip_arm = p.tip_offset * point(w.e, t.tip, N)
+    return slider_cell * t.cell_size + t.gauss_points

@@ -1,4 +1,4 @@
-"""Partial velocities, remaining accelerations, mass matrix and forces of beam and bodies (DERIVATION.md, section 4)."""
+"""Partial velocities, bias accelerations, mass matrix and forces of beam and bodies (DERIVATION.md, section 4)."""
 
 import math
 
@@ -6,44 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model import joint
-from quickreturn.reference_model.compilation import inlined, stage
-from quickreturn.reference_model.motion.lanes import load, plus, plus_product, spread, store, total
+from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.machine.simd import load, plus, plus_product, spread, store, total
 from quickreturn.reference_model.motion.layout import (
-    ACROSS,
-    ALONG,
     BASE_TURN,
-    COS_Q2,
     CRANK_TURN,
-    CURVATURE,
-    FOOT_1,
-    FOOT_2,
-    FORCE,
-    FRICTION,
-    GAP,
-    GAP_RATE,
-    NORMAL,
-    Q2_RATE,
-    Q2_REMAINDER,
-    S_RATE,
-    S_REMAINDER,
-    SIN_Q2,
-    SLIDER_MOMENT,
-    SLIDER_SLOPE,
     SLIDER_TURN,
-    TANGENT_1,
-    TANGENT_2,
-    TANGENTIAL,
     TIP_1,
     TIP_2,
     TIP_TURN,
-    TOOL_1,
-    TOOL_2,
     Parameters,
     Tables,
     Workspace,
 )
+from quickreturn.reference_model.motion.plane import cross, dot, point
+from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
 from quickreturn.reference_model.tip_force import share as share_of_force
-from quickreturn.reference_model.treatment import ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
 
@@ -52,39 +30,37 @@ share, friction_share, joint_force = stage(share_of_force), stage(joint.friction
 
 @stage
 def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
-    """Velocities of the points relative to the base frame, which the beam damping opposes; V still holds the U_i."""
+    """Velocities of the points relative to the base frame, which the beam damping opposes."""
     n, m = p.n, p.speeds
     size = len(w.relative)
-    s_rate = w.facts[S_RATE] if t.kinds == 3 else 0.0
+    s_rate = w.facts.s_rate if t.moves else 0.0
     for j in range(size):
         w.relative[j] = s_rate * w.Y[j]
     for i in range(1, n + 1):
         for j in range(size):
-            w.relative[j] += y[m + 1 + i] * w.V[i, j]
+            w.relative[j] += y[m + 1 + i] * w.U[i - 1, j]
 
 
 @stage
 def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
     """Rows of V: partial velocities of the beam's points and of all bodies for every speed (equations 4.1 and 4.2)."""
-    n, N = p.n, t.cells * t.S
-    end = N - t.S + t.G
-    ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
-    bodies = 2 * N
+    n, N = p.n, t.points
+    end, bodies, arm = t.tip, 2 * N, w.facts.tip_arm
     for k in range(p.speeds):
         c, sigma = w.c[k], w.sigma[k]
         row = w.V[k]
         for j in range(0, N, 4):  # Y is zero where the shapes stay
             real = imaginary = spread(0.0)
             if 0 < k <= n:
-                real, imaginary = load(row, j), load(row, N + j)
+                real, imaginary = load(w.U[k - 1], j), load(w.U[k - 1], N + j)
             store(row, j, plus(plus(real, sigma, load(w.Y, j)), -c, load(w.z, N + j)))
             store(row, N + j, plus(plus(imaginary, sigma, load(w.Y, N + j)), c, load(w.z, j)))
-        tip, slider = c + sigma * w.psi_s[end], c + sigma * w.facts[SLIDER_SLOPE]
+        tip, slider = c + sigma * w.psi_s[end], c + sigma * w.facts.angle_by_s
         if 0 < k <= n:
-            tip += w.row[(k - 1) * N + end]
-            slider += w.row[(k - 1) * N + at]
-        w.V[k, bodies + TIP_1] = w.V[k, end] - es * tip
-        w.V[k, bodies + TIP_2] = w.V[k, N + end] + ec * tip
+            tip += w.shape[k - 1, end]
+            slider += w.shape[k - 1, at]
+        w.V[k, bodies + TIP_1] = w.V[k, end] - arm.imag * tip
+        w.V[k, bodies + TIP_2] = w.V[k, N + end] + arm.real * tip
         w.V[k, bodies + TIP_TURN] = tip
         w.V[k, bodies + BASE_TURN] = c
         w.V[k, bodies + SLIDER_TURN] = slider
@@ -92,48 +68,44 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
 
 
 @stage
-def remaining_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
-    """Row A: accelerations of points and bodies without those of the speeds, less gravity (4.3 and 4.4); the force on the tip (4.9)."""
-    n, m, N, f = p.n, p.speeds, t.cells * t.S, w.facts
-    g1 = f[COS_Q2] * p.gravity_1 + f[SIN_Q2] * p.gravity_2
-    g2 = -f[SIN_Q2] * p.gravity_1 + f[COS_Q2] * p.gravity_2
-    q2_0, s_0 = f[Q2_REMAINDER], f[S_REMAINDER] if t.kinds == 3 else 0.0
-    for j in range(N):
-        w.A[j] += s_0 * w.Y[j] - q2_0 * w.z[N + j] - g1
-    for j in range(N):
-        w.A[N + j] += s_0 * w.Y[N + j] + q2_0 * w.z[j] - g2
+def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+    """Accelerations of points and bodies when no speed changes, less gravity (4.3 and 4.4); the force on the tip (4.9)."""
+    n, m, N, f = p.n, p.speeds, t.points, w.facts
     acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y[0], p.force_begin, p.force_span, p.force_ramp)
-    f[TOOL_1] = acting * (f[COS_Q2] * p.force_1 + f[SIN_Q2] * p.force_2)
-    f[TOOL_2] = acting * (f[COS_Q2] * p.force_2 - f[SIN_Q2] * p.force_1)
-    end = N - t.S + t.G
-    ec, es = p.tip_offset * w.e[end], p.tip_offset * w.e[N + end]
-    turn_0, square = q2_0 + w.gamma[end] + w.psi_s[end] * s_0, w.turn[end] ** 2
-    bodies = 2 * N
-    w.A[bodies + TIP_1] = w.A[end] - es * turn_0 - ec * square
-    w.A[bodies + TIP_2] = w.A[N + end] + ec * turn_0 - es * square
-    w.A[bodies + TIP_TURN] = turn_0
-    w.A[bodies + BASE_TURN] = q2_0
-    slider = q2_0 + f[SLIDER_SLOPE] * f[S_REMAINDER]
-    extra = t.kinds * n * N
+    f.tip_force = acting * f.frame.conjugate() * complex(p.force_1, p.force_2)
+    f.gravity = f.frame.conjugate() * complex(p.gravity_1, p.gravity_2)
+    g1, g2 = f.gravity.real, f.gravity.imag
+    q2_0, s_0 = f.q2_bias, f.s_bias if t.moves else 0.0
+    for j in range(N):
+        w.bias[j] = w.A[j] + s_0 * w.Y[j] - q2_0 * w.z[N + j] - g1
+    for j in range(N):
+        w.bias[N + j] = w.A[N + j] + s_0 * w.Y[N + j] + q2_0 * w.z[j] - g2
+    end, bodies = t.tip, 2 * N
+    turn_0 = q2_0 + w.gamma[end] + w.psi_s[end] * s_0
+    centre = point(w.bias, end, N) + (1j * turn_0 - w.turn[end] ** 2) * f.tip_arm
+    w.bias[bodies + TIP_1], w.bias[bodies + TIP_2] = centre.real, centre.imag
+    w.bias[bodies + TIP_TURN] = turn_0
+    w.bias[bodies + BASE_TURN] = q2_0
+    slider = q2_0 + f.angle_by_s * f.s_bias
     for i in range(n):
-        slider += 2.0 * w.row[extra + 3 * n + i] * f[S_RATE] * y[m + 2 + i]
-        slider += w.row[extra + 4 * n + i] * f[S_RATE] ** 2 * y[1 + i]
-    w.A[bodies + SLIDER_TURN] = slider
-    w.A[bodies + CRANK_TURN] = 0.0
+        slider += 2.0 * w.angle_at_slider_s[i] * f.s_rate * y[m + 2 + i]
+        slider += w.angle_at_slider_ss[i] * f.s_rate**2 * y[1 + i]
+    w.bias[bodies + SLIDER_TURN] = slider
+    w.bias[bodies + CRANK_TURN] = 0.0
 
 
 @stage
 def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
-    """Mass matrix (lower triangle) and forces for the speeds, these in `w.acceleration` (equations 4.5 to 4.7)."""
-    n, m, N, f = p.n, p.speeds, t.cells * t.S, w.facts
-    bodies, lanes = 2 * N, len(w.mass)
+    """Mass matrix (lower triangle) and generalised forces Q for the speeds (equations 4.5 to 4.7)."""
+    n, m, N, f = p.n, p.speeds, t.points, w.facts
+    bodies, size = 2 * N, len(w.mass)
     for j in range(2 * N):
         w.mass[j] = p.rhoA * w.dx[j]
     w.mass[bodies + TIP_1] = w.mass[bodies + TIP_2] = p.tip_mass
     w.mass[bodies + TIP_TURN], w.mass[bodies + BASE_TURN] = p.tip_inertia, p.base_inertia
     w.mass[bodies + SLIDER_TURN], w.mass[bodies + CRANK_TURN] = p.slider_inertia, p.crank_inertia
-    for j in range(lanes):
-        w.force[j] = w.mass[j] * w.A[j]
+    for j in range(size):
+        w.force[j] = w.mass[j] * w.bias[j]
     moment = 0.0
     if p.beam_damping > 0.0:
         # against the velocities relative to the base frame: the follower's turning with it does no work
@@ -143,32 +115,31 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
             w.force[N + j] += p.beam_damping * w.dx[j] * w.relative[N + j]
             moment += w.dx[j] * (p.beam_damping * w.z[j] * w.relative[N + j] - along * w.z[N + j] * w.relative[j])
     moment -= pivot_torque(p, w)
-    end = N - t.S + t.G
-    w.force[end] -= f[TOOL_1]
-    w.force[N + end] -= f[TOOL_2]
-    extra = t.kinds * n * N
+    end = t.tip
+    w.force[end] -= f.tip_force.real
+    w.force[N + end] -= f.tip_force.imag
     hardening = 0.0
     for i in range(n):
-        hardening += 0.5 * w.row[extra + n + i] * y[1 + i] ** 2
+        hardening += 0.5 * w.squares_s[i] * y[1 + i] ** 2
     if p.bending_damping > 0.0:
         _damp_bending(p, t, w)
     for k in range(m):
-        w.acceleration[k] = moment * w.c[k] - hardening * w.sigma[k] - _dot(w.V[k], w.force, lanes)
+        w.Q[k] = moment * w.c[k] - hardening * w.sigma[k] - _dot(w.V[k], w.force, size)
         if 0 < k <= n:
-            w.acceleration[k] -= w.row[extra + k - 1] * y[k]
+            w.Q[k] -= w.squares[k - 1] * y[k]
         if p.bending_damping > 0.0:
-            w.acceleration[k] -= _bending_force(t, w, k, n)
-        for j in range(lanes):
+            w.Q[k] -= _bending_force(t, w, k, n)
+        for j in range(size):
             w.weighted[j] = w.mass[j] * w.V[k, j]
         for i in range(k + 1):
-            w.reduced[k, i] = _dot(w.weighted, w.V[i], lanes)
-    w.acceleration[0] += p.torque - p.crank_damping * y[m + 1] + crank_weight(p, w)
+            w.M[k, i] = _dot(w.weighted, w.V[i], size)
+    w.Q[0] += p.torque - p.crank_damping * y[m + 1] + crank_weight(p, w)
 
 
 @stage
 def pivot_torque(p: Parameters, w: Workspace) -> float:
     """Torque by which damping and friction of the pivot P oppose the follower, N m (equations 4.7 and 5.14)."""
-    rate = w.facts[Q2_RATE]
+    rate = w.facts.q2_rate
     if p.base_friction == 0.0:
         return p.base_damping * rate
     return p.base_damping * rate + p.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE)
@@ -181,17 +152,17 @@ def _damp_bending(p: Parameters, t: Tables, w: Workspace) -> None:
     Both are derivatives of the polynomial through the Gauss points of a cell.
     """
     for cell in range(t.cells):
-        first = cell * t.S
-        for j in range(t.S):
+        first = cell * t.cell_size
+        for j in range(t.cell_size):
             w.curvature_rate[first + j] = w.bending_load[first + j] = 0.0
-        for i in range(t.G):
+        for i in range(t.gauss_points):
             rate = 0.0
-            for j in range(t.G):
+            for j in range(t.gauss_points):
                 if j != i:
                     rate += _slope_weight(t, i, j) * (w.turn[first + j] - w.turn[first + i])
             w.curvature_rate[first + i] = rate / w.length[cell]
             load = p.EI * p.bending_damping * t.weights[i] * w.curvature_rate[first + i]
-            for j in range(t.G):
+            for j in range(t.gauss_points):
                 if j != i:
                     w.bending_load[first + j] += _slope_weight(t, i, j) * load
                     w.bending_load[first + i] -= _slope_weight(t, i, j) * load
@@ -206,12 +177,12 @@ def _slope_weight(t: Tables, i: int, j: int) -> float:
 @inlined
 def _bending_force(t: Tables, w: Workspace, k: int, n: int) -> float:
     """What the material's damping takes off the force of the speed k (equation 4.10)."""
-    N = t.cells * t.S
+    N = t.points
     force = 0.0
     for j in range(N):
         angle = w.sigma[k] * w.psi_s[j]
         if 0 < k <= n:
-            angle += w.row[(k - 1) * N + j]
+            angle += w.shape[k - 1, j]
         force += angle * w.bending_load[j]
     return force
 
@@ -219,9 +190,7 @@ def _bending_force(t: Tables, w: Workspace, k: int, n: int) -> float:
 @inlined
 def crank_weight(p: Parameters, w: Workspace) -> float:
     """Moment of gravity on the crank about O, N m."""
-    f = w.facts
-    weight = f[ALONG] * (-f[SIN_Q2] * p.gravity_1 + f[COS_Q2] * p.gravity_2)
-    return p.crank_moment * (weight - f[ACROSS] * (f[COS_Q2] * p.gravity_1 + f[SIN_Q2] * p.gravity_2))
+    return p.crank_moment * cross(w.facts.arm, w.facts.gravity)
 
 
 @inlined
@@ -239,29 +208,29 @@ def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
     n = p.n
     if p.knows_frequency == 0:
         return 0.0
-    square = w.row[t.kinds * n * t.cells * t.S + n - 1]
+    square = w.squares[n - 1]
     if p.first == 1:
         return math.sqrt(square)
     coupling = 0.0
     for k in range(1, n + 1):
-        coupling += w.reduced[k, 0] ** 2 / (w.reduced[k, k] * w.reduced[0, 0])
+        coupling += w.M[k, 0] ** 2 / (w.M[k, k] * w.M[0, 0])
     return math.sqrt(square / max(1.0 - coupling, 1e-6))
 
 
 @stage
 def dissipation(p: Parameters, t: Tables, w: Workspace, y: Array) -> float:
     """Power taken by all dampings, W (equation 4.7)."""
-    m, N = p.speeds, t.cells * t.S
+    m, N = p.speeds, t.points
     total = 0.0
     for j in range(N):
         total += w.dx[j] * (p.damps_along * w.relative[j] * w.relative[j] + w.relative[N + j] * w.relative[N + j])
-    power = p.crank_damping * y[m + 1] ** 2 + pivot_torque(p, w) * w.facts[Q2_RATE] + p.beam_damping * total
+    power = p.crank_damping * y[m + 1] ** 2 + pivot_torque(p, w) * w.facts.q2_rate + p.beam_damping * total
     if p.bending_damping > 0.0:
         for j in range(N):
             power += p.EI * p.bending_damping * w.dx[j] * w.curvature_rate[j] ** 2
-    power += w.facts[FRICTION] * w.facts[S_RATE]
-    if p.treatment == ROLLERS:
-        power += _loss_of_rollers(p, w.facts[GAP], w.facts[GAP_RATE])
+    power += w.facts.friction * w.facts.s_rate
+    if p.constraint == ROLLERS:
+        power += _loss_of_rollers(p, w.facts.gap, w.facts.gap_rate)
     return power
 
 
@@ -276,43 +245,42 @@ def _loss_of_rollers(p: Parameters, gap: float, rate: float) -> float:
 def moment_about_pivot(p: Parameters, t: Tables, w: Workspace) -> float:
     """Moment about P (N m) that moves everything that turns there as it does (equation 5.4).
 
-    The beam damping acts between beam and base and drops out. Leaves the accelerations of points and bodies, less gravity, in `w.A`.
+    The beam damping acts between beam and base and drops out. Leaves the accelerations of points and bodies, less gravity, in `w.a`.
     """
-    N, f = t.cells * t.S, w.facts
-    bodies, end = 2 * N, N - t.S + t.G
+    N, f = t.points, w.facts
+    bodies, end = 2 * N, t.tip
+    for j in range(len(w.bias)):
+        w.a[j] = w.bias[j]
     for k in range(p.speeds):
-        for j in range(len(w.A)):
-            w.A[j] += w.acceleration[k] * w.V[k, j]
-    moment = p.base_inertia * w.A[bodies + BASE_TURN] + pivot_torque(p, w) + p.tip_inertia * w.A[bodies + TIP_TURN]
+        for j in range(len(w.a)):
+            w.a[j] += w.acceleration[k] * w.V[k, j]
+    moment = p.base_inertia * w.a[bodies + BASE_TURN] + pivot_torque(p, w) + p.tip_inertia * w.a[bodies + TIP_TURN]
     for j in range(N):
-        moment += w.mass[j] * (w.z[j] * w.A[N + j] - w.z[N + j] * w.A[j])
-    arm_1, arm_2 = w.z[end] + p.tip_offset * w.e[end], w.z[N + end] + p.tip_offset * w.e[N + end]
-    moment -= w.z[end] * f[TOOL_2] - w.z[N + end] * f[TOOL_1]
-    return moment + p.tip_mass * (arm_1 * w.A[bodies + TIP_2] - arm_2 * w.A[bodies + TIP_1])
+        moment += w.mass[j] * (w.z[j] * w.a[N + j] - w.z[N + j] * w.a[j])
+    tip, acceleration = point(w.z, end, N), complex(w.a[bodies + TIP_1], w.a[bodies + TIP_2])
+    return moment - cross(tip, f.tip_force) + p.tip_mass * cross(tip + f.tip_arm, acceleration)
 
 
 @stage
 def power_of_tool(p: Parameters, t: Tables, w: Workspace) -> float:
     """Power of the force on the tip, W (equation 4.9)."""
-    N, f = t.cells * t.S, w.facts
-    end = N - t.S + t.G
-    v1, v2 = w.relative[end] - f[Q2_RATE] * w.z[N + end], w.relative[N + end] + f[Q2_RATE] * w.z[end]
-    return f[TOOL_1] * v1 + f[TOOL_2] * v2
+    N, f = t.points, w.facts
+    return dot(f.tip_force, point(w.relative, t.tip, N) + 1j * f.q2_rate * point(w.z, t.tip, N))
 
 
 @stage
 def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
-    """Normal and tangential force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
+    """Force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
     f = w.facts
-    f[SLIDER_MOMENT] = -p.slider_inertia * w.A[2 * t.cells * t.S + SLIDER_TURN] / (1.0 - f[GAP] * f[CURVATURE])
-    f[TANGENTIAL] = -f[SLIDER_MOMENT] * f[CURVATURE]
-    rubbing = f[FRICTION] / (1.0 - f[GAP] * f[CURVATURE])
-    f[TANGENTIAL] += rubbing
-    f[SLIDER_MOMENT] -= f[GAP] * rubbing
-    f[NORMAL] = f[FORCE]
-    if p.treatment == ELIMINATED:
-        t1, t2, Z1, Z2 = f[TANGENT_1], f[TANGENT_2], f[FOOT_1], f[FOOT_2]
-        f[NORMAL] = (moment - f[SLIDER_MOMENT] - f[TANGENTIAL] * (Z1 * t2 - Z2 * t1)) / (Z1 * t1 + Z2 * t2)
+    f.slider_moment = -p.slider_inertia * w.a[2 * t.points + SLIDER_TURN] / (1.0 - f.gap * f.curvature)
+    f.tangential = -f.slider_moment * f.curvature
+    rubbing = f.friction / (1.0 - f.gap * f.curvature)
+    f.tangential += rubbing
+    f.slider_moment -= f.gap * rubbing
+    f.normal = f.force
+    if p.constraint == ELIMINATED:
+        f.normal = (moment - f.slider_moment - f.tangential * cross(f.foot, f.tangent)) / dot(f.foot, f.tangent)
+    f.slider_force = (1j * f.normal + f.tangential) * f.tangent
 
 
 @stage
@@ -320,8 +288,5 @@ def drive_torque(p: Parameters, w: Workspace) -> float:
     """Torque of the drive, N m: given, or what a prescribed speed takes (equation 5.7)."""
     if p.first == 0:
         return p.torque
-    f = w.facts
-    t1, t2 = f[TANGENT_1], f[TANGENT_2]
-    F1, F2 = -f[NORMAL] * t2 + f[TANGENTIAL] * t1, f[NORMAL] * t1 + f[TANGENTIAL] * t2
-    # the crank tip moves along LA (-across, along); it carries the opposite force; the slider's moment turns with the follower
-    return p.LA * (-f[ACROSS] * F1 + f[ALONG] * F2) - crank_weight(p, w)
+    # the crank tip carries the opposite of the slider's force; the slider's moment turns with the follower
+    return p.LA * cross(w.facts.arm, w.facts.slider_force) - crank_weight(p, w)

@@ -5,58 +5,109 @@ Fields over the points lie in rows, complex ones as their N real parts followed 
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+import math
+from typing import Any, Final, NamedTuple
 
-from quickreturn.reference_model.motion.address import Cube, Matrix, Vector, on_lines, reader, tuple_type
+import numba
+import numpy as np
 
-#: Quantities per shape behind those per point in a row of the table: omega^2, its derivative by s, curvature at the slider, and the
-#: first two derivatives of psi(s; s).
-EXTRAS: Final = 5
+from quickreturn.reference_model.machine.pointers import ComplexVector, Cube, Matrix, Vector, on_lines, reader, tuple_type
+
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations; two more make the rows' length a multiple
 #: of four.
 TIP_1, TIP_2, TIP_TURN, BASE_TURN, SLIDER_TURN, CRANK_TURN = range(6)
 BODIES: Final = 8
 
-#: Quantities of one state in `Workspace.facts`.
-COS_Q2, SIN_Q2, Q2_RATE, S_RATE, Q2_REMAINDER, S_REMAINDER, CURVATURE, SLIDER_SLOPE, ALONG, ACROSS, EXCESS = range(11)
-GAP, GAP_RATE, GAP_REMAINDER, TANGENT_1, TANGENT_2, FOOT_1, FOOT_2, MISSED, FORCE = range(11, 20)
-FOOT_BY_S_1, FOOT_BY_S_2, ALONG_BY_Q2, ACROSS_BY_Q2, TOOL_1, TOOL_2 = range(20, 26)
-#: The slider's place among the points; its force (N) and moment (N m) on the follower; the torque (N m) of the drive, or the base's where
-#: its motion is prescribed.
-AT, NORMAL, TANGENTIAL, SLIDER_MOMENT, TORQUE = range(26, 31)
-#: Friction (N) that opposes the slider's way along the follower.
-FRICTION: Final = 31
-FACTS: Final = 32
+
+class Facts:
+    """Quantities of one state. Vectors are in frame B; bias is what is left of an acceleration with all speeds held."""
+
+    frame: complex  # exp(i q2), which turns from frame B to frame N
+    q2_rate: float
+    q2_bias: float
+    s_rate: float  # of the slider's place along the follower
+    s_bias: float
+    arm: complex  # direction of the crank
+    tangent: complex  # of the line that the slider rides on
+    curvature: float  # 1/m, at the slider
+    angle_by_s: float  # change of the tangent's angle at the slider with s, amplitudes held, 1/m
+    foot: complex  # m, place of the slider on the follower
+    foot_by_s: complex  # b_1 + i b_2, change of the foot with s, along and across the tangent
+    closing_by_q2: complex  # m, right sides of the loop's rates for the speed of q2, along and across the tangent
+    missed: float  # m, how far s is from where the loop closes
+    gap: float  # m, from the foot to the crank tip along the normal
+    gap_rate: float
+    gap_bias: float
+    excess: float  # m, by which the loop is not closed
+    tip_arm: complex  # m, from x = L to the tip's centre of mass
+    gravity: complex  # m/s^2
+    tip_force: complex  # N, prescribed
+    at_slider: int  # the slider's place among the points
+    force: float  # N, of the slider along the normal where the loop is open
+    friction: float  # N, opposes the slider's way along the follower
+    normal: float  # N, parts of the slider's force on the follower
+    tangential: float
+    slider_force: complex  # N, on the follower
+    slider_moment: float  # N m, on the follower
+    torque: float  # N m, of the drive, or the base's where its motion is prescribed
+
+
+_KINDS: Final = {"int": np.int64, "float": np.float64, "complex": np.complex128}
+FACTS: Final = np.dtype((np.record, [(name, _KINDS[kind]) for name, kind in Facts.__annotations__.items()]))
+
+
+class ShapeRow(NamedTuple):
+    """What a row of the table holds, one after the other: for N points, n shapes, of any number of rows (...)."""
+
+    shape: Matrix  # (..., n, N) psi_i at the points
+    shape_s: Matrix  # (..., n, N) its derivative by s at fixed arc length; (..., 0, N) where the shapes stay
+    shape_ss: Matrix  # and the second one
+    squares: Vector  # (..., n) omega_i^2, 1/s^2
+    squares_s: Vector  # (..., n) its derivative by s
+    curvature_at_slider: Vector  # (..., n) 1/m
+    angle_at_slider_s: Vector  # (..., n) derivatives of psi_i(s; s)
+    angle_at_slider_ss: Vector
+    length: Vector  # (..., cells) m
+
+    @classmethod
+    def of(cls, row: Vector, n: int, t: Tables) -> ShapeRow:
+        """Views of rows (..., row length) of a table of n shapes."""
+        moving = n if t.moves else 0
+        sizes = [(n, t.points), (moving, t.points), (moving, t.points), *[(n,)] * 5, (t.cells,)]
+        ends = np.cumsum([math.prod(size) for size in sizes])
+        parts = np.split(row[..., : ends[-1]], ends[:-1], axis=-1)
+        return cls(*(part.reshape(*row.shape[:-1], *size) for part, size in zip(parts, sizes, strict=True)))
 
 
 class Tables(NamedTuple):
     """psi_i and its derivatives by s at points that move with the slider, piecewise cubic in s.
 
-    Cells divide the follower from its base to the slider and from there to the end. Each has G Gauss points and its own end, and takes S
-    places, the next multiple of four above G; what is left over weighs nothing. N = cells times S in all. A row of the table holds
-    `kinds` blocks of (n, N), psi and for shapes that move its first two derivatives by s at fixed arc length; then EXTRAS blocks of
-    (n,), then the lengths of the cells, and nothing up to the next multiple of eight.
+    Cells divide the follower from its base to the slider and from there to the end. Each has its Gauss points and its own end, and takes
+    `cell_size` places, the next multiple of four; what is left over weighs nothing. A row of the table holds what `ShapeRow` names, and
+    nothing up to the next multiple of eight.
     """
 
     low: float  # m, smallest s
     high: float  # m, largest s
     step: float  # m, between nodes
-    kinds: int  # 3, or 1 for shapes that stay where they are
+    moves: bool  # whether the shapes depend on s
     coefficients: Cube  # (intervals, 4, row length), powers of s - node, highest first
-    before: Vector  # (intervals,) number of cells between base and slider, less one
-    G: int
-    S: int
+    slider_cell: Vector  # (intervals,) number of the cell that ends at the slider
+    gauss_points: int  # of a cell
+    cell_size: int  # places among the points that a cell takes
     cells: int
-    u: Vector  # (G,) Gauss points in fractions of a cell
-    lagrange: Vector  # (G,) weights of Lagrange's polynomials through the Gauss points, see `gauss_points.lagrange_weights`
-    weights: Vector  # (S,) of the integral over a cell of unit length
-    to_points: Vector  # (G S,) row by row, weight of each Gauss point in the integrals from the cell's beginning to each of the S places
+    points: int  # N, cells times cell_size
+    tip: int  # place of x = L among the points
+    u: Vector  # (gauss_points,) in fractions of a cell
+    lagrange: Vector  # (gauss_points,) weights of Lagrange's polynomials through them, see `gauss_points.lagrange_weights`
+    weights: Vector  # (cell_size,) of the integral over a cell of unit length
+    to_points: Vector  # (gauss_points cell_size,) row by row, weight of each in the integrals from the cell's beginning to each place
 
 
 class Parameters(NamedTuple):
     """Constants of the equations, SI. m = speeds: the crank's, n amplitudes', and where the loop is open the base angle's."""
 
-    treatment: int
+    constraint: int
     n: int  # shapes
     speeds: int  # m
     first: int  # first free speed: 1 where the crank's is prescribed
@@ -110,15 +161,22 @@ class Parameters(NamedTuple):
 class Workspace(NamedTuple):
     """Scratch of one evaluation, for N points, n shapes and m speeds; rows of length M = 2 N + BODIES also hold the bodies' entries."""
 
-    row: Vector  # interpolated row of the table
+    row: Vector  # interpolated row of the table, and what it holds, see `ShapeRow`
+    shape: Matrix
+    shape_s: Matrix
+    shape_ss: Matrix
+    squares: Vector
+    squares_s: Vector
+    curvature_at_slider: Vector
+    angle_at_slider_s: Vector
+    angle_at_slider_ss: Vector
+    length: Vector
     psi: Vector  # (N,)
     psi_s: Vector  # (N,)
-    gamma: Vector  # (N,) remainder of the angular acceleration before q2 and s are known
+    gamma: Vector  # (N,) bias of the angular acceleration but for what q2 and s add
     turn: Vector  # (N,) angular rate
-    curvature: Vector  # (N,) recovered, 1/m
     curvature_rate: Vector  # (N,) 1/(m s)
     bending_load: Vector  # (N,) what the material's damping does to an angle at the points, N m
-    length: Vector  # (cells,) m
     e: Vector  # (2 N,) exp(i psi)
     z: Vector  # (2 N,) place relative to P in frame B
     Y: Vector  # (2 N,) change of the place with s
@@ -126,43 +184,65 @@ class Workspace(NamedTuple):
     relative: Vector  # (2 N,) velocity relative to frame B
     dx: Vector  # (2 N,) share of the length, m, for real and imaginary parts alike
     mass: Vector  # (M,) kg, for turning bodies kg m^2
+    U: Matrix  # (n, 2 N) partial velocities relative to frame B, s held
     V: Matrix  # (m, M) partial velocities in frame B
-    A: Vector  # (M,) remaining acceleration less gravity in frame B
+    A: Vector  # (2 N,) bias acceleration but for what q2 and s add
+    bias: Vector  # (M,) bias acceleration less gravity in frame B
+    a: Vector  # (M,) acceleration less gravity in frame B
     force: Vector  # (M,)
     weighted: Vector  # (M,) a row of V times the masses
-    foot: Matrix  # (3, m) right sides of the loop's rates along and across the tangent, and the tangent's turning, per speed, s held
+    foot_rate: ComplexVector  # (m,) partial velocities of the foot relative to frame B, s held
+    tangent_rate: Vector  # (m,) partial angular rates of the tangent there, likewise
+    closing: ComplexVector  # (m,) right sides of the loop's rates per speed, along and across the tangent
     c: Vector  # (m,) partial rates of q2
     sigma: Vector  # (m,) partial rates of s
     row_of_gap: Vector  # (m,) partial rates of the gap
     spread: Vector  # (m,) generalised force per unit of slider force, sign reversed
-    reduced: Matrix  # (m, m) mass matrix, factored in place
+    M: Matrix  # (m, m) mass matrix, lower triangle
+    factor: Matrix  # (m, m) its factor
+    Q: Vector  # (m,) generalised forces
     response: Vector  # (m,) accelerations per unit of the slider's force
     acceleration: Vector  # (m,)
+    load: Vector  # (2 N,) force on the beam per length, N/m
+    load_moment: Vector  # (2 N,) its moment about P per length, N, and zeros
+    inboard_force: Vector  # (2 N,) N
+    inboard_moment: Vector  # (2 N,) N m, and zeros
+    moment: Vector  # (N,) bending moment, N m
+    curvature: Vector  # (N,) recovered, 1/m
+    recovered_angle: Vector  # (2 N,) and zeros
+    recovered_e: Vector  # (2 N,)
+    recovered_place: Vector  # (2 N,) m
     slider: Vector  # (2,) s, m; highest angular frequency, rad/s, 0 where nobody knows it
-    facts: Vector  # (FACTS,)
+    facts: Facts
 
 
 TABLES_TYPE: Final = tuple_type(Tables)
 PARAMETERS_TYPE: Final = tuple_type(Parameters, tables=TABLES_TYPE)
-WORKSPACE_TYPE: Final = tuple_type(Workspace)
+WORKSPACE_TYPE: Final = tuple_type(Workspace, facts=numba.from_dtype(FACTS))
 parameters_at = reader(PARAMETERS_TYPE)
 workspace_at = reader(WORKSPACE_TYPE)
 
 
 def workspace(p: Parameters) -> Workspace:
     """Scratch arrays for these parameters."""
-    n, m, N = p.n, p.speeds, p.tables.cells * p.tables.S
+    n, m, N = p.n, p.speeds, p.tables.points
     M = 2 * N + BODIES
-    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
-        ("psi", "psi_s", "gamma", "turn", "curvature", "curvature_rate", "bending_load"), (N,)
+    row = on_lines(p.tables.coefficients.shape[2:])
+    sizes = (
+        ("psi psi_s gamma turn curvature_rate bending_load moment curvature", (N,)),
+        ("e z Y integrand relative dx A load load_moment inboard_force inboard_moment", (2 * N,)),
+        ("recovered_angle recovered_e recovered_place", (2 * N,)),
+        ("mass bias a force weighted", (M,)),
+        ("tangent_rate c sigma row_of_gap spread Q response acceleration", (m,)),
+        ("U", (n, 2 * N)),
+        ("V", (m, M)),
+        ("M factor", (m, m)),
+        ("slider", (2,)),
     )
-    shapes |= dict.fromkeys(("e", "z", "Y", "integrand", "relative", "dx"), (2 * N,))
-    shapes |= dict.fromkeys(("mass", "A", "force", "weighted"), (M,))
-    shapes |= dict.fromkeys(("c", "sigma", "row_of_gap", "spread", "response", "acceleration"), (m,))
-    shapes |= {"row": p.tables.coefficients.shape[2:], "length": (p.tables.cells,), "foot": (3, m), "V": (m, M), "reduced": (m, m)}
-    shapes |= {"slider": (2,), "facts": (FACTS,)}
-    assert p.tables.kinds * n * N + EXTRAS * n + p.tables.cells <= shapes["row"][0]
-    return Workspace(**{name: on_lines(shapes[name]) for name in Workspace._fields})
+    fields: dict[str, Any] = {name: on_lines(size) for names, size in sizes for name in names.split()}
+    fields |= {name: np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}
+    facts = np.zeros(1, FACTS)[0]
+    return Workspace(row=row, **ShapeRow.of(row, n, p.tables)._asdict(), **fields, facts=facts)
 
 
 def state_size(p: Parameters) -> int:

@@ -3,11 +3,11 @@
 from quickreturn.reference_model.constants import constants
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider
 from quickreturn.reference_model.motion.layout import Parameters, Tables
-from quickreturn.reference_model.treatment import BASE, CLOSED, ELIMINATED, Treatment
+from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
 
 
 def parameters(
-    scene: Scene, shapes: int, tables: Tables, reach: float, treatment: Treatment = CLOSED, *, transverse_damping: bool = False
+    scene: Scene, shapes: int, tables: Tables, reach: float, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
 ) -> Parameters:
     """Constants of a scene with shapes in tables.
 
@@ -16,14 +16,14 @@ def parameters(
         shapes: n.
         tables: of the shapes.
         reach: m, place of the slider at which it counts as leaving the follower.
-        treatment: of the slider; not read for the follower alone.
+        constraint: of the slider; not read for the follower alone.
         transverse_damping: the beam damping acts on the velocity across the base tangent alone.
     """
-    kind = BASE if isinstance(scene, FollowerAlone) else treatment.kind
-    rollers, slider = treatment.rollers, scene.slider if isinstance(scene, Mechanism) else Slider()
+    kind = BASE if isinstance(scene, FollowerAlone) else constraint.kind
+    rollers, slider = constraint.rollers, scene.slider if isinstance(scene, Mechanism) else Slider()
     return Parameters(
         **constants(scene),
-        treatment=kind,
+        constraint=kind,
         n=shapes,
         speeds=shapes + (1 if kind in (ELIMINATED, BASE) else 2),
         first=0 if isinstance(scene, Mechanism) and scene.crank_is_free else 1,
@@ -39,10 +39,10 @@ def parameters(
         friction=slider.friction,
         friction_force=slider.friction_force,
         friction_speed=slider.friction_speed,
-        joint_inertia=treatment.inertia,
-        stabilization=treatment.stabilization,
-        bending_damping=treatment.bending_damping + scene.follower.material_damping if shapes else 0.0,
+        joint_inertia=constraint.inertia,
+        stabilization=constraint.stabilization,
+        bending_damping=constraint.bending_damping + scene.follower.material_damping if shapes else 0.0,
         reach=reach,
-        knows_frequency=1 if tables.kinds == 3 and kind == ELIMINATED else 0,
+        knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,
         tables=tables,
     )

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.constants import characteristic_frequency, constants
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
+from quickreturn.reference_model.machine.pointers import Placed
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.motion.address import Placed
 from quickreturn.reference_model.motion.equations import evaluate
 from quickreturn.reference_model.moving_boundaries import tables as t
 from quickreturn.reference_model.moving_boundaries.equations import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, Workspace, kernel

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import compiled, stage
+from quickreturn.reference_model.machine.compilation import compiled, stage
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line

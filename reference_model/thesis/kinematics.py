@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
 from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, Tables, cumulate, find_cell, partial_weights
 

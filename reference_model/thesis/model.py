@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import BENDING, OBSERVED, of_follower_alone
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.integrate import Integration
+from quickreturn.reference_model.machine.pointers import Placed
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.model import ObservationFailed
-from quickreturn.reference_model.motion.address import Placed
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
 from quickreturn.reference_model.thesis.lsoda import integrate_lsoda

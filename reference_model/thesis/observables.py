@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model import columns as c
-from quickreturn.reference_model.compilation import inlined, stage
+from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
 from quickreturn.reference_model.thesis.tables import find_cell

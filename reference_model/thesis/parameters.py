@@ -8,8 +8,8 @@ import numpy as np
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants
+from quickreturn.reference_model.machine.pointers import Cube, Matrix, Vector, reader, tuple_type
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
-from quickreturn.reference_model.motion.address import Cube, Matrix, Vector, reader, tuple_type
 from quickreturn.reference_model.rigid import deflection_scale
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, Tables, build_tables
@@ -85,7 +85,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     EI = 0.0 if follower.is_rigid else follower.bending_stiffness
     places = follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)
     return Parameters(
-        **known,
+        **{name: value for name, value in known.items() if name in Parameters._fields},
         crank_is_free=isinstance(scene, Mechanism) and scene.crank_is_free,
         EI=EI,
         has_gravity=scene.has_gravity,

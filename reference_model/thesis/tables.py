@@ -12,8 +12,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import stage
-from quickreturn.reference_model.motion.address import Matrix, Vector, tuple_type
+from quickreturn.reference_model.machine.compilation import stage
+from quickreturn.reference_model.machine.pointers import Matrix, Vector, tuple_type
 from quickreturn.reference_model.shapes import ShapeSet
 
 POINTS = 6

@@ -17,7 +17,6 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures import CHANNELS, cut_cycles, measure_cycle, time_scale
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.motion.layout import COS_Q2, MISSED, SIN_Q2
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, vibrating
 from tests.cases.vibration_truth import LAUNCHES, SteadyVibration, steady_vibration
@@ -61,7 +60,7 @@ def base_angles(model: BeamModel, states: Array) -> Array:
     angles, facts = np.empty(len(states)), model.workspace.facts
     for row, state in enumerate(states):
         assert model.can_move(state)
-        angles[row] = np.pi + np.arctan2(-facts[SIN_Q2], -facts[COS_Q2])
+        angles[row] = np.pi + np.angle(-facts.frame)
     return angles
 
 
@@ -71,7 +70,7 @@ def pushed(model: BeamModel, state: Array, push: Array) -> Array:
     moved[1 : n + 1] += push
     for _ in range(40):  # what is missed falls fivefold each time at least
         assert model.can_move(moved)
-        moved[n + 1] += model.workspace.facts[MISSED]
+        moved[n + 1] += model.workspace.facts.missed
     return moved
 
 

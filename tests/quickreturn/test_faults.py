@@ -131,9 +131,10 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 @pytest.mark.parametrize("engine", FAULTS)
 def test_an_engine_is_named_for_what_it_did(campaign: Campaign, engine: str) -> None:
     found = campaign.engines[engine]
-    assert (found["status"], found["remark"]) == ("failed", FAULTS[engine])
-    assert {"case": "small", "engine": engine, "status": "failed", "remark": FAULTS[engine]} in campaign.document["failures"]
-    assert f"quickreturn: small: engine {engine} failed: {FAULTS[engine]}\n" in campaign.answer.errors
+    remark = found["remark"]
+    assert (found["status"], remark.removesuffix(": nan")) == ("failed", FAULTS[engine])  # newer versions of Python name the value
+    assert {"case": "small", "engine": engine, "status": "failed", "remark": remark} in campaign.document["failures"]
+    assert f"quickreturn: small: engine {engine} failed: {remark}\n" in campaign.answer.errors
 
 
 def test_the_engines_beside_them_complete(campaign: Campaign) -> None:

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED
-from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe
-from quickreturn.reference_model.motion.layout import GAP_REMAINDER, Q2_REMAINDER, S_RATE, S_REMAINDER, workspace
+from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane
+from quickreturn.reference_model.motion.layout import workspace
 from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.shapes import hermite_elements, no_shapes
-from quickreturn.reference_model.treatment import BASE, CHORDS, ELIMINATED
+from quickreturn.reference_model.slider_constraint import BASE, CHORDS, ELIMINATED
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_states import (
     ALONE,
@@ -44,7 +44,6 @@ from tests.reference_model.mutation import Hunt, Source, plain
 
 Array = NDArray[np.float64]
 Functions = Mapping[str, Any]
-REMAINDERS: Final = {"q2": Q2_REMAINDER, "s": S_REMAINDER, "gap": GAP_REMAINDER}
 
 #: Those of `test_plain_beam`: of what moves, and of what is recovered from the loads.
 TOLERANCE: Final = 1e-6
@@ -68,7 +67,7 @@ LANES: Mapping[str, Callable[..., Any]] = {
     "total": lambda four: float(np.sum(four)),
 }
 SOURCE = Source(
-    modules=(fields, loop, inertia, observe, equations),
+    modules=(plane, fields, loop, inertia, observe, equations),
     no_equations=frozenset({"_factor", "_substitute", "kernel", "evaluate", "observe_states"}),
     stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "cache", "parameters_at", "workspace_at"), plain)
     | {"numbers_at": lambda array, size: array}
@@ -110,8 +109,8 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     found: dict[str, Any] = dict(zip((*OBSERVED, *JOINT_COLUMNS), row, strict=True))
     m = p.speeds
     found |= {"speeds": rate[:m], "accelerations": rate[m + 1 : 2 * m + 1], "powers": rate[2 * m + 1 :]}
-    found |= {f"remainder of {name}": w.facts[fact] for name, fact in REMAINDERS.items()}
-    return found | {"s_rate": rate[m], "feedback": rate[m] - w.facts[S_RATE], "frequency": w.slider[1]}
+    found |= {f"bias of {name}": getattr(w.facts, f"{name}_bias") for name in ("q2", "s", "gap")}
+    return found | {"s_rate": rate[m], "feedback": rate[m] - w.facts.s_rate, "frequency": w.slider[1]}
 
 
 def _of_state(state: State, recovered: float = RECOVERED) -> Check:
@@ -142,8 +141,8 @@ def _of_state(state: State, recovered: float = RECOVERED) -> Check:
     else:
         expected["s_rate"] = o.s_rate, TOLERANCE
         square = float(np.max(np.abs(y[m + 1 : 2 * m + 1]))) ** 2
-        remainders = {"s": o.s_remainder, "q2": o.q2_remainder} if state.model.closes_loop else {"s": o.s_remainder, "gap": o.gap_remainder}
-        expected |= {f"remainder of {name}": (value, TOLERANCE * max(abs(value), square)) for name, value in remainders.items()}
+        biases = {"s": o.s_remainder, "q2": o.q2_remainder} if state.model.closes_loop else {"s": o.s_remainder, "gap": o.gap_remainder}
+        expected |= {f"bias of {name}": (value, TOLERANCE * max(abs(value), square)) for name, value in biases.items()}
         if state.model.closes_loop:
             for name in ("gap_rate", "joint_power"):
                 del expected[name]
@@ -249,7 +248,7 @@ def checks() -> tuple[Check, ...]:
         staying(RUBBING, modes_of(EVERYTHING, 2), 34, BY_FORCE),
     )
     feedback = tuple(_of_feedback(states[k]) for k in (1, 2, 4, 8))
-    of_states = (_of_state(state, FOLLOWED if state.model.parameters.tables.kinds == 3 else RECOVERED) for state in states)
+    of_states = (_of_state(state, FOLLOWED if state.model.parameters.tables.moves else RECOVERED) for state in states)
     return (*of_states, *feedback, _of_unobserved(states[0]), _of_row(states[0]), _of_directions(0.7), _of_directions(6.0))
 
 

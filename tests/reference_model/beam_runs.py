@@ -13,8 +13,8 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.shapes import clamped_free_modes
+from quickreturn.reference_model.slider_constraint import CLOSED, SliderConstraint
 from quickreturn.reference_model.thesis.model import ThesisModel
-from quickreturn.reference_model.treatment import CLOSED, Treatment
 
 Array = NDArray[np.float64]
 
@@ -32,11 +32,11 @@ def fine_family(mechanism: Mechanism, modes: int) -> ModeFamily:
 
 
 def with_fine_tables(
-    mechanism: Mechanism, modes: int, *, points: int = 11, intervals: int = 400, treatment: Treatment = CLOSED
+    mechanism: Mechanism, modes: int, *, points: int = 11, intervals: int = 400, constraint: SliderConstraint = CLOSED
 ) -> BeamModel:
     """Shapes that follow the slider, in tables whose errors are 1e-8 and less: what is left is the equations' own."""
-    usual, family = BeamModel.following(mechanism, modes, treatment), fine_family(mechanism, modes)
-    constants = parameters(mechanism, modes, span_tables(family, points, intervals), family.high, treatment)
+    usual, family = BeamModel.following(mechanism, modes, constraint), fine_family(mechanism, modes)
+    constants = parameters(mechanism, modes, span_tables(family, points, intervals), family.high, constraint)
     return BeamModel(mechanism, constants, family.angles, usual._size)
 
 

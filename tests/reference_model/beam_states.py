@@ -1,4 +1,4 @@
-"""Random bent and moving states of the one beam with every treatment of the slider, and what `plain_beam` says about them."""
+"""Random bent and moving states of the one beam with every slider constraint, and what `plain_beam` says about them."""
 
 from dataclasses import dataclass, replace
 from typing import Final
@@ -13,7 +13,7 @@ from quickreturn.reference_model.motion.equations import evaluate, kernel
 from quickreturn.reference_model.motion.layout import state_size
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, vibrating
-from quickreturn.reference_model.treatment import BASE, CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
+from quickreturn.reference_model.slider_constraint import BASE, CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
 from tests.engines.scenes import INCH, run_24
 from tests.reference_model.beam_runs import fine_family, with_fine_tables
 from tests.reference_model.plain_beam import Following, Motion, PlainBeam, motion, of_clamped_modes, of_set
@@ -47,17 +47,17 @@ ALONE: Final = FollowerAlone(
     gravity=(1.5, -9.0),
 )
 SPRING: Final = Rollers(plus=2e3, minus=2e3, damping=8.0)
-COMPLIANT: Final = Treatment(kind=ROLLERS, rollers=SPRING)
-HEAVY: Final = Treatment(kind=ROLLERS, rollers=SPRING, inertia=0.05)
+COMPLIANT: Final = SliderConstraint(kind=ROLLERS, rollers=SPRING)
+HEAVY: Final = SliderConstraint(kind=ROLLERS, rollers=SPRING, inertia=0.05)
 #: Rollers that differ in all, apart or pressed together by more than any of the states opens them, and with an inertia beside them.
-APART: Final = Treatment(
+APART: Final = SliderConstraint(
     kind=ROLLERS, rollers=Rollers(plus=4e3, minus=9e3, plus_from=5e-4, minus_from=4e-4, loss=0.1, damping=3.0), inertia=0.02
 )
-PRELOADED: Final = Treatment(kind=ROLLERS, rollers=Rollers(plus=2e3, minus=5e3, plus_from=-5e-3, minus_from=-2e-3, loss=0.1))
-FREE: Final = Treatment(kind=ROLLERS, rollers=Rollers(plus=4e3, minus=9e3, plus_from=2e-2, minus_from=2e-2, loss=0.9, damping=3.0))
-BY_FORCE: Final = Treatment(kind=MULTIPLIER, stabilization=80.0)
-BY_LEVER: Final = Treatment(kind=LEVER, stabilization=60.0, bending_damping=2e-4)
-ON_CHORDS: Final = Treatment(kind=CHORDS, stabilization=40.0)
+PRELOADED: Final = SliderConstraint(kind=ROLLERS, rollers=Rollers(plus=2e3, minus=5e3, plus_from=-5e-3, minus_from=-2e-3, loss=0.1))
+FREE: Final = SliderConstraint(kind=ROLLERS, rollers=Rollers(plus=4e3, minus=9e3, plus_from=2e-2, minus_from=2e-2, loss=0.9, damping=3.0))
+BY_FORCE: Final = SliderConstraint(kind=MULTIPLIER, stabilization=80.0)
+BY_LEVER: Final = SliderConstraint(kind=LEVER, stabilization=60.0, bending_damping=2e-4)
+ON_CHORDS: Final = SliderConstraint(kind=CHORDS, stabilization=40.0)
 
 #: Angle (rad) by which the follower of an open loop stands off the crank tip, and its rate (rad/s).
 OPENED: Final = 0.004
@@ -90,19 +90,21 @@ def at_constant_speed(mechanism: Mechanism) -> Mechanism:
     return replace(mechanism, crank=replace(mechanism.crank, drive=PrescribedSpeed(speed=17.0)))
 
 
-def following(mechanism: Mechanism, modes: int, seed: int, treatment: Treatment = CLOSED) -> State:
+def following(mechanism: Mechanism, modes: int, seed: int, constraint: SliderConstraint = CLOSED) -> State:
     """With natural modes that follow the slider, in tables of 400 intervals and as many points a span as leave no error of theirs."""
     rng = np.random.default_rng(seed)
     q1, s = _crank(mechanism, rng)
     shapes = Following(mechanism, modes)
     u = np.linspace(0.0, 1.0, 40)
     shapes.orient(s, u * s, fine_family(mechanism, modes).shapes_at(np.array([s]), u, 0)[0][0])
-    beam = PlainBeam(mechanism, shapes, treatment, s)
-    fine = with_fine_tables(mechanism, modes, points=11 if modes <= 3 else 15, treatment=treatment)
+    beam = PlainBeam(mechanism, shapes, constraint, s)
+    fine = with_fine_tables(mechanism, modes, points=11 if modes <= 3 else 15, constraint=constraint)
     return _moving(fine, beam, q1, rng)
 
 
-def staying(mechanism: Mechanism, shapes: ShapeSet, seed: int, treatment: Treatment = CLOSED, *, transverse_damping: bool = False) -> State:
+def staying(
+    mechanism: Mechanism, shapes: ShapeSet, seed: int, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
+) -> State:
     """With shapes that stay where they are."""
     rng = np.random.default_rng(seed)
     q1, s = _crank(mechanism, rng)
@@ -110,8 +112,8 @@ def staying(mechanism: Mechanism, shapes: ShapeSet, seed: int, treatment: Treatm
     nodes = shapes.edges if shapes.coefficients.shape[1] == 4 else None
     along = 0.0 if transverse_damping else 1.0
     plain = of_set(own, mechanism.follower.bending_stiffness, s)
-    beam = PlainBeam(mechanism, plain, treatment, s, damps_along=along, node_edges=nodes)
-    return _moving(BeamModel.staying(mechanism, shapes, treatment, transverse_damping=transverse_damping), beam, q1, rng)
+    beam = PlainBeam(mechanism, plain, constraint, s, damps_along=along, node_edges=nodes)
+    return _moving(BeamModel.staying(mechanism, shapes, constraint, transverse_damping=transverse_damping), beam, q1, rng)
 
 
 def alone(scene: FollowerAlone, shapes: int | ShapeSet, seed: int, *, transverse_damping: bool = False) -> State:
@@ -124,7 +126,7 @@ def alone(scene: FollowerAlone, shapes: int | ShapeSet, seed: int, *, transverse
         own = vibrating(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)[0]
         plain = of_set(own, scene.follower.bending_stiffness, split)
     along = 0.0 if transverse_damping else 1.0
-    beam = PlainBeam(scene, plain, Treatment(kind=BASE), split, damps_along=along)
+    beam = PlainBeam(scene, plain, SliderConstraint(kind=BASE), split, damps_along=along)
     return _moving(model, beam, float(rng.uniform(0.5, 1.0)), rng)
 
 

@@ -1,7 +1,7 @@
 """One sign flipped at a time in the source of the equations, run as plain Python so that a mutant costs milliseconds.
 
 What is flipped: every sum and difference (a + b to a - b, and a - b to a + b; the left operand's sign where it is no sum itself), every
-minus sign, every augmented += and -=, and every assigned or returned product.
+minus sign, every conjugate, every augmented += and -=, and every assigned or returned product.
 
 What is left alone, by rule: index arithmetic (subscripts, `range`, comparisons, everything that evaluates to an int), the solution of
 a linear system, and in `_locate` and `place_at` the gradient that only steers Newton's iteration to the root of the same equation.
@@ -87,7 +87,12 @@ class _Marker(ast.NodeTransformer):
     def visit_Call(self, node: ast.Call) -> ast.AST:
         if isinstance(node.func, ast.Name) and node.func.id == "range":
             return node
-        return self.generic_visit(node)
+        if not (isinstance(node.func, ast.Attribute) and node.func.attr == "conjugate"):
+            return self.generic_visit(node)
+        value = self.visit(node.func.value)
+        if self._site(node, value):
+            return value
+        return ast.Call(ast.Attribute(self._probed(value) if self.probe is not None else value, "conjugate", ast.Load()), [], [])
 
     def visit_Assign(self, node: ast.Assign) -> ast.AST:
         if self._controls_iteration(node.targets[0]):

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import BEARINGS, BENDING, OBSERVED, SHAPE
-from quickreturn.reference_model.compilation import compiled
+from quickreturn.reference_model.machine.compilation import compiled
+from quickreturn.reference_model.machine.pointers import Placed
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
-from quickreturn.reference_model.motion.address import Placed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
 from quickreturn.reference_model.thesis import equations as thesis_equations
 from quickreturn.reference_model.thesis import kinematics

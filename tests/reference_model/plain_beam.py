@@ -23,7 +23,7 @@ from quickreturn.reference_model.joint import Rollers
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, Tip, TorqueDrive
 from quickreturn.reference_model.natural_modes import clamped_modes, supported_modes
 from quickreturn.reference_model.shapes import ShapeSet
-from quickreturn.reference_model.treatment import BASE, CHORDS, ELIMINATED, LEVER, ROLLERS, Treatment
+from quickreturn.reference_model.slider_constraint import BASE, CHORDS, ELIMINATED, LEVER, ROLLERS, SliderConstraint
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -203,7 +203,7 @@ class PlainBeam:
     Args:
         scene: the mechanism, or the follower alone.
         shapes: of the follower.
-        treatment: of the slider.
+        constraint: of the slider.
         near: m, about where the slider is: it decides to which piece of the follower it belongs.
         damps_along: 1, or 0 where the beam damping acts across the base tangent alone.
         node_edges: of the elements, whose two nodes carry the slider with LEVER and CHORDS, m.
@@ -213,14 +213,14 @@ class PlainBeam:
         self,
         scene: Scene,
         shapes: Shapes,
-        treatment: Treatment,
+        constraint: SliderConstraint,
         near: float,
         *,
         damps_along: float = 1.0,
         node_edges: Array | None = None,
     ) -> None:
-        self.scene, self.shapes, self.treatment, self.near, self.damps_along = scene, shapes, treatment, near, damps_along
-        self.kind = BASE if isinstance(scene, FollowerAlone) else treatment.kind
+        self.scene, self.shapes, self.constraint, self.near, self.damps_along = scene, shapes, constraint, near, damps_along
+        self.kind = BASE if isinstance(scene, FollowerAlone) else constraint.kind
         self.node_edges = node_edges
         self._placed: dict[tuple[float, bytes], Configuration] = {}
         self.speeds = shapes.count + (1 if self.kind in (ELIMINATED, BASE) else 2)
@@ -424,7 +424,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     force -= follower.damping * np.real(np.conj(partial[:, relative]) @ (dx * drift))
     tool = complex(*tip.force) * acting_share(tip, q[0]) if isinstance(scene, Mechanism) else 0j
     force += np.real(np.conj(partial[:, N + 1]) * tool)
-    delay = beam.treatment.bending_damping + follower.material_damping if n else 0.0
+    delay = beam.constraint.bending_damping + follower.material_damping if n else 0.0
     bending_rate = rate[curvatures].real
     damping_moment = follower.bending_stiffness * delay * bending_rate if n else np.zeros(N)
     force -= partial[:, curvatures].real @ (dx * damping_moment)
@@ -446,7 +446,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
 
         spread = np.array([derivative(carried(one), size) for one, size in zip(np.eye(m), sizes, strict=True)])
     acceleration, contact, rubbing, arm, slides = np.zeros(m), 0.0, 0.0, 0.0, 1.0
-    law, stored, lost = force_of_rollers(beam.treatment.rollers, here.gap, gap_rate) if beam.kind == ROLLERS else (0.0, 0.0, 0.0)
+    law, stored, lost = force_of_rollers(beam.constraint.rollers, here.gap, gap_rate) if beam.kind == ROLLERS else (0.0, 0.0, 0.0)
     if beam.kind in (ELIMINATED, BASE):
         acceleration[first:] = np.linalg.solve(M[first:, first:], force[first:])
     else:
@@ -455,10 +455,10 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
         if slider.friction > 0.0 or slider.friction_force > 0.0:
             arm, slides, along_friction = _way_of_friction(beam, here, q[0], partial)
         if beam.kind == ROLLERS:
-            in_line, of_force = beam.treatment.inertia, -1.0
-            wanted = -law - beam.treatment.inertia * float(remainder[gap_at].real)
+            in_line, of_force = beam.constraint.inertia, -1.0
+            wanted = -law - beam.constraint.inertia * float(remainder[gap_at].real)
         else:
-            r, in_line, of_force = beam.treatment.stabilization, 1.0, 0.0
+            r, in_line, of_force = beam.constraint.stabilization, 1.0, 0.0
             wanted = -float(remainder[gap_at].real) - 2.0 * r * gap_rate - r**2 * here.gap
         # friction goes with the size of the force: of both signs the one that the solution has
         size, agreeing = m - first, []
@@ -512,7 +512,7 @@ def motion(beam: PlainBeam, y: Array) -> Motion:
     strain = here.strain_energy + stored
     kinetic = 0.5 * float(np.sum(mass * np.abs(rate[bodies]) ** 2)) + 0.5 * crank_inertia * u[0] ** 2
     kinetic += 0.5 * sum(J * rate[which].real ** 2 for which, J in turning if J > 0.0)
-    kinetic += 0.5 * beam.treatment.inertia * gap_rate**2
+    kinetic += 0.5 * beam.constraint.inertia * gap_rate**2
     d = scene.pivot_distance if isinstance(scene, Mechanism) else 0.0
     gravity = float(present[gravity_at].real) - (follower.mass_per_length * L + tip.mass) * g.real * d
     joint_power = -contact * float(spread @ u)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.continuation import Branch, Image, NotConverged, branch, first_point
 from quickreturn.reference_model.cycle_family import CycleFamily
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
-from quickreturn.reference_model.section_map import CycleBroken
+from quickreturn.reference_model.poincare import CycleBroken
 from tests.engines.scenes import run_24
 
 Array = NDArray[np.float64]

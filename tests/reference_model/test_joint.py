@@ -17,7 +17,7 @@ from quickreturn.reference_model.integrate import REACHED_END
 from quickreturn.reference_model.joint import Rollers, joint_energy, joint_force, rollers
 from quickreturn.reference_model.mechanism import CONTACT_STIFFNESS, Mechanism, PrescribedSpeed, Slider
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.treatment import ROLLERS, Treatment
+from quickreturn.reference_model.slider_constraint import ROLLERS, SliderConstraint
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array
 from tests.reference_model.beam_states import rates
@@ -28,7 +28,7 @@ WEIGHT: Final = 9.81
 
 def model_of(mechanism: Mechanism, modes: int = 3) -> BeamModel:
     """The model with the scene's own rollers."""
-    return BeamModel.following(mechanism, modes, Treatment(kind=ROLLERS, rollers=rollers(mechanism.slider)))
+    return BeamModel.following(mechanism, modes, SliderConstraint(kind=ROLLERS, rollers=rollers(mechanism.slider)))
 
 
 def held(mechanism: Mechanism) -> Mechanism:

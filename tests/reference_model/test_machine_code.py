@@ -17,13 +17,13 @@ PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
 CODE = """
 import os
 from pathlib import Path
-from quickreturn.reference_model import machine_code
+from quickreturn.reference_model.machine import machine_code
 from quickreturn.reference_model.small import double
 assert double(4.0) == 8.0
 folder = Path(os.environ["NUMBA_CACHE_DIR"])
 print(folder, any(folder.rglob("*.nbi")), machine_code.forgotten(), sep="|")
 """
-SMALL = "from quickreturn.reference_model.compilation import compiled\n\n\n@compiled\ndef double(x):\n    return x + x\n"
+SMALL = "from quickreturn.reference_model.machine.compilation import compiled\n\n\n@compiled\ndef double(x):\n    return x + x\n"
 
 
 def powerless() -> None:

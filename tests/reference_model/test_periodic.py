@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.equations import evaluate, kernel
-from quickreturn.reference_model.motion.layout import MISSED
 from quickreturn.reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, floquet_multipliers, periodic_orbit
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 
@@ -108,7 +107,7 @@ def divergence(model: BeamModel, state: Array) -> float:
             for _ in range(20):  # what is missed falls at least fivefold each time: the follower is nearly straight
                 rate = np.empty_like(moved)
                 assert evaluate(kernel(), p.address, w.address, moved, rate)
-                moved[n + 1] += model.workspace.facts[MISSED]
+                moved[n + 1] += model.workspace.facts.missed
             rates.append(rate[i])
         total += (rates[0] - rates[1]) / 2e-6
     return total

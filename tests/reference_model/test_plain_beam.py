@@ -1,6 +1,6 @@
 """Loop, mass matrix, forces and observables of the one beam at random states against differences of places (`plain_beam`).
 
-Every family of shapes, every treatment of the slider, free and prescribed crank, and the follower alone. Differences of order eight leave
+Every family of shapes, every slider constraint, free and prescribed crank, and the follower alone. Differences of order eight leave
 1e-11 to 1e-9. Shapes that follow stand in tables of 400 intervals, those of elements are exact. The tables of clamped-free modes are
 those in use, cubic on 12 intervals a mode: they leave 1e-8 of two modes and 1e-7 of three.
 """
@@ -16,19 +16,8 @@ import pytest
 
 from quickreturn.reference_model.columns import BENDING
 from quickreturn.reference_model.motion.equations import evaluate, kernel
-from quickreturn.reference_model.motion.layout import (
-    COS_Q2,
-    GAP,
-    GAP_RATE,
-    GAP_REMAINDER,
-    Q2_RATE,
-    Q2_REMAINDER,
-    S_RATE,
-    S_REMAINDER,
-    SIN_Q2,
-)
 from quickreturn.reference_model.shapes import hermite_elements
-from quickreturn.reference_model.treatment import BASE, LEVER, ROLLERS
+from quickreturn.reference_model.slider_constraint import BASE, LEVER, ROLLERS
 from tests.reference_model.beam_states import (
     ALONE,
     APART,
@@ -131,23 +120,23 @@ def close(found: Any, expected: Any, tolerance: float, size: float = 0.0) -> Non
 
 
 @pytest.mark.parametrize("name", WITH_SLIDER)
-def test_partial_rates_and_remainders_of_the_loop(name: str) -> None:
+def test_partial_rates_and_biases_of_the_loop(name: str) -> None:
     here, tolerance = state(name), CASES[name].tolerance
     here.rate()
     f, w, o = here.model.workspace.facts, here.model.workspace, here.expected
-    turned = math.remainder(math.atan2(f[SIN_Q2], f[COS_Q2]) - o.configuration.q2, 2.0 * math.pi)
+    turned = math.remainder(float(np.angle(f.frame)) - o.configuration.q2, 2.0 * math.pi)
     assert abs(turned) < tolerance
     close(w.c, o.partial_q2, tolerance)
     close(w.sigma, o.partial_s, tolerance)
-    # remainders are sums of larger parts that cancel: centripetal ones are what they are measured by
+    # biases are sums of larger parts that cancel: centripetal ones are what they are measured by
     square = float(np.max(np.abs(here.y[here.beam.speeds + 1 :]))) ** 2
-    for fact, expected, size in (
-        (Q2_RATE, o.q2_rate, 0.0),
-        (S_RATE, o.s_rate, 1.0),
-        (Q2_REMAINDER, o.q2_remainder, square),
-        (S_REMAINDER, o.s_remainder, square),
+    for found, expected, size in (
+        (f.q2_rate, o.q2_rate, 0.0),
+        (f.s_rate, o.s_rate, 1.0),
+        (f.q2_bias, o.q2_remainder, square),
+        (f.s_bias, o.s_remainder, square),
     ):
-        close(f[fact], expected, 10.0 * tolerance, size)
+        close(found, expected, 10.0 * tolerance, size)
 
 
 @pytest.mark.parametrize("name", OPEN)
@@ -155,32 +144,28 @@ def test_gap_is_that_of_the_places(name: str) -> None:
     here, tolerance = state(name), CASES[name].tolerance
     here.rate()
     w, f, o = here.model.workspace, here.model.workspace.facts, here.expected
-    assert abs(f[GAP]) > 1e-4
-    close(f[GAP], o.configuration.gap, tolerance, 1e-2)
+    assert abs(f.gap) > 1e-4
+    close(f.gap, o.configuration.gap, tolerance, 1e-2)
     close(w.row_of_gap, o.partial_gap, tolerance)
     close(w.spread, o.spread, tolerance)
-    close(f[GAP_RATE], o.gap_rate, tolerance, 1.0)
-    close(f[GAP_REMAINDER], o.gap_remainder, 10.0 * tolerance, float(np.max(np.abs(here.y[here.beam.speeds + 1 :]))) ** 2)
+    close(f.gap_rate, o.gap_rate, tolerance, 1.0)
+    close(f.gap_bias, o.gap_remainder, 10.0 * tolerance, float(np.max(np.abs(here.y[here.beam.speeds + 1 :]))) ** 2)
 
 
-HELD_OPEN: Final = ("modes, spring with inertia", "following, rubbing, minus roller")
-FREELY_TURNING: Final = [name for name in WITH_SLIDER if "prescribed" not in name and name not in HELD_OPEN]
-
-
-@pytest.mark.parametrize("name", FREELY_TURNING)
-def test_partial_velocities_and_remaining_accelerations_of_points(name: str) -> None:
+@pytest.mark.parametrize("name", WITH_SLIDER)
+def test_partial_velocities_and_bias_accelerations_of_points(name: str) -> None:
     """At the model's points; the plain beam's own are joined by the polynomials of its pieces."""
     here, tolerance = state(name), CASES[name].tolerance
     here.rate()
     w, o, t = here.model.workspace, here.expected, here.model.parameters.tables
-    begins, N = np.cumsum(w.length) - w.length, t.cells * t.S
+    begins, N = np.cumsum(w.length) - w.length, t.points
     x = (begins[:, None] + w.length[:, None] * np.append(t.u, 1.0)).ravel()
     gravity, length = complex(*here.beam.scene.gravity) / o.configuration.frame, here.beam.scene.follower.length
     # to a point within a cell the model integrates the polynomial through seven to fifteen points, to its end with Gauss' full order
     pairs = [(w.V[k], o.partial_velocity[k], length, 1e-5) for k in range(here.beam.speeds)]
-    for mine, theirs, size, within in (*pairs, (w.A, o.acceleration_remainder - gravity, 1.0, 5e-4)):
-        expected = Line.through(o.configuration.psi.edges, theirs).everywhere(x).reshape(t.cells, t.G + 1)
-        found = (mine[:N] + 1j * mine[N : 2 * N]).reshape(t.cells, t.S)[:, : t.G + 1]
+    for mine, theirs, size, within in (*pairs, (w.bias, o.acceleration_remainder - gravity, 1.0, 5e-4)):
+        expected = Line.through(o.configuration.psi.edges, theirs).everywhere(x).reshape(t.cells, t.gauss_points + 1)
+        found = (mine[:N] + 1j * mine[N : 2 * N]).reshape(t.cells, t.cell_size)[:, : t.gauss_points + 1]
         close(found, expected, within, size)
         close(found[:, -1], expected[:, -1], tolerance, max(size, float(np.max(np.abs(expected)))))
 
@@ -268,7 +253,7 @@ def test_the_cases_hold_what_they_are_there_for() -> None:
     pressed = set()
     for name in ("plus roller", "minus roller", "both rollers", "neither roller"):
         here = state(f"following, rubbing, {name}")
-        gap, rollers = here.expected.configuration.gap, here.beam.treatment.rollers
+        gap, rollers = here.expected.configuration.gap, here.beam.constraint.rollers
         pressed.add((gap > rollers.plus_from, -gap > rollers.minus_from))
         assert 0.1 < abs(here.expected.s_rate) / RUBBING.slider.friction_speed < 1.2  # neither stuck nor as good as constant
     assert len(pressed) == 4

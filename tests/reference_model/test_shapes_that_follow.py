@@ -116,10 +116,10 @@ def rows_at(t: Tables, s: Array) -> Array:
 
 def table_error(t: Tables, family: ModeFamily, s: Array, modes: int) -> list[float]:
     """Largest error of psi and its two derivatives on both spans, relative to the largest value."""
-    rows, places, worst = rows_at(t, s), 2 * t.S, []
-    kept = np.concatenate([np.arange(t.G + 1), t.S + np.arange(t.G + 1)])
+    rows, places, worst = rows_at(t, s), 2 * t.cell_size, []
+    kept = np.concatenate([np.arange(t.gauss_points + 1), t.cell_size + np.arange(t.gauss_points + 1)])
     exact = [np.concatenate(pair, axis=1) for pair in zip(*(family.shapes_at(s, np.append(t.u, 1.0), k)[:3] for k in (0, 1)), strict=True)]
-    for kind in range(t.kinds):
+    for kind in range(3 if t.moves else 1):
         found = rows[:, kind * places * modes : (kind + 1) * places * modes].reshape(len(s), modes, places)[:, :, kept].transpose(0, 2, 1)
         worst.append(float(np.max(np.abs(found - exact[kind])) / np.max(np.abs(exact[kind]))))
     return worst

@@ -26,7 +26,7 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.periodic import periodic_orbit
-from quickreturn.reference_model.section_map import SectionMap
+from quickreturn.reference_model.poincare import PoincareMap
 
 Array = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ def marched_distance(name: str) -> float:
     model = BeamModel.following(mechanism, 2)
     state = model.straight_state(math.pi, mechanism.crank.drive.initial_speed)
     orbit = periodic_orbit(model, state, 1e-7, 1e-10)
-    march = SectionMap(model, 1e-10)
+    march = PoincareMap(model, 1e-10)
     # the slowest disturbance must shrink to 1e-8
     for _ in range(math.ceil(math.log(1e-8) / math.log(abs(orbit.multipliers[0])))):
         passage = march.passage(state, orbit.period)

@@ -13,11 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import compiled
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
+from quickreturn.reference_model.machine.compilation import compiled
+from quickreturn.reference_model.machine.pointers import call_equations
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.motion.address import call_equations
-from quickreturn.reference_model.motion.layout import FOOT_1, FOOT_2
 
 Array = NDArray[np.float64]
 
@@ -67,7 +66,7 @@ class Passage:
     sizes: Array
 
 
-class SectionMap:
+class PoincareMap:
     """The map of a model's cycle for its free quantities, the "point".
 
     Args:
@@ -161,7 +160,7 @@ class SectionMap:
             y[p.speeds] = s
             if not self.model.can_move(y):
                 return False
-            excess = math.hypot(facts[FOOT_1], facts[FOOT_2]) - distance
+            excess = float(abs(facts.foot)) - distance
             if abs(excess) < 1e-15 * p.L:
                 return True
             if i > 0 and s != last_s:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.reference_model.beside import wanted
+from quickreturn.reference_model.first_start import compiled_by_the_second
 from quickreturn.reference_model.model import BeamModel
 from tests.engines.scenes import run_24
 
@@ -20,10 +20,10 @@ model.observe(model.integrate(model.straight_state(1.0, 0.0), 1e-3, 3, 1e-5).sta
 """
 
 
-def test_a_run_asks_for_what_is_compiled_beside_and_for_no_other_types() -> None:
+def test_a_run_asks_for_what_the_second_compiles_and_for_no_other_types() -> None:
     model = BeamModel.following(run_24(), 2)
     model.observe(model.integrate(model.straight_state(1.0, 0.0), 1e-3, 3, 1e-5).states)
-    for function, signature in wanted():
+    for function, signature in compiled_by_the_second():
         assert list(function.signatures) == [signature], function
 
 
@@ -32,7 +32,7 @@ def test_nothing_is_compiled_twice_at_the_first_start(tmp_path: Path) -> None:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     subprocess.run([sys.executable, "-c", RUN], env=environment, check=True)
     compiled = sorted(path.name.split("-")[0] for path in tmp_path.rglob("*.nbc"))
-    once = [name for name in compiled if not name.startswith("address.")]  # tuples have two types
+    once = [name for name in compiled if not name.startswith("pointers.")]  # tuples have two types
     assert {"equations._kernel", "equations.observe_states", "integrate._dop853"} <= set(once)
     assert len(once) == len(set(once))
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}

@@ -1,4 +1,4 @@
-"""Treatments of the slider: what a method does with the gap between crank tip and centre line (DERIVATION.md, section 5)."""
+"""Slider constraints: what a method does with the gap between crank tip and centre line (DERIVATION.md, section 5)."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -15,7 +15,7 @@ BASE: Final = 5  # there is no slider; the follower's base turns as prescribed
 
 
 @dataclass(frozen=True, kw_only=True)
-class Treatment:
+class SliderConstraint:
     """What happens to the gap between crank tip and centre line.
 
     Attributes:
@@ -34,4 +34,4 @@ class Treatment:
 
 
 #: The gap is closed by the follower's angle: no force has to be found.
-CLOSED: Final = Treatment()
+CLOSED: Final = SliderConstraint()

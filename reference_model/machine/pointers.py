@@ -18,7 +18,7 @@ from numba.extending import infer_getattr, lower_getattr_generic, models, regist
 from numba.np.arrayobj import make_array, populate_array
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.compilation import compiled
+from quickreturn.reference_model.machine.compilation import compiled
 
 Array = NDArray[np.float64]
 
@@ -30,22 +30,24 @@ MEMBERS: Final[dict[str, Any]] = {
     "int": types.int64,
     "bool": types.boolean,
     "Vector": types.Array(types.float64, 1, "C"),
+    "ComplexVector": types.Array(types.complex128, 1, "C"),
     "Matrix": types.Array(types.float64, 2, "C"),
     "Cube": types.Array(types.float64, 3, "C"),
 }
 
 #: Arrays by their number of dimensions, C-contiguous: the names that `MEMBERS` knows.
 Vector = NDArray[np.float64]
+ComplexVector = NDArray[np.complex128]
 Matrix = NDArray[np.float64]
 Cube = NDArray[np.float64]
 
 
-def tuple_type(named_tuple: Any, **nested: types.NamedTuple) -> types.NamedTuple:
+def tuple_type(named_tuple: Any, **nested: types.Type) -> types.NamedTuple:
     """The compiled type of a `NamedTuple` class.
 
     Args:
         named_tuple: members are annotated, as text, with names of `MEMBERS`.
-        nested: types of members that are tuples themselves, by the member's name.
+        nested: types of members that are tuples or records themselves, by the member's name.
     """
     annotations = {name: getattr(text, "__forward_arg__", text) for name, text in named_tuple.__annotations__.items()}
     return types.NamedTuple([nested.get(name) or MEMBERS[annotations[name]] for name in named_tuple._fields], named_tuple)

@@ -7,7 +7,7 @@ from typing import Any, Final, TypeVar, cast
 import numba
 from numba import njit
 
-from quickreturn.reference_model.machine_code import VARIABLE
+from quickreturn.reference_model.machine.machine_code import VARIABLE
 
 # numba reads its environment once; it may have been imported before this package
 numba.config.CACHE_DIR = os.environ.get(VARIABLE, numba.config.CACHE_DIR)  # type: ignore[attr-defined]
@@ -37,7 +37,7 @@ def compiled(function: Function) -> Function:
     return cast(Function, _njit(cache=True, **_OPTIONS)(function))
 
 
-def borrowing(function: Function) -> Function:
+def without_references(function: Function) -> Function:
     """Like `compiled`, for functions that neither make nor keep arrays: without numba's reference counts (and refused with any array)."""
     return cast(Function, _njit(cache=True, **_OPTIONS, _nrt=False)(function))
 

@@ -1,4 +1,4 @@
-"""The treatments of the slider against each other: energy and work, the same motion without a gap, and small vibrations."""
+"""The slider constraints against each other: energy and work, the same motion without a gap, and small vibrations."""
 
 import dataclasses
 import math
@@ -11,27 +11,26 @@ import pytest
 from quickreturn.reference_model.joint import Rollers
 from quickreturn.reference_model.mechanism import Slider
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.motion.layout import COS_Q2, MISSED, Q2_RATE, SIN_Q2
+from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
 from quickreturn.reference_model.thesis.frequencies import shape_frequencies
-from quickreturn.reference_model.treatment import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, Treatment
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array, balance, follower_energy, run, with_fine_tables
 from tests.reference_model.beam_states import COMPLIANT, EVERYTHING, HEAVY, ON_ELEMENTS, elements_of, modes_of, rates
 from tests.reference_model.thesis_runs import undriven
 
-STABILIZED: Final = Treatment(kind=MULTIPLIER, stabilization=100.0)
-LEVERS: Final = Treatment(kind=LEVER, stabilization=100.0, bending_damping=1e-5)
+STABILIZED: Final = SliderConstraint(kind=MULTIPLIER, stabilization=100.0)
+LEVERS: Final = SliderConstraint(kind=LEVER, stabilization=100.0, bending_damping=1e-5)
 ELASTIC: Final = dataclasses.replace(HEAVY, rollers=Rollers(plus=2e3, minus=2e3))
 #: Nothing drives or damps it; the slider has mass and rotary inertia.
 CONSERVING: Final = undriven(gravity=(3.0, -9.81), slider=Slider(mass=0.2, inertia=3e-4))
 CONSERVING_ELEMENTS: Final = dataclasses.replace(CONSERVING, slider=Slider(mass=0.2))
 
 
-#: Models of conserving scenes, and of scenes with everything on, by treatment.
+#: Models of conserving scenes, and of scenes with everything on, by constraint.
 MODELS: Final[dict[str, tuple[Callable[[], BeamModel], Callable[[], BeamModel]]]] = {
     "following, compliant": (
-        lambda: with_fine_tables(CONSERVING, 3, treatment=ELASTIC),
-        lambda: with_fine_tables(EVERYTHING, 3, treatment=COMPLIANT),
+        lambda: with_fine_tables(CONSERVING, 3, constraint=ELASTIC),
+        lambda: with_fine_tables(EVERYTHING, 3, constraint=COMPLIANT),
     ),
     "modes": (
         lambda: BeamModel.staying(CONSERVING, modes_of(CONSERVING, 4), CLOSED),
@@ -90,7 +89,7 @@ def closed_state(model: BeamModel) -> Array:
     y[1 : n + 1], y[n + 3 : 2 * n + 3] = 0.004 / np.arange(1, n + 1) ** 2, -0.3 / np.arange(1, n + 1) ** 2
     for _ in range(60):  # what is missed falls fivefold each time at least
         assert model.can_move(y)
-        y[n + 1] += float(model.workspace.facts[MISSED])
+        y[n + 1] += float(model.workspace.facts.missed)
     return y
 
 
@@ -99,15 +98,15 @@ def test_without_a_gap_a_force_moves_the_follower_as_elimination_does(shapes: st
     """Two solutions of one linear system. What tells the slider's force differs: with shapes that follow their truncation shows."""
     scene = ON_ELEMENTS if shapes == "elements" else EVERYTHING
     if shapes == "following":
-        closed, opened = (with_fine_tables(scene, 3, treatment=treatment) for treatment in (CLOSED, STABILIZED))
+        closed, opened = (with_fine_tables(scene, 3, constraint=constraint) for constraint in (CLOSED, STABILIZED))
     else:
         family = modes_of(scene, 3) if shapes == "modes" else elements_of(scene, 2)
-        closed, opened = (BeamModel.staying(scene, family, treatment) for treatment in (CLOSED, STABILIZED))
+        closed, opened = (BeamModel.staying(scene, family, constraint) for constraint in (CLOSED, STABILIZED))
     n, y = closed.shapes, closed_state(closed)
     expected, f = rates(closed, y), closed.workspace.facts
     z = opened.straight_state(2.0, 16.0)
-    z[: n + 1], z[n + 1], z[n + 2] = y[: n + 1], math.pi + math.atan2(-f[SIN_Q2], -f[COS_Q2]), y[n + 1]
-    z[n + 3 : 2 * n + 4], z[2 * n + 4] = y[n + 2 : 2 * n + 3], f[Q2_RATE]
+    z[: n + 1], z[n + 1], z[n + 2] = y[: n + 1], math.pi + float(np.angle(-f.frame)), y[n + 1]
+    z[n + 3 : 2 * n + 4], z[2 * n + 4] = y[n + 2 : 2 * n + 3], f.q2_rate
     found = rates(opened, z)
     # rounding, times the condition of the matrix
     np.testing.assert_allclose(found[n + 3 : 2 * n + 4], expected[n + 2 : 2 * n + 3], rtol=0.0, atol=1e-11 * np.max(np.abs(expected)))
@@ -118,14 +117,14 @@ def test_without_a_gap_a_force_moves_the_follower_as_elimination_does(shapes: st
 
 @pytest.mark.parametrize(("shapes", "relative"), [("modes", 1e-7), ("elements", 1e-11)])
 @pytest.mark.parametrize("angle", [2.0, math.pi, 5.5])
-def test_frequencies_of_the_thesis_way_and_of_all_conjugate_treatments_agree(shapes: str, relative: float, angle: float) -> None:
+def test_frequencies_of_the_thesis_way_and_of_all_conjugate_constraints_agree(shapes: str, relative: float, angle: float) -> None:
     """Of the same shapes: of elements to rounding; of modes to (h k)^4 / 384 of cubic tables with pieces h of 6.4 mm and k of 12 1/m."""
     scene = dataclasses.replace(EVERYTHING, slider=Slider()) if shapes == "modes" else ON_ELEMENTS
     family = modes_of(scene, 3) if shapes == "modes" else elements_of(scene, 4)
     support = abs(scene.crank.length * np.exp(1j * angle) - scene.pivot_distance)
     expected = shape_frequencies(scene, family, support, 3)
-    for treatment in (CLOSED, STABILIZED):
-        found = BeamModel.staying(scene, family, treatment).natural_frequencies(angle, 3)
+    for constraint in (CLOSED, STABILIZED):
+        found = BeamModel.staying(scene, family, constraint).natural_frequencies(angle, 3)
         np.testing.assert_allclose(found, expected, rtol=relative)
 
 
@@ -133,7 +132,7 @@ def test_frequencies_of_the_spring_approach_the_rigid_ones_at_first_order() -> N
     scene = run_24()
     family = modes_of(scene, 3)
     rigid = BeamModel.staying(scene, family, STABILIZED).natural_frequencies(math.pi, 3)
-    springs = (Treatment(kind=ROLLERS, rollers=Rollers(plus=stiffness, minus=stiffness)) for stiffness in (1e6, 1e7))
+    springs = (SliderConstraint(kind=ROLLERS, rollers=Rollers(plus=stiffness, minus=stiffness)) for stiffness in (1e6, 1e7))
     errors = [rigid[0] - BeamModel.staying(scene, family, spring).natural_frequencies(math.pi, 1)[0] for spring in springs]
     assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.01)  # second order in 1/k: 2e-3 of the first at 1e6 N/m
     # converged: 20.354 Hz (transcendental equation of the supported beam); Rayleigh's principle puts three shapes above
@@ -145,7 +144,7 @@ def test_lever_rule_makes_frequencies_complex() -> None:
     scene = run_24()
     growth = []
     for kind in (MULTIPLIER, CHORDS, LEVER):
-        model = BeamModel.staying(scene, elements_of(scene, 4), Treatment(kind=kind))
+        model = BeamModel.staying(scene, elements_of(scene, 4), SliderConstraint(kind=kind))
         growth.append(max(np.max(model.growth_rates(angle)) for angle in np.linspace(math.pi, 2.0 * math.pi, 13)))
     assert max(growth[:2]) < 1e-3  # 1/s, rounding of roots near 1e4 rad/s
     assert growth[2] > 100.0

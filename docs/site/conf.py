@@ -1,0 +1,63 @@
+"""The documentation site: `make docs` builds it with Sphinx, without a network, and every warning is an error.
+
+Its source is the checkout itself: README, `docs/`, the derivations beside the code and the docstrings, as they are.
+"""
+
+import sys
+from importlib.metadata import version as installed_version
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))  # the extensions beside this file
+
+project = "quickreturn"
+author = "The quickreturn developers"
+copyright = "2026, the quickreturn developers"
+version = release = installed_version("quickreturn")
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "formulas", "front_page"]
+root_doc = "README"
+include_patterns = [
+    "README.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "docs/*.md",
+    "docs/site/*.md",
+    "reference_model/*.md",
+    "reference_model/*/DERIVATION.md",
+    "engines/LADDERS.md",
+]
+exclude_patterns = ["docs/site/contents.md", ".*", "build", "tests", "cases", "reports", "quickreturn", "examples"]
+
+# Markdown as code hosts read it: dollars for formulas, anchors made of headings. `{rst}` blocks of the API page are the one thing more.
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 4
+myst_dmath_double_inline = True
+myst_url_schemes = ["http", "https"]
+
+# Docstrings: sections Args, Raises, Attributes; `name` in single backticks is code.
+default_role = "code"
+smartquotes = False  # examples are copied from docstrings
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
+autodoc_preserve_defaults = True
+python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 88
+add_module_names = False
+nitpicky = True
+# Signatures name types of other packages, and internals of this one that have no entry on the API page: neither is a broken reference.
+nitpick_ignore_regex = [
+    ("py:.*", r"(casadi|collections|matplotlib|numpy|os|pandas|pathlib|pd|types|xarray|xr)\..*"),
+    ("py:.*", r"quickreturn\.(cases|catalogue|derive|engines|reference_model)\..*"),
+    ("py:.*", "(About|AnyEngine|AnyEngineOrTable|Document|Limits|Workshop)"),
+]
+
+html_theme = "furo"
+html_title = f"quickreturn {release}"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_extra_path = ["static/index.html"]
+html_copy_source = False
+html_show_sphinx = False

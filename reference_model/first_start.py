@@ -1,0 +1,44 @@
+"""The first start: while one process compiles the equations of motion, a second compiles what an integration needs besides.
+
+Compiling takes one core; on two the first start is shorter by a third. Where the second process cannot be had, or compiles what is not
+asked for, the first compiles what it misses: then only time is lost.
+"""
+
+import gc
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from numba import config, types
+
+from quickreturn.reference_model.integrate import _dop853
+from quickreturn.reference_model.machine.pointers import MEMBERS
+from quickreturn.reference_model.motion import equations
+
+
+def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
+    """Functions, each with the types of its arguments."""
+    whole, real, vector, matrix = types.int64, types.float64, MEMBERS["Vector"], MEMBERS["Matrix"]
+    addresses = (whole, whole, whole)
+    return [
+        (equations.observe_states, (*addresses, matrix, matrix)),
+        (_dop853, (*addresses, vector, vector, real, whole, vector, real, real, matrix, matrix, matrix)),
+    ]
+
+
+@cache
+def kernel() -> int:
+    """Address of the equations of motion; where they are not on the disk, what else is needed is when they are compiled."""
+    if any(Path(config.CACHE_DIR).glob("*/equations._kernel-*.nbi")):  # type: ignore[attr-defined]
+        return equations.kernel()
+    quiet = subprocess.DEVNULL
+    with subprocess.Popen([sys.executable, "-P", "-m", __name__], stdin=quiet, stdout=quiet, stderr=quiet):
+        return equations.kernel()
+
+
+if __name__ == "__main__":
+    gc.disable()  # as engines.accurate has it while it compiles
+    for function, signature in compiled_by_the_second():
+        function.compile(signature)
