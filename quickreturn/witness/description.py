@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from quickreturn.derive import Beam, System, turned, vector
 from quickreturn.reference_model.joint import PIVOT_FRICTION_RATE
 from quickreturn.reference_model.mechanism import ROUNDING, Mechanism, TorqueDrive
-from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.motion.layout import ShapeRow, Tables
 
 Array = NDArray[np.float64]
 
@@ -69,7 +69,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     q2 = system.coordinate("follower_angle", "rad", rate="follower_rate", guess=pi)
     s = system.coordinate("slider_position", "m", guess=0.5 * (tables.low + tables.high))
     eta = system.amplitudes("eta", shapes, "kg**0.5*m")
-    pivot, crank_tip = vector(p.pivot_distance, 0), turned(q1, p.crank_length)
+    pivot, center, crank_tip = vector(p.pivot_distance, 0), turned(q1, p.crank_center), turned(q1, p.crank_length)
 
     # the follower: its tangent's angle is a sum of shapes at points that move with the slider
     now = system.freeze(s)
@@ -81,20 +81,20 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     edges = [0, now, p.length]
     if tables.cells > 2:  # shapes that stay: more cells to either side of the slider
         edges = [0, *ca.vertsplit(ca.cumsum(table.function("m", where["lengths"])))]
-    cell = int(tables.before[0])
+    cell = int(tables.slider_cell[0])
     beam = Beam(
-        system, "follower", origin=pivot, angle=q2, edges=edges, tangent=lambda _: psi, points=tables.G,
+        system, "follower", origin=pivot, angle=q2, edges=edges, tangent=lambda _: psi, points=tables.gauss_points,
         mass_per_length=p.mass_per_length, damping=p.beam_damping,
     )  # fmt: skip
     strain = ca.dot(table.function("1/s^2", *where["squares"]), eta**2) / 2
     system.energy("follower", strain)
-    bent = _curvatures(psi, beam.lengths, tables.G)
+    bent = _curvatures(psi, beam.lengths, tables.gauss_points)
     system.damper("material", bent, p.damping_moment * beam.shares)
 
     # bodies, drive and friction of the pivot
     end, turn = beam.end(), beam.end_slope()
     tip = end + turned(turn, p.tip_center)
-    system.body("crank", p.crank_mass, turned(q1, p.crank_center), p.crank_inertia, q1)
+    system.body("crank", p.crank_mass, center, p.crank_inertia, q1)
     system.body("slider", p.slider_mass, crank_tip, p.slider_inertia, slope)
     system.body("base", inertia=p.base_inertia, angle=q2)
     system.body("tip", p.tip_mass, tip, p.tip_inertia, turn)
@@ -107,7 +107,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     system.damper("friction of the pivot", q2, p.pivot_friction / p.pivot_friction_rate * ca.tanh(u) / u)
     torque = p.torque
     if prescribed:
-        torque = system.loop("drive", q1 - p.start_angle - p.speed * system.time, "rad", gives=[q1])
+        system.loop("drive", q1 - p.start_angle - p.speed * system.time, "rad", gives=[q1])
     else:
         system.load("motor", q1, torque)
 
@@ -136,8 +136,11 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
         across += p.joint_inertia * system.rate(system.rate(gap))
         along, moment = along + p.friction / beside, moment - gap * p.friction / beside
     on_follower = across * normal + along * tangent
-    on_crank = p.crank_mass * (_acceleration(system, turned(q1, p.crank_center)) - system.gravity)
-    on_crank += p.slider_mass * (_acceleration(system, crank_tip) - system.gravity) + on_follower
+    of_crank = p.crank_mass * (_acceleration(system, center) - system.gravity)
+    of_slider = p.slider_mass * (_acceleration(system, crank_tip) - system.gravity) + on_follower
+    on_crank = of_crank + of_slider
+    if prescribed:  # what the force on the follower asks for; the drive's own force differs by what few shapes leave of equilibrium
+        torque = p.crank_inertia * system.rate(system.rate(q1)) + _cross(center, of_crank) + _cross(crank_tip, of_slider)
 
     # of the points: place from P, velocity against the base's frame, acceleration
     c, n = ca.cos(q2), ca.sin(q2)
@@ -192,15 +195,20 @@ def _acceleration(system: System, place: ca.SX) -> ca.SX:
 
 
 def columns_of(tables: Tables, shapes: int) -> dict[str, Any]:
-    """Where a row of the table holds the shapes' angles and what goes with them, each with its derivatives by s."""
-    points = tables.cells * tables.S
-    blocks = np.arange(tables.kinds * shapes * points).reshape(tables.kinds, shapes, tables.cells, tables.S)
-    extras = tables.kinds * shapes * points + np.arange(5 * shapes).reshape(5, shapes)
-    lengths = tables.kinds * shapes * points + 5 * shapes + np.arange(tables.cells)
+    """Where a row of the table holds the shapes' angles and what goes with them, each with its derivatives by s.
+
+    Points are those of a cell and its end, cell by cell.
+    """
+    row = ShapeRow.of(np.arange(tables.coefficients.shape[2], dtype=np.float64), shapes, tables)
+    row = ShapeRow(*(part.astype(int) for part in row))
+    kinds = [kind.reshape(-1, tables.cells, tables.cell_size) for kind in (row.shape, row.shape_s, row.shape_ss) if kind.size]
     return {
-        "psi": [block[:, :, : tables.G + 1].ravel().tolist() for block in blocks],
-        "squares": extras[:2].tolist(),
-        "curvature": extras[2].tolist(),
-        "at slider": [blocks[0][:, int(tables.before[0]), tables.G].tolist(), *extras[3:].tolist()],
-        "lengths": lengths.tolist(),
-    }
+        "psi": [kind[:, :, : tables.gauss_points + 1].ravel().tolist() for kind in kinds],
+        "squares": [row.squares.tolist(), row.squares_s.tolist()],
+        "curvature": row.curvature_at_slider.tolist(),
+        "at slider": [
+            kinds[0][:, int(tables.slider_cell[0]), tables.gauss_points].tolist(),
+            row.angle_at_slider_s.tolist(), row.angle_at_slider_ss.tolist(),
+        ],
+        "lengths": row.length.tolist(),
+    }  # fmt: skip

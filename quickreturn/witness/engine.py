@@ -165,9 +165,9 @@ class DerivedSimulation(Simulation):
         place = equations.system.tables[0].index
         states = found.y.T if len(found.t) else self.state[None]
         left = states[:, place] > self.shapes.placed.reach
-        rows = int(np.argmax(left)) if left.any() else len(states)
-        states = states[: max(rows, 1)]
-        shown = {name: values.to_numpy() for name, values in equations.observe(times[: len(states)], states, self.values).items()}
+        states = states[: max(int(np.argmax(left)), 1)] if left.any() else states
+        rows = equations.observe(times[: len(states)], states, self.values)
+        shown = {str(name): values.to_numpy(dtype=np.float64) for name, values in rows.items()}
         table = {"time": times[: len(states)]} | columns(self.mechanism, shown, self.mechanism.follower.material_damping)
         trajectory = Trajectory(table, time.perf_counter() - began, {"right_hand_side_calls": float(found.nfev)})
         self.state, self.time = states[-1], float(times[len(states) - 1])
@@ -223,7 +223,7 @@ def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
     from quickreturn.derive import Model
     from quickreturn.witness.description import quick_return
 
-    key = (modes, tables.G, rigid, prescribed)
+    key = (modes, tables.gauss_points, rigid, prescribed)
     if key not in _MODELS:
         _MODELS[key] = Model(quick_return(tables, modes, rigid=rigid, prescribed=prescribed))
     _MODELS[key].system.tables[0].put(tables.low, tables.step, tables.coefficients)

@@ -1,5 +1,6 @@
-"""The engine `derived` against `reference`: equations of motion term by term, and motions with all their columns."""
+"""The engine `derived` against `reference`: motions with all their columns, claims, natural frequencies, refusals."""
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -11,6 +12,7 @@ pytest.importorskip("casadi")
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider
 from quickreturn.witness.engine import DerivedEngine, DerivedSettings
 from tests.engines.scenes import run_24
@@ -30,8 +32,16 @@ SCENES: Final[dict[str, Mechanism]] = {
     "compliant": replace(LOADED, slider=replace(LOADED.slider, joint_stiffness=2e4, joint_damping=5.0)),
     "without tip and base": run_24(tip=None, base=Base()),
 }
-#: Part of a column's RMS by which motions with the same two shapes differ: both integrate to some 1e-8, and the tables are the same.
+#: Part of a column's RMS by which motions with the same two shapes differ: both integrate to 1e-10, and the tables are the same. Found:
+#: up to 2e-6 of the tip acceleration and of what is recovered from it, with a joint that gives way, whose vibration `reference` slows.
 SAME: Final = 1e-5
+#: m by which a rigid joint may open: what the integration's error leaves of the loop.
+OPENED: Final = 1e-6
+#: With a prescribed speed `derived` counts the work of the drive's own force, `reference` that of the force that equilibrium asks for. Few
+#: shapes meet equilibrium only as they can; found: 2e-5 of the work with two.
+WORK_OF_EQUILIBRIUM: Final = 1e-4
+#: Part of the kinetic energy by which the balance may move; an integration to 1e-10 leaves 1e-10 to 2e-9.
+CONSERVED: Final = 1e-8
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -42,11 +52,49 @@ def test_all_columns_are_those_of_reference_with_the_same_shapes(name: str) -> N
     theirs = ReferenceEngine().prepare(scene, start, ReferenceSettings(modes=2, tolerance=1e-10)).advance(0.2, 0.002)
     assert set(ours.columns) == set(theirs.columns)
     for column, expected in theirs.columns.items():
-        size = 1.0 if column == "constraint_gap" else float(np.sqrt(np.mean(expected**2)))
-        np.testing.assert_allclose(ours[column], expected, rtol=0.0, atol=10 * SAME * max(size, 1e-6), err_msg=column)
+        within = SAME * float(np.sqrt(np.mean(expected**2)))
+        if column == "constraint_gap" and scene.slider.is_rigid:
+            within = OPENED
+        elif column == "drive_work" and not scene.crank_is_free:
+            within *= WORK_OF_EQUILIBRIUM / SAME
+        np.testing.assert_allclose(ours[column], expected, rtol=0.0, atol=within + 1e-12, err_msg=column)
+    stored = ours["kinetic_energy"] + ours["strain_energy"] + ours["gravity_energy"]
+    balance = stored + ours["dissipated_energy"] - ours["drive_work"]
+    assert np.ptp(balance) < CONSERVED * np.max(ours["kinetic_energy"])
 
 
 @pytest.mark.parametrize("slider", [Slider(friction=0.1), Slider(joint_stiffness=2e4, clearance=1e-3)], ids=["friction", "clearance"])
 def test_what_is_not_described_is_refused(slider: Slider) -> None:
     with pytest.raises(Refusal, match=r"slider\."):
         DerivedEngine().check(run_24(slider=slider))
+
+
+@pytest.fixture(scope="module")
+def truth() -> dict[str, Trajectory]:
+    """Of every scene, over half a second, by `reference` with an error of 3e-5."""
+    settings = ReferenceSettings(modes=9, tolerance=1e-9)
+    return {name: ReferenceEngine().prepare(s, standard_start(s), settings).advance(0.5, 0.002) for name, s in SCENES.items()}
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
+@pytest.mark.parametrize("name", SCENES)
+def test_accuracy_asked_is_kept(name: str, accuracy: float, truth: dict[str, Trajectory]) -> None:
+    scene, engine = SCENES[name], DerivedEngine()
+    found = engine.prepare(scene, standard_start(scene), engine.settings_for(accuracy, scene)).advance(0.5, 0.002)
+    expected = truth[name]["tip_deflection"]
+    assert np.sqrt(np.mean((found["tip_deflection"] - expected) ** 2)) < accuracy * np.sqrt(np.mean(expected**2))
+
+
+@pytest.mark.parametrize("stiffness", [math.inf, 2e4])
+def test_natural_frequencies_are_those_of_reference(stiffness: float) -> None:
+    """Of as many modes as are asked for; they follow the slider, so that one that stays put sees them exactly. Found: 1e-8."""
+    scene = replace(LOADED, slider=replace(LOADED.slider, joint_stiffness=stiffness))
+    ours, theirs = DerivedEngine(), ReferenceEngine()
+    for angle in (0.0, 1.9):
+        found = ours.natural_frequencies(scene, angle, 3, ours.settings_for(1e-3, scene))
+        np.testing.assert_allclose(found, theirs.natural_frequencies(scene, angle, 3, theirs.settings_for(1e-3, scene)), rtol=1e-6)
+
+
+def test_without_casadi_the_engine_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("quickreturn.witness.engine.find_spec", lambda _: None)
+    assert "pip install 'quickreturn[derive]'" in str(DerivedEngine().unavailable())
