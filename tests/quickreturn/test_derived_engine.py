@@ -9,10 +9,10 @@ import pytest
 
 pytest.importorskip("casadi")
 
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider
 from quickreturn.witness.engine import DerivedEngine, DerivedSettings
 from tests.engines.scenes import run_24
@@ -69,30 +69,34 @@ def test_what_is_not_described_is_refused(slider: Slider) -> None:
         DerivedEngine().check(run_24(slider=slider))
 
 
-@pytest.fixture(scope="module")
-def truth() -> dict[str, Trajectory]:
-    """Of every scene, over half a second, by `reference` with an error of 3e-5."""
-    settings = ReferenceSettings(modes=9, tolerance=1e-9)
-    return {name: ReferenceEngine().prepare(s, standard_start(s), settings).advance(0.5, 0.002) for name, s in SCENES.items()}
-
-
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
 @pytest.mark.parametrize("name", SCENES)
-def test_accuracy_asked_is_kept(name: str, accuracy: float, truth: dict[str, Trajectory]) -> None:
-    scene, engine = SCENES[name], DerivedEngine()
-    found = engine.prepare(scene, standard_start(scene), engine.settings_for(accuracy, scene)).advance(0.5, 0.002)
-    expected = truth[name]["tip_deflection"]
-    assert np.sqrt(np.mean((found["tip_deflection"] - expected) ** 2)) < accuracy * np.sqrt(np.mean(expected**2))
+def test_what_the_error_estimate_claims_holds(name: str, accuracy: float) -> None:
+    """Against `reference` with nine modes, which leave 3e-5."""
+    scene = SCENES[name]
+    start = standard_start(scene)
+    result = simulate(DerivedEngine(), scene, start, 0.4, 0.002, accuracy=accuracy)
+    expected = ReferenceEngine().prepare(scene, start, ReferenceSettings(modes=9, tolerance=1e-9)).advance(0.4, 0.002)["tip_deflection"]
+    error = np.sqrt(np.mean((result.trajectory["tip_deflection"] - expected) ** 2) / np.mean(expected**2))
+    assert result.error_estimate is not None
+    assert error < result.error_estimate
+    if result.reached:
+        assert error < accuracy
 
 
-@pytest.mark.parametrize("stiffness", [math.inf, 2e4])
-def test_natural_frequencies_are_those_of_reference(stiffness: float) -> None:
-    """Of as many modes as are asked for; they follow the slider, so that one that stays put sees them exactly. Found: 1e-8."""
-    scene = replace(LOADED, slider=replace(LOADED.slider, joint_stiffness=stiffness))
+#: Lowest three frequencies with five modes. The shapes are those of a slider held in place, without rotary inertia; found: 8e-8 there,
+#: 2e-3 with a joint that gives way. With rotary inertia the lowest is off by 3e-4, the third by 3e-2.
+OF_HELD_SLIDER: Final = 2e-7
+OF_JOINT: Final = 4e-3
+
+
+@pytest.mark.parametrize(("stiffness", "within"), [(math.inf, OF_HELD_SLIDER), (2e4, OF_JOINT)])
+def test_natural_frequencies_are_those_of_reference(stiffness: float, within: float) -> None:
+    scene = replace(LOADED, slider=Slider(mass=0.1, joint_stiffness=stiffness))
     ours, theirs = DerivedEngine(), ReferenceEngine()
     for angle in (0.0, 1.9):
-        found = ours.natural_frequencies(scene, angle, 3, ours.settings_for(1e-3, scene))
-        np.testing.assert_allclose(found, theirs.natural_frequencies(scene, angle, 3, theirs.settings_for(1e-3, scene)), rtol=1e-6)
+        found = ours.natural_frequencies(scene, angle, 3, DerivedSettings())
+        np.testing.assert_allclose(found, theirs.natural_frequencies(scene, angle, 3, ReferenceSettings()), rtol=within)
 
 
 def test_without_casadi_the_engine_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
