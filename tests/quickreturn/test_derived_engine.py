@@ -69,8 +69,14 @@ def test_what_is_not_described_is_refused(slider: Slider) -> None:
         DerivedEngine().check(run_24(slider=slider))
 
 
-@pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
-@pytest.mark.parametrize("name", SCENES)
+CLAIMED: Final = [
+    pytest.param(name, accuracy, id=f"{name}, {accuracy:g}", marks=[] if (name, accuracy) == ("loaded", 1e-3) else pytest.mark.verify)
+    for name in SCENES
+    for accuracy in (1e-2, 1e-3)
+]
+
+
+@pytest.mark.parametrize(("name", "accuracy"), CLAIMED)
 def test_what_the_error_estimate_claims_holds(name: str, accuracy: float) -> None:
     """Against `reference` with nine modes, which leave 3e-5."""
     scene = SCENES[name]
