@@ -3,6 +3,7 @@
 All access to the internals of `reference_model` is here: `terms_by_hand` reads them off a workspace.
 """
 
+from collections.abc import Mapping
 from typing import Final
 
 import casadi as ca
