@@ -16,7 +16,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,21 +24,21 @@ from threadpoolctl import threadpool_limits
 
 from quickreturn.engines import progress
 from quickreturn.engines.base import (
+    AnyEngine,
     Comparison,
     EngineFailure,
     EstimateOf,
     ModelDescription,
     Refusal,
-    SceneT,
     Simulation,
-    Solver,
-    StartT,
     first_line,
 )
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import SettingError, Settings
+from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import BEARINGS, BENDING
+from quickreturn.reference_model.mechanism import Scene
 
 R = TypeVar("R")
 Q = TypeVar("Q")
@@ -116,9 +116,9 @@ class Result:
 # The eigenproblems of the shapes are small: a second thread makes them take three times as much of the processors, and no less time.
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def simulate(
-    engine: Solver[SceneT, StartT, Any],
-    scene: SceneT,
-    start: StartT,
+    engine: AnyEngine,
+    scene: Scene,
+    start: Start | None,
     duration: float,
     output_step: float,
     settings: Mapping[str, str] | None = None,
@@ -163,9 +163,7 @@ def simulate(
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
 
 
-def run_once(
-    engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float, settings: Settings
-) -> Made:
+def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
     """One run as it comes, checked for completeness and for values that are no numbers.
 
     Raises:
@@ -332,10 +330,10 @@ class _Judged:
         return replace(self, remark="; ".join(filter(None, (self.remark, remark))))
 
 
-class _Runs(Generic[SceneT, StartT]):
+class _Runs:
     """Runs of one scene by settings: what was computed for the estimate of one rung serves the next."""
 
-    def __init__(self, engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float) -> None:
+    def __init__(self, engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float) -> None:
         self.engine, self.scene = engine, scene
         self._run = (start, duration, output_step)
         self._done: dict[Settings, Made] = {}
@@ -437,7 +435,7 @@ def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDAr
     return bool(np.any(deflection) and np.array_equal(deflection, other["tip_deflection"]))
 
 
-def _climbed(runs: _Runs[Any, Any], first: Settings, target: float) -> _Judged:
+def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
     """The first rung from `first` on whose estimate is within `target`, else the finest one that ran."""
     best: _Judged | None = None
     failure: EngineFailure | None = None

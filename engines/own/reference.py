@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison, NoSteadyState, SteadyState
+from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.alone import OwnAlone
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
@@ -89,20 +88,24 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     default_accuracy = 1e-3
     settings_type = ReferenceSettings
     kind_of_shapes = "shapes that follow the slider"
-    quantities = (*USUAL, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping")
+    kind_of_clamped_shapes = "clamped modes"
+    quantities = (*USUAL, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
-    def check(self, mechanism: Mechanism) -> None:
+    def check(self, scene: Scene) -> None:
         """Refuse also, with a joint that gives way or rubs, parts that the open loop leaves without inertia."""
-        super().check(mechanism)
-        if self.opens_loop(mechanism):
-            refusals.of_massless_parts(self.name, mechanism, " with a joint that gives way or rubs, which leaves the follower to itself")
+        super().check(scene)
+        if isinstance(scene, Mechanism) and self.opens_loop(scene):
+            refusals.of_massless_parts(self.name, scene, " with a joint that gives way or rubs, which leaves the follower to itself")
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """A joint that gives way leaves the follower's angle free; friction needs the normal force, which an open loop knows."""
         return not mechanism.slider.is_rigid or mechanism.slider.has_friction
 
     def model(self, scene: Scene, settings: ReferenceSettings) -> "BeamModel":
-        """See `BeamEngine.model`; the slider is eliminated only where it neither leaves the centre line nor rubs."""
+        """See `BeamEngine.model`; the slider is eliminated only where it neither leaves the centre line nor rubs.
+
+        The follower alone has modes of the beam clamped at its base: five leave 6e-5 in the library's spin-up.
+        """
         from quickreturn.reference_model.model import BeamModel
 
         if isinstance(scene, FollowerAlone):
@@ -214,10 +217,6 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """Converged, whatever the number of modes kept in simulations."""
         self.check(mechanism)
         return frozen_crank_modes(mechanism, crank_angle, count).frequencies
-
-    def follower_alone(self) -> OwnAlone:
-        """Modes of the beam clamped at its base in place of those that follow the slider: five leave 6e-5 in the library's spin-up."""
-        return OwnAlone(self, self.model, "clamped modes")
 
 
 def _guess(near: "OwnSimulation", crank_speed: float, mechanism: Mechanism) -> NDArray[np.float64]:
