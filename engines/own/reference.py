@@ -37,8 +37,10 @@ COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: of the modes' error that slowing it may cost where it is stiffer.
 SOFT: Final = 5e-4
 UNSEEN: Final = 5e-3
-#: Modes at least where rollers part and touch again: blows set more of them ringing than the crank does.
+#: Modes at least where the slider crosses a clearance: blows set more of them ringing than the crank does.
 MODES_OF_BLOWS: Final = 7
+#: Least tolerance that a finer run needs where rollers touch and part, over that of the run itself.
+TENTH: Final = 0.1
 #: Rate (1/s) at which the gap of a rigid joint with friction decays.
 STABILIZATION: Final = 100.0
 #: Two modes more, and two modes fewer where no more are accepted.
@@ -125,9 +127,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return line + (", with friction along the follower" if slider.has_friction else "")
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
-        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers part."""
+        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more with a clearance."""
         usual = LADDER.pick(accuracy)
-        if isinstance(mechanism, Mechanism) and mechanism.slider.has_corners:
+        if isinstance(mechanism, Mechanism) and mechanism.slider.clearance > 0.0:
             return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
         found = LADDER.pick(accuracy, gain_of(mechanism))
         if found.modes == usual.modes:
@@ -146,10 +148,16 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             more, ratio = COMPARED.get(settings.modes, (more, ratio))
         if more > MOST_MODES:
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
-        finer, further = LADDER.sized(settings, more), None
+
+        def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
+            usual = LADDER.sized(run, modes)
+            corners = isinstance(mechanism, Mechanism) and mechanism.slider.has_corners
+            return usual.replaced(tolerance=max(usual.tolerance, TENTH * run.tolerance)) if corners else usual
+
+        finer, further = sized(settings, more), None
         if isinstance(mechanism, Mechanism) and more + 2 <= MOST_MODES:
             rest = RATIO if settings.modes < SMOOTH else SLOWEST
-            further = Comparison(finer, LADDER.sized(finer, more + 2), rest)
+            further = Comparison(finer, sized(finer, more + 2), rest)
         return (Comparison(settings, finer, ratio, further),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
