@@ -19,7 +19,7 @@ from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_o
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model import treatment
-from quickreturn.reference_model.joint import in_words, rollers
+from quickreturn.reference_model.joint import friction_in_words, in_words, rollers
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
@@ -128,7 +128,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             line = f"slider beside the centre line ({in_words(slider)})"
         else:
             line = "slider on the centre line (Lagrange multiplier)" if slider.has_friction else super().joint_line(mechanism, settings)
-        return line + (", with friction along the follower" if slider.has_friction else "")
+        return line + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
         """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit."""
