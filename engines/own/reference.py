@@ -18,9 +18,10 @@ from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_o
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model import slider_constraint
-from quickreturn.reference_model.joint import in_words, rollers
+from quickreturn.reference_model.joint import friction_in_words, in_words, rollers
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, SliderConstraint
 
 if TYPE_CHECKING:
@@ -36,8 +37,13 @@ COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: of the modes' error that slowing it may cost where it is stiffer.
 SOFT: Final = 5e-4
 UNSEEN: Final = 5e-3
-#: Modes at least where rollers part and touch again: blows set more of them ringing than the crank does.
+#: Modes at least where rollers are hit: blows set more of them ringing than the crank does.
 MODES_OF_BLOWS: Final = 7
+#: Part of the slider force from which on a roller that meets the follower hits it (`blow`): measured are 0.07, which needs no more modes
+#: than a rigid joint, and 0.6, which does (`engines/LADDERS.md`, section 5).
+HIT: Final = 0.1
+#: Least tolerance that a finer run needs where rollers touch and part, over that of the run itself.
+TENTH: Final = 0.1
 #: Rate (1/s) at which the gap of a rigid joint with friction decays.
 STABILIZATION: Final = 100.0
 #: Two modes more, and two modes fewer where no more are accepted.
@@ -125,12 +131,12 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             line = f"slider beside the centre line ({in_words(slider)})"
         else:
             line = "slider on the centre line (Lagrange multiplier)" if slider.has_friction else super().joint_line(mechanism, settings)
-        return line + (", with friction along the follower" if slider.has_friction else "")
+        return line + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
-        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers part."""
+        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit."""
         usual = LADDER.pick(accuracy)
-        if isinstance(mechanism, Mechanism) and mechanism.slider.has_corners:
+        if isinstance(mechanism, Mechanism) and blow(mechanism) > HIT:
             return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
         found = LADDER.pick(accuracy, gain_of(mechanism))
         if found.modes == usual.modes:
@@ -149,10 +155,16 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             more, ratio = COMPARED.get(settings.modes, (more, ratio))
         if more > MOST_MODES:
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
-        finer, further = LADDER.sized(settings, more), None
+
+        def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
+            usual = LADDER.sized(run, modes)
+            corners = isinstance(mechanism, Mechanism) and mechanism.slider.has_corners
+            return usual.replaced(tolerance=max(usual.tolerance, TENTH * run.tolerance)) if corners else usual
+
+        finer, further = sized(settings, more), None
         if isinstance(mechanism, Mechanism) and more + 2 <= MOST_MODES:
             rest = RATIO if settings.modes < SMOOTH else SLOWEST
-            further = Comparison(finer, LADDER.sized(finer, more + 2), rest)
+            further = Comparison(finer, sized(finer, more + 2), rest)
         return (Comparison(settings, finer, ratio, further),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
@@ -225,6 +237,20 @@ def _guess(near: "OwnSimulation", crank_speed: float, mechanism: Mechanism) -> N
     if not mechanism.crank_is_free:
         state[(len(state) - 5) // 2 + 2] = crank_speed
     return state
+
+
+def blow(mechanism: Mechanism) -> float:
+    """Force with which a roller meets the follower as the slider force changes its sign, over that force; infinite across a clearance.
+
+    The softer roller lets go of the follower at the rate of the force over its stiffness, and a mass m that meets the stiffer one at a
+    speed v is stopped by v sqrt(k m). The force changes at the crank's pace, and m is the follower's mass, each in order of magnitude.
+    """
+    if not mechanism.slider.has_corners:
+        return 0.0
+    if mechanism.slider.clearance > 0.0:
+        return math.inf
+    softer, stiffer = sorted(mechanism.slider.sides)
+    return crank_pace(mechanism) / softer * math.sqrt(stiffer * mechanism.follower.mass)
 
 
 def joint_inertia(mechanism: Mechanism, modes: int) -> float:
