@@ -3,6 +3,7 @@
 import itertools
 import shlex
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     Found = Solution | EngineFailure | EngineDied
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
+
+#: Modules that serve to tell what a worker found: they are imported while it imports its own.
+_TELLING: Final = ("quickreturn.solution", "quickreturn.reports.tables.strength", "scipy.interpolate")
 
 #: What the JSON document holds of a simulation besides; these where a failure leaves nothing to say.
 _NOTHING: Final[dict[str, Any]] = {
@@ -92,6 +96,8 @@ def command(
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
+    for module in _TELLING:
+        import_module(module)
     places = _places(output, loaded, engines)
     for case, name in itertools.product(loaded, engines):
         if (file := places[case.name, name]) is not None:
