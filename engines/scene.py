@@ -18,6 +18,7 @@ def simulate_scene(
     settings: Mapping[str, str] | None = None,
     accuracy: float | None = None,
     estimate: bool = True,
+    time_limit: float | None = None,
 ) -> Result:
     """`accurate.simulate` from the standard start: the mechanism's, or the follower straight and at rest.
 
@@ -26,7 +27,7 @@ def simulate_scene(
             alone.
     """
     solver, start = solver_of(engine, scene)
-    return accurate.simulate(solver, scene, start, duration, output_step, settings, accuracy, estimate)
+    return accurate.simulate(solver, scene, start, duration, output_step, settings, accuracy, estimate, time_limit)
 
 
 def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:

@@ -34,6 +34,7 @@ _NOTHING: Final[dict[str, Any]] = {
     "error_estimate": None,
     "error_estimates": {},
     "estimate_of": None,
+    "further_run_skipped": None,
     "remark": "",
     "settings": None,
     "loads": {},
@@ -168,13 +169,14 @@ def _attempted(
     for case, name in pairs:
         questions.check(name, case.scene, texts[name])
     options.tell_doubts(cases)
-    jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy, estimate)) for case, name in pairs]
-    outcomes = questions.asked(jobs, "simulating", options.limits(), options.quiet())
+    limits = options.limits()
+    jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy, estimate, limits.seconds)) for case, name in pairs]
+    outcomes = questions.asked(jobs, "simulating", limits, options.quiet())
     return [(case, name, outcome) for (case, name), outcome in zip(pairs, outcomes, strict=True)]
 
 
 def attempt(
-    case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None, estimate: bool
+    case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None, estimate: bool, time_limit: float | None
 ) -> "tuple[str, Solution | EngineFailure]":
     """Simulate, in a worker: version of the engine, and what came of it. Raises as `quickreturn.simulate` but for failures."""
     from quickreturn.engines.base import EngineFailure
@@ -183,7 +185,7 @@ def attempt(
 
     version = usable_engine(engine).version()
     try:
-        return version, simulate(case, engine, accuracy=accuracy, settings=settings, estimate=estimate)
+        return version, simulate(case, engine, accuracy=accuracy, settings=settings, estimate=estimate, time_limit=time_limit)
     except EngineFailure as failure:
         return version, failure
 
