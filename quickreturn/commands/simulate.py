@@ -82,7 +82,8 @@ def command(
 
     Exit code 3: the engine failed, did not reach the accuracy, or cannot say that it reached the one asked for, because its error
     estimate is unknown or not verified; the rows that it delivered are in the file. One that crashed or was stopped at a limit delivers
-    none. The accuracy of `thesis` is that of the integration of its own equations. With several engines or cases the JSON document is a
+    none. Of the runs that an error is estimated with, those that could outlast --time-limit are not begun. The accuracy of `thesis` is
+    that of the integration of its own equations. With several engines or cases the JSON document is a
     list.
     """
     from quickreturn import questions
