@@ -111,6 +111,8 @@ class Comparison:
             to run as both factors say, the factor that they do show counts (`engines.accurate.shown_factor`). None: the factor is taken
             on trust.
         instead: the pair that counts where a run of this one breaks down, a finer one for example; None: then the error is unknown.
+        alike: `before` is not run where the relative difference of `run` and `other` is, in every column with an estimate, at most so
+            many times that of the tip deflection: columns converge alike, and the factor is taken on trust. 0: it is always run.
     """
 
     run: AnySettings
@@ -118,6 +120,7 @@ class Comparison:
     factor: float
     before: "Comparison | None" = None
     instead: "Comparison | None" = None
+    alike: float = 0.0
 
 
 class NoSteadyState(Exception):

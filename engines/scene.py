@@ -17,6 +17,7 @@ def simulate_scene(
     settings: Mapping[str, str] | None = None,
     accuracy: float | None = None,
     estimate: bool = True,
+    time_limit: float | None = None,
 ) -> Result:
     """`accurate.simulate` from the standard start: the mechanism's, or the follower straight and at rest.
 
@@ -25,7 +26,7 @@ def simulate_scene(
             alone.
     """
     check_scene(engine, scene)
-    return accurate.simulate(engine, scene, standard_start(scene), duration, output_step, settings, accuracy, estimate)
+    return accurate.simulate(engine, scene, standard_start(scene), duration, output_step, settings, accuracy, estimate, time_limit)
 
 
 def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:

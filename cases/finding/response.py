@@ -19,11 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.measures import CHANNELS, Cycle, TimeScale, time_scale
 from quickreturn.cases.measures.consensus import consensus
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.first_mode import FirstMode, fit_first_modes
 from quickreturn.cases.measures.half_cycle import channel_half, half_cycle
+from quickreturn.cases.measures.steady_state import Cycle
+from quickreturn.cases.measures.time_scale import CHANNELS, TimeScale, time_scale
 from quickreturn.cases.runs.marching import March, output_step, periodic_cycle
 from quickreturn.cases.runs.orbit import PeriodicStart
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal

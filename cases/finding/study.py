@@ -11,9 +11,9 @@ from quickreturn.cases.finding.response import Request, Response, respond
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library.thesis import RUNS, run_case
-from quickreturn.cases.measures import CHANNELS
 from quickreturn.cases.measures.consensus import consensus
 from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.orbit import Orbit, orbits
 from quickreturn.cases.runs.request import CODE
 

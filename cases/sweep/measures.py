@@ -14,9 +14,9 @@ from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.loads import Claimed
 from quickreturn.cases.loads.peak import Peak, of_column, of_vector
 from quickreturn.cases.loads.stress import arm_stress
-from quickreturn.cases.measures import CHANNELS
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.extremes import extremes
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism

@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures import CHANNELS, measure_cycle, time_scale
+from quickreturn.cases.measures.cycle import measure_cycle
+from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from quickreturn.cases.runs.marching import Columns, output_step
 from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in

@@ -52,6 +52,8 @@ MOST_MODES: Final = 16
 #: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
+#: Modes with which one finer run tells the error, where columns differ from it alike -> by how many times what the deflection does at most.
+ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 #: Distance at which the search for a steady state makes its last step, which leaves a tenth of it or less: what counts as settled when
 #: marching.
 ORBIT_TOLERANCE: Final = 1e-3
@@ -148,7 +150,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
 
         Of clamped modes the error of more is a smaller part, which makes the estimate a little too large. Another with still more tells
-        whether the error falls as it should: after a blow it does not, for that sets all modes ringing.
+        whether the error falls as it should: after a blow it does not, for that sets all modes ringing. It shows in accelerations, which
+        then differ by a larger part than the deflection.
         """
         more, ratio = settings.modes + 2, RATIO
         if isinstance(mechanism, Mechanism):
@@ -165,7 +168,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         if isinstance(mechanism, Mechanism) and more + 2 <= MOST_MODES:
             rest = RATIO if settings.modes < SMOOTH else SLOWEST
             further = Comparison(finer, sized(finer, more + 2), rest)
-        return (Comparison(settings, finer, ratio, further),)
+        return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
         """The next rung of the ladder."""
