@@ -201,12 +201,7 @@ def job(
 
 
 def resonance_curve(
-    case: Case,
-    varied: Range,
-    speed: float | None = None,
-    measures: Sequence[str] = (USUAL,),
-    accuracy: float | None = None,
-    claims: bool = True,
+    case: Case, varied: Range, speed: float | None, measures: Sequence[str], accuracy: float | None, claims: bool
 ) -> ResonanceCurve:
     """The curve of a case's periodic motion.
 

@@ -15,7 +15,7 @@ from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.sweeping import ERROR
-from quickreturn.table_files import table_file
+from quickreturn.table_files import dataset_file, table_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -99,7 +99,7 @@ class Resonance(Shown):
         dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.curve.case)
         for name, unit in frame.attrs["units"].items():
             dataset[name].attrs["units"] = unit
-        return bytes(dataset.to_netcdf(engine="h5netcdf"))
+        return dataset_file(dataset, ending)
 
     def _unit(self, name: str) -> str:
         name = name.removesuffix(ERROR)

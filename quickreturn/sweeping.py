@@ -19,7 +19,6 @@ from quickreturn.cases.sweep.study import Path, Study, study
 from quickreturn.catalogue import AnyCase, Listing, one_case
 from quickreturn.cross_validation import given_settings, opened
 from quickreturn.engines.registry import usable_engine
-from quickreturn.table_files import table_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -120,25 +119,22 @@ def dataset_of(found: Study) -> "xr.Dataset":
     import xarray as xr
 
     axes, both = found.grid.axes, len(found.ways) > 1
-    way = slice(None) if both else 0
-    dimensions = (*(["path"] if both else []), *(each.key for each in axes))
-
+    dimensions = ("path", *(each.key for each in axes))
     variables: dict[str, tuple[Any, ...]] = {}
     for place, name in enumerate(found.asked.measures):
         about = MEASURES[name]
-        variables[name] = (dimensions, found.values[way, ..., place], {"units": about.unit, "long_name": about.meaning})
+        variables[name] = (dimensions, found.values[..., place], {"units": about.unit, "long_name": about.meaning})
         said = {"units": about.unit, "long_name": f"how far off {name} may be by the engine's own estimate"}
         if found.asked.claims:
-            variables[f"{name}{ERROR}"] = (dimensions, found.errors[way, ..., place], said)
-    variables["status"] = (dimensions, found.statuses[way].astype(str), {"long_name": "how the point ended"})
-    variables["sentence"] = (dimensions, found.sentences[way].astype(str), {"long_name": "why"})
+            variables[f"{name}{ERROR}"] = (dimensions, found.errors[..., place], said)
+    variables["status"] = (dimensions, found.statuses.astype(str), {"long_name": "how the point ended"})
+    variables["sentence"] = (dimensions, found.sentences.astype(str), {"long_name": "why"})
     if both:
         variables["two_motions"] = (dimensions[1:], found.two_motions, {"long_name": "whether the ways settle on two stable motions"})
     coordinates: dict[str, tuple[Any, ...]] = {
         each.key: (each.key, np.array(each.values), {"units": each.unit} if each.unit else {}) for each in axes
     }
-    if both:
-        coordinates["path"] = ("path", list(found.ways))
+    coordinates["path"] = ("path", list(found.ways))
     case = found.grid.case
     attributes = {
         "case": case.name,
@@ -147,7 +143,8 @@ def dataset_of(found: Study) -> "xr.Dataset":
         "engine": found.asked.engine,
         "source": f"quickreturn {version('quickreturn')}",
     }
-    return xr.Dataset(variables, coordinates, attributes)
+    dataset = xr.Dataset(variables, coordinates, attributes)
+    return dataset if both else dataset.isel(path=0, drop=True)
 
 
 def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
@@ -172,15 +169,6 @@ def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
         else:
             overrides[key] = str(values.sel({key: place[key]}).item())
     return case.with_(overrides)
-
-
-def written(dataset: "xr.Dataset", ending: str) -> bytes:
-    """A dataset as the content of a file: .nc (netCDF 4), .csv or .parquet; tables have a row for each point, and units in headings."""
-    if ending == ".nc":
-        return bytes(dataset.to_netcdf(engine="h5netcdf"))
-    frame = dataset.to_dataframe().reset_index()
-    units = {name: dataset[name].attrs.get("units", "") for name in map(str, frame.columns)}
-    return table_file(frame, units, ending)
 
 
 def summary(dataset: "xr.Dataset") -> list[str]:

@@ -40,9 +40,7 @@ class Study:
 
     @property
     def two_motions(self) -> NDArray[np.bool_]:
-        """Where the ways settle on two stable motions, shape (*grid)."""
-        if len(self.ways) < 2:
-            return np.zeros(self.grid.shape, dtype=bool)
+        """Whether the two ways settle on two stable motions at a point, shape (*grid)."""
         known = [place for place, name in enumerate(self.asked.measures) if name != "solve_seconds"]
         one, other = self.values[..., known]
         claimed = np.nan_to_num(np.nansum(self.errors[..., known], axis=0))
