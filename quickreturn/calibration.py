@@ -1,4 +1,4 @@
-"""Parameters that are not known exactly: found from a recorded table, or scattered as distributions say."""
+"""Uncertain parameters: fitted to a recorded table, or drawn from distributions."""
 
 import os
 from collections.abc import Mapping, Sequence

@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 
 #: Measures unless others are asked for.
 USUAL: Final = ("peak.tip_acceleration", "multiplier")
-#: Behind a measure's name: how far off it may be.
+#: Suffix of a measure's name that names its error.
 ERROR: Final = ".error"
-#: Attribute that holds the file of the case of a study.
+#: Attribute of a dataset that holds the study's case file.
 FILE: Final = "case_file"
 
 
 def measures() -> "Listing[Measure]":
-    """What a study may measure: name, unit, meaning."""
+    """The measures of a study: name, unit, meaning."""
     return Listing.of(MEASURES.values(), name=lambda each: each.name, unit=lambda each: each.unit, meaning=lambda each: each.meaning)
 
 
@@ -61,7 +61,7 @@ def sweep(
         accuracy: error of the tip deflection that is asked for; None: the engine's default.
         settings: of the engine, by name.
         claims: whether every number gets its error estimate, which takes about twice as long.
-        path: which way each row of points is gone through, "up", "down" or "both": near a fold the motion depends on it.
+        path: direction in which each row of points is computed, "up", "down" or "both": near a fold the motion depends on it.
         jobs: processes at a time; None: one per core.
         workshop: where to compute and to store; None: here.
         quiet: whether nothing is told on standard error.
@@ -115,7 +115,7 @@ def _axis(key: str, values: str | Sequence[Any]) -> Axis:
 
 
 def dataset_of(found: Study) -> "xr.Dataset":
-    """A study as a dataset, whose attributes are texts and numbers alone, so that netCDF keeps them."""
+    """A study as a dataset. Its attributes are texts and numbers, which netCDF can store."""
     import xarray as xr
 
     axes, both = found.grid.axes, len(found.ways) > 1
@@ -148,7 +148,7 @@ def dataset_of(found: Study) -> "xr.Dataset":
 
 
 def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
-    """The case of the point of a study that is nearest to a place.
+    """The case at the point of a study that is nearest to some values.
 
     Args:
         dataset: of `sweep`, or read from its netCDF file.
@@ -172,7 +172,7 @@ def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
 
 
 def summary(dataset: "xr.Dataset") -> list[str]:
-    """Lines for a person: how many points ended how, and the range of every measure with where its ends lie."""
+    """Lines for a person: the number of points of each status, and the extremes of every measure with their places."""
     counts = Counter(map(str, dataset["status"].values.flat)).most_common()
     points = ", ".join(f"{count} {status}" for status, count in counts)
     lines = [f"{dataset['status'].size} points: {points}"]
@@ -181,7 +181,7 @@ def summary(dataset: "xr.Dataset") -> list[str]:
     for name in (str(each) for each in dataset.data_vars if str(each) in MEASURES):
         values = dataset[name]
         if not values.notnull().any():
-            lines.append(f"{name}: not to be had")
+            lines.append(f"{name}: no point has a value")
             continue
         ends = (("least", values.argmin(...)), ("greatest", values.argmax(...)))
         told = [f"{which} {float(values[at]):.6g} at {_place(values[at], values)}" for which, at in ends]

@@ -29,13 +29,13 @@ from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 
-_SOURCE: Final = "--free"  # that texts of parameters come from, for messages
+_SOURCE: Final = "--free"  # the option that messages name
 #: Accuracy of the simulations that the result rests on. The way there, and the derivatives, take the engine's default.
 ACCURACY: Final = 1e-4
 #: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of what it shows.
 DIFFERENCE: Final = 1e-3
-#: How strongly a parameter is held where a fit begins, relative to one that changes the table by all of its size: what a stretch of the
-#: table does not tell shall not run away. Each fit begins where the last one ended, so nothing of it is left in the end.
+#: How strongly a parameter is held where a fit begins, relative to one that changes the table by all of its size. It keeps a parameter
+#: that a stretch of the table does not determine from running away. Each fit begins where the last one ended, so it biases no result.
 HOLD: Final = 1e-2
 #: By how much a parameter without a range may change: its logarithm.
 FARTHEST: Final = 3.0
@@ -78,15 +78,15 @@ class Free:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Of the coordinate."""
+        """Limits of the coordinate."""
         return (-FARTHEST, FARTHEST) if self.ends is None else (0.0, 1.0)
 
     def value(self, coordinate: float) -> float:
-        """SI."""
+        """The value of the parameter at a coordinate, SI."""
         return self.start * math.exp(coordinate) if self.ends is None else self.ends[0] + coordinate * (self.ends[1] - self.ends[0])
 
     def slope(self, coordinate: float) -> float:
-        """Change of the value by the coordinate."""
+        """Derivative of the value by the coordinate, SI."""
         return self.value(coordinate) if self.ends is None else self.ends[1] - self.ends[0]
 
 

@@ -68,14 +68,14 @@ class Share:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Scatter(Shown):
-    """What came of the points.
+    """The measured points.
 
     Attributes:
         case: in which all other values are.
         distributions: of the parameters.
         measures: names.
         inputs: values of the parameters, SI, shape (n, p).
-        values: of the measures, SI, nan where not to be had, shape (n, measures).
+        values: of the measures, SI, nan where unavailable, shape (n, measures).
         errors: how far off each may be by the simulation's own estimate, likewise; nan without one.
         statuses: how each point ended.
     """
