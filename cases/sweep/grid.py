@@ -172,6 +172,7 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[R
     """`measured_row` as a job, whose row is stored as a whole."""
     changed = tuple(map(dict, changes))
     first = ", ".join(f"{key} = {text}" for key, text in changed[0].items())
+    own = type(engine(asked.engine)).__module__.startswith("quickreturn.engines.own.")
     return Job(
         name=f"{asked.engine}, {len(changed)} points from {first}",
         function=measured_row,
@@ -181,7 +182,5 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[R
         code=CODE,
         inputs=(case.scene, [list(each.items()) for each in changed], asked),
         points=len(changed),
-        brief=type(engine(asked.engine)).__module__.startswith(
-            "quickreturn.engines.own."
-        ),  # a library that is foreign gets a process of its own
+        brief=own,  # a foreign library gets a process of its own
     )
