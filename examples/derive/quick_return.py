@@ -7,6 +7,7 @@ import casadi as ca
 import numpy as np
 
 from quickreturn.derive import Beam, System, turned, vector
+from quickreturn.reference_model.motion.layout import ShapeRow
 
 #: Of a system, the slider's arc length, the constants: beam, the slider's place and angle, and the
 #: tangent there.
@@ -100,7 +101,7 @@ def following(tables, modes: int) -> Follower:
         at_slider = table.function(angle, *where["at slider"])
         beam = Beam(
             system, "follower", edges=[0, now, p.length], tangent=lambda x: shapes @ eta,
-            points=tables.G, **common,
+            points=tables.gauss_points, **common,
         )  # fmt: skip
         system.energy("follower", ca.dot(squares, eta**2) / 2)
         slider = beam.slider(0, s - now, ca.dot(curvature, eta))
@@ -113,15 +114,13 @@ def following(tables, modes: int) -> Follower:
 
 def columns_of(tables, modes: int) -> dict[str, list]:
     """Where a row has the shapes' angles and what goes with them, with derivatives by s."""
-    points = tables.cells * tables.S
-    blocks = np.arange(tables.kinds * modes * points)
-    blocks = blocks.reshape(tables.kinds, modes, tables.cells, tables.S)
-    psi = [block[:, :, : tables.G + 1].ravel().tolist() for block in blocks]
-    extras = (tables.kinds * modes * points + np.arange(5 * modes).reshape(5, modes)).tolist()
-    at_slider = blocks[0][:, 0, tables.G].tolist()
+    row = ShapeRow.of(np.arange(tables.coefficients.shape[2]), modes, tables)
+    places, inner = (modes, tables.cells, tables.cell_size), slice(tables.gauss_points + 1)
+    kinds = [kind.reshape(places)[:, :, inner] for kind in (row.shape, row.shape_s, row.shape_ss)]
+    by_place = row.angle_at_slider_s, row.angle_at_slider_ss
     return {
-        "psi": psi,
-        "squares": extras[:2],
-        "curvature": extras[2],
-        "at slider": [at_slider, *extras[3:]],
+        "psi": [kind.ravel().tolist() for kind in kinds],
+        "squares": [row.squares.tolist(), row.squares_s.tolist()],
+        "curvature": row.curvature_at_slider.tolist(),
+        "at slider": [kinds[0][:, 0, -1].tolist(), *(each.tolist() for each in by_place)],
     }

@@ -47,6 +47,11 @@ class Beam:
         axial_stiffness: N.
         damping: per length, on the velocity in the frame, N s/m^2.
         points: Gauss points per cell.
+
+    Attributes:
+        x, y: places of all Gauss points in the frame, m, columns.
+        shares: of the length that the Gauss points stand for, m, a column.
+        lengths: of the cells, m.
     """
 
     def __init__(
@@ -74,7 +79,7 @@ class Beam:
         self._whole = line = self._line(edges)
         inner = [k for k in range(line.s.numel()) if (k + 1) % (points + 1)]
         dx = column(*(h * ca.SX(0.5 * legendre.leggauss(points)[1]) for h in line.lengths))
-        x, y = line.x[inner], line.y[inner]
+        self.x, self.y, self.shares, self.lengths = x, y, _, _ = line.x[inner], line.y[inner], dx, line.lengths
         system.mass_points(name, mass_per_length * dx, x, y, origin, angle)
         curvature = _derivative(tangent or (lambda s: _derivative(deflection, s)), line.s)
         strain = _derivative(stretch, line.s) if stretch else ca.SX(line.s.numel(), 1)

@@ -73,7 +73,7 @@ class Model:
         given = [k for loop in self.system.loops for k in loop.gives]
         seek = [k for k in given if each[k].name not in values]
         for _ in range(50):
-            gap, G, _ = self._loops(q, p)
+            gap, G, _ = self.loops(q, p)
             step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
             q[seek] += step
             for table in self.system.tables:
@@ -97,7 +97,7 @@ class Model:
                     f"loop {loop.name!r} of {self.system.name!r} opens at the start by {opening:.3g} {loop.unit} a second; leave out the"
                     " rates of the coordinates that it gives"
                 )
-        return self._state(q, v)
+        return self.state(q, v)
 
     def simulate(
         self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None
@@ -128,7 +128,7 @@ class Model:
 
     def check(self, y: Array, p: Array) -> None:
         """Refuse a state in which an acceleration is not determined, or an output not a number; compare code and interpreter."""
-        _, G, M = self._loops(y[: len(self.system.coordinates)], p)
+        _, G, M = self.loops(y[: len(self.system.coordinates)], p)
         check_inertia(self.system, M, G[:, :-1])
         x = self.input(0.0, y, p)
         self._rates.check(x)
@@ -154,12 +154,13 @@ class Model:
         """Values of all symbols of the equations."""
         return np.concatenate([[time], y, p, *(table.at(y[table.index]) for table in self.system.tables)])
 
-    def _state(self, q: Array, v: Array) -> Array:
+    def state(self, q: Array, v: Array) -> Array:
+        """State of all coordinates and rates, those that the loops give among them."""
         return np.concatenate([q, v[self.equations.free], [0.0, 0.0]])
 
-    def _loops(self, q: Array, p: Array) -> tuple[Array, Array, Array]:
+    def loops(self, q: Array, p: Array) -> tuple[Array, Array, Array]:
         """Gaps, their Jacobian and the mass matrix at time 0."""
-        gap, G, M = (np.array(each) for each in self._matrices(self.input(0.0, self._state(q, 0.0 * q), p)))
+        gap, G, M = (np.array(each) for each in self._matrices(self.input(0.0, self.state(q, 0.0 * q), p)))
         return gap.ravel(), G, M
 
     def _refuse_unknown(self, names: Values, what: str, known: Iterable[str]) -> None:

@@ -23,13 +23,18 @@ class Table:
     """
 
     def __init__(self, index: int, unit: str, away: ca.SX, low: float, step: float, coefficients: Any) -> None:
-        self.index, self._unit, self.low, self.step = index, unit, low, step
-        self.coefficients: Array = np.ascontiguousarray(coefficients, dtype=np.float64)
-        self.high = low + step * len(self.coefficients)
+        self.index, self._unit = index, unit
+        self.put(low, step, coefficients)
         self.row = ca.SX.sym("row", self.coefficients.shape[2])
         self.row_slope = ca.SX.sym("row slope", self.coefficients.shape[2])
         self.units: dict[int, str] = {}  # column -> unit, of those that are used
         self._away = away
+
+    def put(self, low: float, step: float, coefficients: Any) -> None:
+        """Other numbers, with as many columns: compiled equations serve any. The arguments are those of the class."""
+        self.low, self.step = low, step
+        self.coefficients: Array = np.ascontiguousarray(coefficients, dtype=np.float64)
+        self.high = low + step * len(self.coefficients)
 
     def function(self, unit: str, columns: Sequence[int], first: Sequence[int] = (), second: Sequence[int] = ()) -> ca.SX:
         """f(s) = f0 + f1 d + f2 d^2 / 2 about the present s, d = 0, as a column: its derivatives by s are what the table says.

@@ -134,7 +134,7 @@ def test_reference_is_not_accused() -> None:
 
 @pytest.mark.verify
 @pytest.mark.parametrize(
-    "name", ["thesis", "reference", "exudyn", "mujoco", "fixed-shapes", "multiplier", "stiff-spring", "moving-boundaries"]
+    "name", ["thesis", "reference", "exudyn", "mujoco", "fixed-shapes", "multiplier", "stiff-spring", "moving-boundaries", "derived"]
 )
 def test_own_engines_are_not_accused(name: str) -> None:
     found = conform(engine(name))

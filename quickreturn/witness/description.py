@@ -1,0 +1,214 @@
+"""The quick-return with a flexible follower, described for `quickreturn.derive`: parts, joint, drive, and what is read off.
+
+Nothing of the equations derived by hand stands here. Shared with them is the table of the follower's shapes.
+"""
+
+from functools import cache
+from math import pi
+from typing import Any, Final
+
+import casadi as ca
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from quickreturn.derive import Beam, System, turned, vector
+from quickreturn.reference_model.joint import PIVOT_FRICTION_RATE
+from quickreturn.reference_model.mechanism import ROUNDING, Mechanism, TorqueDrive
+from quickreturn.reference_model.motion.layout import ShapeRow, Tables
+
+Array = NDArray[np.float64]
+
+#: Units of the constants; all are SI, so that a scene's values need no conversion.
+UNITS: Final = {
+    "pivot_distance": "m", "crank_length": "m", "length": "m",
+    "crank_mass": "kg", "crank_center": "m", "crank_inertia": "kg*m^2",
+    "torque": "N*m", "crank_damping": "N*m*s/rad", "start_angle": "rad", "speed": "rad/s",
+    "base_inertia": "kg*m^2", "base_damping": "N*m*s/rad", "pivot_friction": "N*m", "pivot_friction_rate": "rad/s",
+    "mass_per_length": "kg/m", "beam_damping": "N*s/m^2", "damping_moment": "N*m^2*s",
+    "tip_mass": "kg", "tip_inertia": "kg*m^2", "tip_center": "m",
+    "force_1": "N", "force_2": "N", "force_from": "rad", "force_span": "rad", "force_ramp": "rad",
+    "slider_mass": "kg", "slider_inertia": "kg*m^2", "gravity_1": "m/s^2", "gravity_2": "m/s^2",
+    "joint_stiffness": "N/m", "joint_damping": "N*s/m", "joint_inertia": "kg", "joint_force": "N", "friction": "N",
+}  # fmt: skip
+
+
+def constants(scene: Mechanism) -> dict[str, float]:
+    """The scene's values by the names of `UNITS`; those of a joint that gives way are zero where it is rigid."""
+    crank, drive, base, follower, tip, slider = scene.crank, scene.crank.drive, scene.base, scene.follower, scene.tip_body, scene.slider
+    torque, damping = (drive.torque, drive.damping) if isinstance(drive, TorqueDrive) else (0.0, 0.0)
+    return dict.fromkeys(UNITS, 0.0) | {
+        "pivot_distance": scene.pivot_distance, "crank_length": crank.length, "length": follower.length,
+        "crank_mass": crank.mass, "crank_center": crank.center_of_mass, "crank_inertia": crank.inertia,
+        "torque": torque, "crank_damping": damping, "start_angle": crank.initial_angle, "speed": drive.initial_speed,
+        "base_inertia": base.inertia, "base_damping": base.damping,
+        "pivot_friction": base.friction_torque, "pivot_friction_rate": PIVOT_FRICTION_RATE,
+        "mass_per_length": follower.mass_per_length, "beam_damping": follower.damping,
+        "damping_moment": follower.bending_stiffness * follower.material_damping,
+        "tip_mass": tip.mass, "tip_inertia": tip.inertia, "tip_center": tip.center_of_mass,
+        "force_1": tip.force[0], "force_2": tip.force[1], "force_from": tip.force_from,
+        "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp,
+        "slider_mass": slider.mass, "slider_inertia": slider.inertia, "gravity_1": scene.gravity[0], "gravity_2": scene.gravity[1],
+        "joint_stiffness": 0.0 if slider.is_rigid else slider.joint_stiffness, "joint_damping": slider.joint_damping,
+    }  # fmt: skip
+
+
+def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed: bool = False) -> System:
+    """Crank, slider, follower, tip body and base.
+
+    Args:
+        tables: shapes of the follower, at Gauss points of cells that move with the slider.
+        shapes: their number.
+        rigid: whether the slider stays on the centre line; else it leaves it by a gap, across which joint and friction act.
+        prescribed: whether the crank turns at a known speed; else a torque drives it.
+    """
+    system = System("quick-return")
+    p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
+    system.gravity = vector(p.gravity_1, p.gravity_2)
+    q1 = system.coordinate("crank_angle", "rad", rate="crank_speed")
+    q2 = system.coordinate("follower_angle", "rad", rate="follower_rate", guess=pi)
+    s = system.coordinate("slider_position", "m", guess=0.5 * (tables.low + tables.high))
+    eta = system.amplitudes("eta", shapes, "kg**0.5*m")
+    pivot, center, crank_tip = vector(p.pivot_distance, 0), turned(q1, p.crank_center), turned(q1, p.crank_length)
+
+    # the follower: its tangent's angle is a sum of shapes at points that move with the slider
+    now = system.freeze(s)
+    table = system.table(s, tables.low, tables.step, tables.coefficients)
+    where, angle = columns_of(tables, shapes), "1/(kg**0.5*m)"
+    psi = ca.reshape(table.function(angle, *where["psi"]), -1, shapes) @ eta
+    slope = q2 + ca.dot(table.function(angle, *where["at slider"]), eta)
+    curvature = ca.dot(table.function(f"{angle}/m", where["curvature"]), eta)
+    edges = [0, now, p.length]
+    if tables.cells > 2:  # shapes that stay: more cells to either side of the slider
+        edges = [0, *ca.vertsplit(ca.cumsum(table.function("m", where["lengths"])))]
+    cell = int(tables.slider_cell[0])
+    beam = Beam(
+        system, "follower", origin=pivot, angle=q2, edges=edges, tangent=lambda _: psi, points=tables.gauss_points,
+        mass_per_length=p.mass_per_length, damping=p.beam_damping,
+    )  # fmt: skip
+    strain = ca.dot(table.function("1/s^2", *where["squares"]), eta**2) / 2
+    system.energy("follower", strain)
+    bent = _curvatures(psi, beam.lengths, tables.gauss_points)
+    system.damper("material", bent, p.damping_moment * beam.shares)
+
+    # bodies, drive and friction of the pivot
+    end, turn = beam.end(), beam.end_slope()
+    tip = end + turned(turn, p.tip_center)
+    system.body("crank", p.crank_mass, center, p.crank_inertia, q1)
+    system.body("slider", p.slider_mass, crank_tip, p.slider_inertia, slope)
+    system.body("base", inertia=p.base_inertia, angle=q2)
+    system.body("tip", p.tip_mass, tip, p.tip_inertia, turn)
+    tool = _share_of_turn(q1, p) * vector(p.force_1, p.force_2)
+    system.load("tool", end, tool)
+    system.damper("crank bearing", q1, p.crank_damping)
+    system.damper("pivot", q2, p.base_damping)
+    # friction as a damper, so that its work counts as lost: tanh(u)/u, where a rate of zero leaves 1
+    u = ca.sqrt((system.rate(q2) / p.pivot_friction_rate) ** 2 + 1e-24)
+    system.damper("friction of the pivot", q2, p.pivot_friction / p.pivot_friction_rate * ca.tanh(u) / u)
+    torque = p.torque
+    if prescribed:
+        system.loop("drive", q1 - p.start_angle - p.speed * system.time, "rad", gives=[q1])
+    else:
+        system.load("motor", q1, torque)
+
+    # the joint: the slider on the line, or beside it by a gap along the normal, towards +n
+    foot, gap, normal = beam.slider(cell, s - now, curvature), ca.SX(0), turned(slope, 0, 1)
+    if rigid:
+        held = system.loop("slider", foot - crank_tip, gives=[q2, s])
+    else:
+        gap = system.coordinate("gap", "m", size=1e-3)
+        system.loop("slider", foot + gap * normal - crank_tip, gives=[s, gap])
+        strain += p.joint_stiffness * gap**2 / 2
+        system.energy("joint", p.joint_stiffness * gap**2 / 2)
+        system.damper("joint", gap, p.joint_damping)
+        system.body("joint", p.joint_inertia, vector(gap, 0))
+        system.load("rollers", gap, -p.joint_force)
+        system.load("friction", s, -p.friction)
+
+    # the slider's force on the follower: its rotary inertia makes a moment, which a force along the bent line must balance
+    beside = 1 - gap * curvature
+    moment = -p.slider_inertia * system.rate(system.rate(slope)) / beside
+    along, tangent, arm = -moment * curvature, turned(slope, 1), foot - pivot
+    if rigid:  # what few shapes leave along the tangent counts for nothing: the moment about P alone
+        across = (_cross(arm, held) - along * _cross(arm, tangent)) / ca.dot(arm, tangent)
+    else:
+        across = p.joint_stiffness * gap + p.joint_damping * system.rate(gap) + p.joint_force
+        across += p.joint_inertia * system.rate(system.rate(gap))
+        along, moment = along + p.friction / beside, moment - gap * p.friction / beside
+    on_follower = across * normal + along * tangent
+    of_crank = p.crank_mass * (_acceleration(system, center) - system.gravity)
+    of_slider = p.slider_mass * (_acceleration(system, crank_tip) - system.gravity) + on_follower
+    on_crank = of_crank + of_slider
+    if prescribed:  # what the force on the follower asks for; the drive's own force differs by what few shapes leave of equilibrium
+        torque = p.crank_inertia * system.rate(system.rate(q1)) + _cross(center, of_crank) + _cross(crank_tip, of_slider)
+
+    # of the points: place from P, velocity against the base's frame, acceleration
+    c, n = ca.cos(q2), ca.sin(q2)
+    place_x, place_y = c * beam.x - n * beam.y, n * beam.x + c * beam.y
+    drift_x, drift_y = system.rate(beam.x), system.rate(beam.y)
+    for name, value, unit in (
+        ("slider_force", across, "N"), ("slider_on_follower", on_follower, "N"), ("slider_moment", moment, "N*m"),
+        ("crank_torque", torque, "N*m"), ("crank_force", on_crank, "N"), ("tool", tool, "N"),
+        ("strain_energy", strain, "J"),
+        ("foot", foot - pivot, "m"), ("tip", end - pivot, "m"), ("tip_center", tip - pivot, "m"),
+        ("tip_center_acceleration", _acceleration(system, tip), "m/s^2"), ("tip_turning", system.rate(system.rate(turn)), "rad/s^2"),
+        ("tip_acceleration", ca.dot(_acceleration(system, end), turned(turn, 0, 1)), "m/s^2"),
+        ("place_x", place_x, "m"), ("place_y", place_y, "m"),
+        ("drift_x", c * drift_x - n * drift_y, "m/s"), ("drift_y", n * drift_x + c * drift_y, "m/s"),
+        ("acceleration_x", _acceleration(system, place_x), "m/s^2"), ("acceleration_y", _acceleration(system, place_y), "m/s^2"),
+        ("bending_rate", system.rate(bent), "rad/(m*s)"),
+    ):  # fmt: skip
+        for k, each in enumerate(ca.vertsplit(ca.SX(value))):
+            system.output(name if ca.SX(value).numel() == 1 else f"{name}_{k}", each, unit)
+    return system
+
+
+def _share_of_turn(crank_angle: ca.SX, p: Any) -> ca.SX:
+    """Share of the force on the tip that acts at a crank angle: it comes and goes by a polynomial of the fifth degree."""
+    whole = 2.0 * pi
+    turned_by = crank_angle - p.force_from
+    turned_by -= whole * ca.floor(turned_by / whole)
+    u = ca.fmax(0.0, ca.fmin(1.0, ca.fmin(turned_by, p.force_span - turned_by) / p.force_ramp))
+    return ca.if_else(p.force_span >= whole - ROUNDING, 1.0, u**3 * (10.0 - 15.0 * u + 6.0 * u**2))
+
+
+def _curvatures(psi: ca.SX, lengths: list[ca.SX], points: int) -> ca.SX:
+    """Curvature at the Gauss points of every cell: the slope of the polynomial through the tangent's angles there."""
+    slopes = _slopes(points)
+    return ca.vertcat(*(2.0 * (slopes @ psi[k * (points + 1) : k * (points + 1) + points]) / h for k, h in enumerate(lengths)))
+
+
+@cache
+def _slopes(points: int) -> ca.DM:
+    """From values at Gauss points of (-1, 1) to slopes there."""
+    gauss, weights = legendre.leggauss(points)
+    series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
+    return ca.DM(legendre.legval(gauss, legendre.legder(series)).T)
+
+
+def _cross(a: ca.SX, b: ca.SX) -> ca.SX:
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def _acceleration(system: System, place: ca.SX) -> ca.SX:
+    return system.rate(system.rate(place))
+
+
+def columns_of(tables: Tables, shapes: int) -> dict[str, Any]:
+    """Where a row of the table holds the shapes' angles and what goes with them, each with its derivatives by s.
+
+    Points are those of a cell and its end, cell by cell.
+    """
+    row = ShapeRow.of(np.arange(tables.coefficients.shape[2], dtype=np.float64), shapes, tables)
+    row = ShapeRow(*(part.astype(int) for part in row))
+    kinds = [kind.reshape(-1, tables.cells, tables.cell_size) for kind in (row.shape, row.shape_s, row.shape_ss) if kind.size]
+    return {
+        "psi": [kind[:, :, : tables.gauss_points + 1].ravel().tolist() for kind in kinds],
+        "squares": [row.squares.tolist(), row.squares_s.tolist()],
+        "curvature": row.curvature_at_slider.tolist(),
+        "at slider": [
+            kinds[0][:, int(tables.slider_cell[0]), tables.gauss_points].tolist(),
+            row.angle_at_slider_s.tolist(), row.angle_at_slider_ss.tolist(),
+        ],
+        "lengths": row.length.tolist(),
+    }  # fmt: skip

@@ -1,0 +1,239 @@
+"""The engine `derived`: a witness of `reference`, whose equations of motion the computer derives from a description.
+
+It shares with `reference` the shapes that follow the slider and their tables, and what is known of their error; nothing else. The ladder's
+errors are those of the shapes, which `engines/LADDERS.md`, section 1, measures.
+"""
+
+import time
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from quickreturn.engines import refusals
+from quickreturn.engines.base import SPRING, USUAL, Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, installed
+from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
+from quickreturn.engines.own.reference import COMPARED, RATIO, SMOOTH
+from quickreturn.engines.settings import Settings, setting
+from quickreturn.engines.start import Start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.beam.tables import following
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.motion.layout import Tables
+
+if TYPE_CHECKING:
+    from quickreturn.derive import Model
+
+Array = NDArray[np.float64]
+
+#: Straight-line code grows with the square of the points and with the shapes; nine of them take some 5 s to derive and compile.
+MOST_MODES: Final = 9
+#: Part of the follower's length that a deflection's error is relative to.
+SMALL: Final = 0.01
+#: Part of the way to the follower's end beyond which a slider that cannot be followed any farther has left it.
+NEARLY: Final = 0.97
+#: A loop counts as closed with this part of the follower's length left.
+CLOSED: Final = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class DerivedSettings(Settings):
+    """Settings of `derived`."""
+
+    modes: int = setting(2, "modes of the beam supported at the slider", low=1, high=MOST_MODES)
+    tolerance: float = setting(1e-7, "local error of the integration, relative to each state", low=1e-11, high=1e-4)
+
+
+#: Modes, tolerance, and the error of the tip deflection that so many modes leave in run 24 over 2 s.
+_RUNGS: Final = ((1, 1e-6, 2.7e-2), (2, 1e-6, 1.5e-3), (4, 1e-7, 8e-4), (5, 1e-7, 4.9e-4))
+LADDER: Final = Ladder(
+    tuple((DerivedSettings(modes=modes, tolerance=tolerance), claim) for modes, tolerance, claim in _RUNGS), "modes", "tolerance"
+)
+
+
+class DerivedEngine(Engine[DerivedSettings]):
+    """The quick-return from its description."""
+
+    name = "derived"
+    interface = 1
+    method = "equations derived by the computer from a description (CasADi), shapes that follow the slider, DOP853"
+    compiles = True
+    default_accuracy = 3e-3
+    settings_type = DerivedSettings
+    quantities = (*USUAL, "slider.inertia", *SPRING, "base.friction_torque", "follower.material_damping")
+
+    def version(self) -> str:
+        """CasADi's."""
+        return f"casadi {installed('casadi') or 'not installed'}"
+
+    def unavailable(self) -> str | None:
+        """What is missing, and how to install it."""
+        return None if find_spec("casadi") else "CasADi is not installed; pip install 'quickreturn[derive]'"
+
+    def check(self, mechanism: Mechanism) -> None:
+        """Refuse also a rigid follower, and with a joint that gives way parts that it leaves without inertia."""
+        super().check(mechanism)
+        if mechanism.follower.is_rigid:
+            raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
+        if not mechanism.slider.is_rigid:
+            refusals.of_massless_parts(self.name, mechanism, " with a joint that gives way, which leaves the follower to itself")
+
+    def describe(self, mechanism: Mechanism, settings: DerivedSettings) -> ModelDescription:
+        """Bodies and joints that have terms in the equations."""
+        self.check(mechanism)
+        slider, rigid = mechanism.slider, mechanism.slider.is_rigid
+        compliant = f"slider beside the centre line (compliant joint, {slider.joint_stiffness:g} N/m, {slider.joint_damping:g} N*s/m)"
+        beam = f"{settings.modes} shapes that follow the slider"
+        return description(mechanism, beam, ELIMINATED_SLIDER if rigid else compliant, settings.modes + (not rigid))
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> DerivedSettings:
+        """The ladder's rung."""
+        return LADDER.pick(accuracy)
+
+    def comparisons(self, settings: DerivedSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        """A run with more modes and one with still more, as many as `reference` compares."""
+        more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
+        if more > MOST_MODES:
+            return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
+        finer, further = LADDER.sized(settings, more), None
+        if more + 2 <= MOST_MODES:
+            further = Comparison(finer, LADDER.sized(finer, more + 2), RATIO if settings.modes < SMOOTH else 0.5)
+        return (Comparison(settings, finer, ratio, further),)
+
+    def finer(self, settings: DerivedSettings, excess: tuple[float, ...], output_step: float) -> DerivedSettings | None:
+        """The next rung."""
+        return LADDER.finer(settings, excess)
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: DerivedSettings) -> "DerivedSimulation":
+        """See `Engine.prepare`."""
+        self.check(mechanism)
+        began = time.perf_counter()
+        return DerivedSimulation(mechanism, start, settings, began)
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: DerivedSettings) -> Array:
+        """Of the discretized model with two modes more than asked for, linearised by differentiation.
+
+        The shapes know neither the slider's rotary inertia nor a joint that gives way: both cost the third frequency per cents.
+        """
+        from quickreturn.derive import natural_frequencies
+        from quickreturn.witness.description import constants
+
+        self.check(mechanism)
+        modes = min(max(settings.modes, count + 2), MOST_MODES)
+        tables = following(mechanism, modes).placed.tables
+        still = model(tables, modes, mechanism.slider.is_rigid, False)
+        at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "torque"), 0.0)
+        at = {"crank_angle": crank_angle} | _rigid_place(mechanism, crank_angle)
+        found: Array = natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest)
+        return found[:count]
+
+
+class DerivedSimulation(Simulation):
+    """Advances the state of the described system."""
+
+    def __init__(self, mechanism: Mechanism, start: Start, settings: DerivedSettings, began: float) -> None:
+        from quickreturn.witness.description import constants
+
+        self.mechanism, self.settings, self.time = mechanism, settings, 0.0
+        self.shapes = following(mechanism, settings.modes)
+        values = constants(mechanism)
+        if not mechanism.crank_is_free:
+            values["start_angle"] = start.crank_angle
+        self.values = self.model().values(values)
+        self.state = self._begin(start)
+        self.sizes = self._sizes()
+        self.setup_seconds = time.perf_counter() - began + self.shapes.seconds
+
+    def model(self) -> "Model":
+        """The compiled equations, with this scene's shapes in their tables."""
+        mechanism = self.mechanism
+        return model(self.shapes.placed.tables, self.settings.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        """See `Simulation.advance`."""
+        from quickreturn.witness.recovery import columns
+
+        began, equations = time.perf_counter(), self.model()
+        times = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
+        tolerance = self.settings.tolerance
+        found = solve_ivp(
+            equations.rates, (times[0], times[-1]), self.state, "DOP853", times, args=(self.values,), rtol=tolerance,
+            atol=tolerance * self.sizes,
+        )  # fmt: skip
+        place = equations.system.tables[0].index
+        states = found.y.T if len(found.t) else self.state[None]
+        left = states[:, place] > self.shapes.placed.reach
+        states = states[: max(int(np.argmax(left)), 1)] if left.any() else states
+        rows = equations.observe(times[: len(states)], states, self.values)
+        shown = {str(name): values.to_numpy(dtype=np.float64) for name, values in rows.items()}
+        table = {"time": times[: len(states)]} | columns(self.mechanism, shown, self.mechanism.follower.material_damping)
+        trajectory = Trajectory(table, time.perf_counter() - began, {"right_hand_side_calls": float(found.nfev)})
+        self.state, self.time = states[-1], float(times[len(states) - 1])
+        if len(states) < len(times):
+            gone = left.any() or states[-1, place] > NEARLY * self.shapes.placed.reach
+            cause = "the slider has left the follower's end" if gone else "the integration does not get on"
+            raise EngineFailure(self.time, cause, "try a slower crank, a stiffer or longer follower", trajectory)
+        return trajectory
+
+    def _begin(self, start: Start) -> Array:
+        """The state closest to a start, its loop closed without a gap."""
+        equations, mechanism, n = self.model(), self.mechanism, self.settings.modes
+        names = [each.name for each in equations.system.coordinates]
+        q, v = np.zeros(len(names)), np.zeros(len(names))
+        bent = reconstruct(mechanism, start)
+        q[:3], v[:3] = (start.crank_angle, bent.follower_angle, bent.slider_position), (start.crank_speed, 0.0, 0.0)
+        if start.deflection is not None or start.deflection_rate is not None:
+            x = np.linspace(0.0, mechanism.follower.length, 32 * (n + 2) + 1)
+            psi, psi_s = self.shapes.family.angles(bent.slider_position, x)
+            q[3 : 3 + n] = np.linalg.lstsq(psi, bent.tangent(x) - bent.follower_angle, rcond=None)[0]
+            rate = bent.tangent_rate(x) - bent.follower_rate - psi_s @ q[3 : 3 + n] * bent.slider_speed
+            v[3 : 3 + n] = np.linalg.lstsq(psi, rate, rcond=None)[0]
+        for _ in range(20):
+            gap, G, _ = equations.loops(q, self.values)
+            step = np.linalg.lstsq(G[:, 1:3], -gap, rcond=None)[0]
+            q[1:3] += step
+            if not np.max(np.abs(step)) > 1e-14:
+                break
+        if not np.max(np.abs(equations.loops(q, self.values)[0])) < CLOSED * mechanism.follower.length:
+            raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
+        v[1:3] = np.linalg.lstsq(G[:, 1:3], -G @ np.append(v, 1.0), rcond=None)[0]
+        return equations.state(q, v)
+
+    def _sizes(self) -> Array:
+        """What errors are relative to where a state is small: a tenth of a radian, and one per cent of the follower's length.
+
+        Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
+        """
+        equations, beam = self.model(), self.mechanism.follower
+        amplitude = SMALL * beam.length * np.sqrt(beam.mass)
+        size = {"crank_angle": 0.1, "follower_angle": 0.1, "slider_position": SMALL * beam.length, "gap": 1e-2 * SMALL * beam.length}
+        sizes = np.array([size.get(each.name, amplitude) for each in equations.system.coordinates])
+        pace = np.sqrt(self.shapes.family.squares_at(np.array([self.state[2]]), 0)[0, 0])
+        free = equations.equations.free
+        return np.concatenate([sizes, pace * sizes[free], [np.inf, np.inf]])
+
+
+_MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}
+
+
+def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
+    """The equations of a structure, compiled once; the scene's values are inputs, its shapes are put into the table."""
+    from quickreturn.derive import Model
+    from quickreturn.witness.description import quick_return
+
+    key = (modes, tables.gauss_points, rigid, prescribed)
+    if key not in _MODELS:
+        _MODELS[key] = Model(quick_return(tables, modes, rigid=rigid, prescribed=prescribed))
+    _MODELS[key].system.tables[0].put(tables.low, tables.step, tables.coefficients)
+    return _MODELS[key]
+
+
+def _rigid_place(mechanism: Mechanism, crank_angle: float) -> dict[str, float]:
+    """Follower's angle and slider's place of the straight follower."""
+    chord = mechanism.crank.length * np.exp(1j * crank_angle) - mechanism.pivot_distance
+    return {"follower_angle": float(np.pi + np.angle(-chord)), "slider_position": float(abs(chord))}

@@ -1,0 +1,148 @@
+"""What is read off a motion by equilibrium: the bending moment of all that lies outboard, and from it curvature and shape.
+
+Few shapes give the motion well and its curvature badly, so that moments come from the forces and the accelerations of the points instead
+(reference_model/DERIVATION.md, section 6). Vectors are complex numbers, x + i y, from P along n1 and n2; arrays have a row per instant.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from quickreturn.reference_model.columns import BENDING, PLACES, SHAPE
+from quickreturn.reference_model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+Vectors = NDArray[np.complex128]
+
+#: Columns of the description that are columns of a trajectory as they are.
+AS_THEY_ARE: Final = ("crank_angle", "crank_speed", "tip_acceleration", "slider_force", "crank_torque", "kinetic_energy", "strain_energy")
+
+
+class _Span(NamedTuple):
+    """Gauss points between P and the slider, or between slider and tip.
+
+    Attributes:
+        begin, length: arc lengths, m, shape (rows, 1).
+        series: from values at the points to coefficients of Legendre's polynomials, shape (points, points).
+    """
+
+    begin: Array
+    length: Array
+    series: Array
+
+    def at(self, values: Any, x: Any) -> Any:
+        """The polynomial through values (rows, points) at arc lengths (rows, k) or (k,)."""
+        t = 2.0 * (x - self.begin) / self.length - 1.0
+        return np.einsum("rp,rkp->rk", values @ self.series.T, legendre.legvander(t, len(self.series) - 1))
+
+    def integral(self, values: Any, t: Any) -> Any:
+        """Of the polynomial through values (rows, points), from the span's begin to places t (k,) of (-1, 1)."""
+        return 0.5 * self.length * (values @ legendre.legval(t, legendre.legint(self.series, lbnd=-1)))
+
+
+def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -> dict[str, Array]:
+    """Columns of a trajectory from outputs of the description, each of shape (rows,).
+
+    Args:
+        scene: the mechanism.
+        shown: outputs by name; quantities of the points are NAME_k.
+        damping_time: damping moment over elastic moment per curvature rate, s.
+    """
+    beam, gravity = scene.follower, complex(*scene.gravity)
+
+    def vector(name: str) -> Vectors:
+        return np.asarray(shown[f"{name}_0"] + 1j * shown[f"{name}_1"])
+
+    def along(name: str) -> Array:
+        count = sum(key.startswith(f"{name}_") and key.removeprefix(f"{name}_").isdigit() for key in shown)
+        return np.column_stack([shown[f"{name}_{k}"] for k in range(count)])
+
+    place, drift = along("place_x") + 1j * along("place_y"), along("drift_x") + 1j * along("drift_y")
+    weight = along("acceleration_x") + 1j * along("acceleration_y") - gravity
+    points = place.shape[1] // 2
+    gauss, weights = legendre.leggauss(points)
+    series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
+    s = shown["slider_position"][:, None]
+    spans = (_Span(0.0 * s, s, series), _Span(s, beam.length - s, series))
+    parts = slice(0, points), slice(points, 2 * points)
+
+    # forces outboard of a place, and their moment about P: what inertia, weight, damping, tip body, tool and slider do
+    force = -beam.mass_per_length * weight - beam.damping * drift
+    tip, center, on_follower, foot = vector("tip"), vector("tip_center"), vector("slider_on_follower"), vector("foot")
+    body = -scene.tip_body.mass * (vector("tip_center_acceleration") - gravity)
+    end_force = body + vector("tool")
+    end_moment = _cross(center, body) + _cross(tip, vector("tool")) - scene.tip_body.inertia * shown["tip_turning"]
+    moments: list[Array] = [np.empty(0), np.empty(0)]
+    at_slider = np.empty(0)
+    for k in (1, 0):
+        span, f, z = spans[k], force[:, parts[k]], place[:, parts[k]]
+        turning = _cross(z, f)
+        if k == 0:
+            at_slider = end_moment - _cross(foot, end_force)
+            end_force, end_moment = end_force + on_follower, end_moment + _cross(foot, on_follower) + shown["slider_moment"]
+        inboard_force, inboard_moment = span.integral(f, np.append(gauss, 1.0)), span.integral(turning, np.append(gauss, 1.0))
+        outboard = (end_force + inboard_force[:, -1])[:, None] - inboard_force[:, :-1]
+        moments[k] = (end_moment + inboard_moment[:, -1])[:, None] - inboard_moment[:, :-1] - _cross(z, outboard)
+        end_force, end_moment = end_force + inboard_force[:, -1], end_moment + inboard_moment[:, -1]
+
+    # curvature, and with it the tangent's angle, the line, and where it meets the crank tip
+    rate = along("bending_rate")
+    bent = [m / beam.bending_stiffness - damping_time * rate[:, part] for m, part in zip(moments, parts, strict=True)]
+    angle, line = np.zeros((len(s), 1)), np.zeros((len(s), 1), dtype=complex)
+    lines, ends, tangents = [], [], []
+    for span, curvature in zip(spans, bent, strict=True):
+        angles = angle + span.integral(curvature, np.append(gauss, 1.0))
+        directions = np.exp(1j * angles)
+        reached = line + span.integral(directions[:, :-1], np.append(gauss, 1.0))
+        angle, line = angles[:, -1:], reached[:, -1:]
+        lines.append(reached[:, :-1])
+        ends.append(line[:, 0])
+        tangents.append(directions[:, -1])
+    crank_tip = scene.crank.length * np.exp(1j * shown["crank_angle"]) - scene.pivot_distance
+    gap = shown.get("gap", np.zeros(len(s)))
+    beside = ends[0] + 1j * gap * tangents[0]
+    ahead = 0.5 * (np.abs(crank_tip) ** 2 - np.abs(beside) ** 2) / (beside * tangents[0].conj()).real
+    base = crank_tip / (beside + ahead * tangents[0])
+    base /= np.abs(base)
+    at_tip = base * ends[1]
+
+    pivot = np.sum(beam.mass_per_length * weight * np.hstack([0.5 * span.length * weights for span in spans]), axis=1)
+    pivot = pivot - body - vector("tool") - on_follower
+    crank = vector("crank_force")
+    twelfths = np.arange(1, PLACES + 1) * beam.length / (PLACES + 1)
+    found = {name: shown[name] for name in AS_THEY_ARE}
+    found |= {
+        "follower_angle": np.pi + np.angle(-base),
+        "slider_position": s[:, 0] + ahead,
+        "tip_x": scene.pivot_distance + at_tip.real,
+        "tip_y": at_tip.imag,
+        "tip_deflection": ends[1].imag,
+        "dissipated_energy": shown["dissipated_energy"],
+        "drive_work": shown["work"],
+        "gravity_energy": shown["potential_energy"] - shown["strain_energy"],
+        "constraint_gap": np.abs(shown.get("gap", np.abs(foot) - np.abs(crank_tip))),
+        "pivot_force_x": pivot.real,
+        "pivot_force_y": pivot.imag,
+        "crank_force_x": crank.real,
+        "crank_force_y": crank.imag,
+    }
+    strains = 0.5 * beam.thickness * _along(spans, bent, np.array(beam.strain_gauges), s)
+    found |= {f"strain_{k + 1}": strains[:, k] for k in range(3)}
+    found |= dict(zip(SHAPE, _along(spans, [each.imag for each in lines], twelfths, s).T, strict=True))
+    of_moments = np.column_stack([_along(spans, moments, twelfths, s), at_slider])
+    return found | dict(zip(BENDING, of_moments.T, strict=True))
+
+
+def _along(spans: tuple[_Span, _Span], values: list[Array], x: Array, s: Array) -> Array:
+    """A field that may jump or kink at the slider, at arc lengths (k,); shape (rows, k)."""
+    inboard, outboard = (span.at(each, np.broadcast_to(x, (len(s), len(x)))) for span, each in zip(spans, values, strict=True))
+    return np.where(x <= s, inboard, outboard)
+
+
+def _cross(a: Any, b: Any) -> Any:
+    """Moment of the vectors b with the arms a; a row's vector with all of its places."""
+    b = b[:, None] if np.ndim(b) < np.ndim(a) else b
+    return (np.conj(a) * b).imag

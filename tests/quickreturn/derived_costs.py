@@ -1,0 +1,93 @@
+"""The table of docs/methods.md, "By hand and by computer": `taskset -c 0 python -m tests.quickreturn.derived_costs`."""
+
+import io
+import time
+import tokenize
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from quickreturn import derive, witness
+from quickreturn.derive import Model
+from quickreturn.derive.equations import Equations
+from quickreturn.reference_model import motion
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.witness.description import constants, quick_return
+from tests.engines.scenes import run_24
+from tests.quickreturn.derived_terms import DerivedTerms, sizes, terms_by_hand
+from tests.reference_model.beam_states import rates
+
+EVALUATIONS = 300
+REPETITIONS = 15
+
+
+def lines_of_code(paths: Sequence[Path]) -> int:
+    """Lines that hold code: no blank lines, comments and docstrings."""
+    count = 0
+    for path in paths:
+        tokens, held = list(tokenize.generate_tokens(io.StringIO(path.read_text()).readline)), set()
+        ignored = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+        begins = True
+        for token in tokens:
+            if token.type not in ignored and not (token.type == tokenize.STRING and begins):
+                held.update(range(token.start[0], token.end[0] + 1))
+            begins = token.type in {tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.NL, tokenize.COMMENT}
+        count += len(held)
+    return count
+
+
+def fastest(calls: Sequence[Callable[[], Any]]) -> list[float]:
+    """Microseconds a call, the least of several turns; the functions take turns."""
+    best = [np.inf] * len(calls)
+    for _ in range(REPETITIONS):
+        for k, call in enumerate(calls):
+            began = time.perf_counter()
+            for _ in range(EVALUATIONS):
+                call()
+            best[k] = min(best[k], (time.perf_counter() - began) / EVALUATIONS * 1e6)
+    return best
+
+
+def main() -> None:
+    """Print lines, times to derive and compile, times of an evaluation, and the largest difference of a term."""
+    (by_hand,), (kit,), (described,) = (list(package.__path__) for package in (motion, derive, witness))
+    print("lines of code: by hand", lines_of_code(sorted(Path(by_hand).glob("*.py"))))
+    print("description", lines_of_code([Path(described) / "description.py"]), "kit", lines_of_code(sorted(Path(kit).glob("*.py"))))
+    for modes in (1, 2, 5, 9):
+        scene = run_24()
+        hand = BeamModel.following(scene, modes)
+        began = time.perf_counter()
+        system = quick_return(hand.parameters.tables, modes)
+        Equations(system)
+        derived = time.perf_counter() - began
+        began = time.perf_counter()
+        model = Model(system)
+        compiled = time.perf_counter() - began
+        terms = DerivedTerms(hand)
+        y = terms.random_state(1)
+        rates(hand, y)
+        expected, found = terms.terms(), terms_by_hand(hand, hand.workspace)
+        each = sizes(expected, y[hand.parameters.speeds + 1 :])
+        error = max(float(np.max(np.abs(found[name] - expected[name]))) / size for name, size in each.items())
+        x = model.input(0.0, model.state(terms.q, terms.v), model.values(constants(scene)))
+        code, interpreter, out = model._rates, model._rates.interpreter, np.empty_like(y)
+        p, w = hand._at
+        from quickreturn.reference_model.motion.equations import evaluate, kernel
+
+        equations = kernel()
+        hand_time, code_time, interpreted = fastest([
+            lambda: evaluate(equations, p.address, w.address, y, out),  # noqa: B023
+            lambda: code._call(*code._at),  # noqa: B023
+            lambda: interpreter(x),  # noqa: B023
+        ])  # fmt: skip
+        print(
+            f"{modes} shapes: derive {derived:.2f} s, derive and compile {compiled:.2f} s, {interpreter.n_instructions()} instructions;"
+            f" by hand {hand_time:.2f} us, machine code {code_time:.2f} us, interpreter {interpreted:.1f} us; terms {error:.0e}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
