@@ -32,7 +32,7 @@ from quickreturn.reference_model.scene_values import replaced_by, scene_of
 Array = NDArray[np.float64]
 
 SPEED: Final = "crank.prescribed_speed"
-#: What is measured unless asked otherwise.
+#: Measure by default.
 USUAL: Final = "peak.tip_acceleration"
 #: Name of a measure -> the column whose largest magnitude in a turn it is.
 PEAKS: Final[Mapping[str, str]] = {f"peak.{name}": name for name in OBSERVED}
@@ -40,17 +40,17 @@ PEAKS: Final[Mapping[str, str]] = {f"peak.{name}": name for name in OBSERVED}
 INTEGRATION: Final = 1e-10
 #: Rows of a cycle between which a spline finds the peak.
 ROWS: Final = 256
-#: Values within the range at which a first periodic motion is searched, one after the other.
+#: Number of values of the range at which a first periodic motion is searched, in order.
 SEARCHES: Final = 9
-#: Ratio of a peak to the valleys beside it from which on it counts as one.
+#: Least ratio of a peak to the valleys beside it.
 PROMINENT: Final = 1.1
-#: By how much a fold is missed, in parts of the range: locating it anew from other points moves it by at most 2e-7.
+#: Error of the place of a fold, as a part of the range: locating it anew from other points moves it by at most 2e-7.
 FOLD_TOLERANCE: Final = 1e-6
-#: By how much a multiplier is missed: differences of cycles leave about 1e-4 of the largest derivatives.
+#: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
 MULTIPLIER_TOLERANCE: Final = 1e-3
-#: Part of its own speed within which the curve around a machine goes.
+#: Half width of the range of speeds around a machine's own, as a part of it.
 NEAR: Final = 0.15
-#: What a curve depends on besides what the simulation does.
+#: Modules on which a stored curve depends, besides those of the simulation.
 CODE: Final = (
     "quickreturn.cases.resonance_curve",
     "quickreturn.cases.loads",
@@ -201,12 +201,7 @@ def job(
 
 
 def resonance_curve(
-    case: Case,
-    varied: Range,
-    speed: float | None = None,
-    measures: Sequence[str] = (USUAL,),
-    accuracy: float | None = None,
-    claims: bool = True,
+    case: Case, varied: Range, speed: float | None, measures: Sequence[str], accuracy: float | None, claims: bool
 ) -> ResonanceCurve:
     """The curve of a case's periodic motion.
 
@@ -261,7 +256,7 @@ def resonance_curve(
 
 
 def _check(scene: Mechanism) -> None:
-    """Refusal: a scene whose cycle is no map that can be differentiated."""
+    """Raises Refusal for a scene whose cycle is not a differentiable map."""
     engine = ReferenceEngine()
     engine.check(scene)
     if scene.follower.is_rigid:

@@ -7,7 +7,7 @@ from typing import Any, Final
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures import on_common_grid, relative_change
+from quickreturn.cases.measures.steady_state import on_common_grid, relative_change
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.marching import Columns, channels_of
 from quickreturn.cases.runs.request import Run, RunRequest

@@ -16,7 +16,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,21 +24,21 @@ from threadpoolctl import threadpool_limits
 
 from quickreturn.engines import progress
 from quickreturn.engines.base import (
+    AnyEngine,
     Comparison,
     EngineFailure,
     EstimateOf,
     ModelDescription,
     Refusal,
-    SceneT,
     Simulation,
-    Solver,
-    StartT,
     first_line,
 )
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import SettingError, Settings
+from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import BEARINGS, BENDING
+from quickreturn.reference_model.mechanism import Scene
 
 R = TypeVar("R")
 Q = TypeVar("Q")
@@ -55,6 +55,10 @@ LEAST_FACTOR: Final = 1.7
 #: The largest part of an error that a finer run is taken to leave, however slowly the differences fall: the error is at most four times
 #: the larger of them.
 LARGEST_REST: Final = 0.75
+#: By how much longer than the longest run so far another may take: one with half the step and twice the elements. It is not begun where
+#: less is left of the time limit. Of the limit, the part that imports, compiled code and what is made of the answer leave.
+LONGER: Final = 4.0
+USABLE: Final = 0.9
 
 #: Remark of a run whose error nobody wanted to know.
 NOT_ESTIMATED: Final = "the error is not estimated, as asked"
@@ -87,6 +91,7 @@ class Result:
         error_estimates: the same for each of `ESTIMATED` and those of `LOADS` that there are; None where unknown or where the column is
             zero throughout.
         estimate_of: what the two are estimates of.
+        further_run_skipped: whether the run finer still, which shows how fast the error falls, was not needed.
         reached: False if the estimate misses the accuracy, or if it is unknown or not verified although an accuracy was asked explicitly.
         remark: why not reached or not estimated (a sentence), "" if all is well.
         setup_seconds: building the model of the delivered run.
@@ -103,6 +108,7 @@ class Result:
     error_estimate: float | None
     error_estimates: dict[str, float | None]
     estimate_of: EstimateOf
+    further_run_skipped: bool
     reached: bool
     remark: str
     setup_seconds: float
@@ -116,14 +122,15 @@ class Result:
 # The eigenproblems of the shapes are small: a second thread makes them take three times as much of the processors, and no less time.
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def simulate(
-    engine: Solver[SceneT, StartT, Any],
-    scene: SceneT,
-    start: StartT,
+    engine: AnyEngine,
+    scene: Scene,
+    start: Start | None,
     duration: float,
     output_step: float,
     settings: Mapping[str, str] | None = None,
     accuracy: float | None = None,
     estimate: bool = True,
+    time_limit: float | None = None,
 ) -> Result:
     """Simulate a scene to an accuracy.
 
@@ -139,6 +146,8 @@ def simulate(
         settings: values by name as text; they override the engine's choice and switch the ladder off, the estimate stays.
         accuracy: error of the tip deflection asked for; None is the engine's default.
         estimate: False: make the one run and estimate nothing; no accuracy can be asked for then.
+        time_limit: wall time (s) within which to answer, with what is known then: runs that could take longer are not begun, but for the
+            first. None: there is none.
 
     Raises:
         ValueError: an accuracy without an estimate.
@@ -155,7 +164,7 @@ def simulate(
     first = engine.settings_for(target, scene)
     if settings:
         first = first.with_texts(dict(settings))
-    runs = _Runs(engine, scene, start, duration, output_step)
+    runs = _Runs(engine, scene, start, duration, output_step, time_limit)
     if not estimate:
         return runs.result(_Judged(first, runs.run(first), remark=NOT_ESTIMATED), None, asked=False)
     if settings:
@@ -163,9 +172,7 @@ def simulate(
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
 
 
-def run_once(
-    engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float, settings: Settings
-) -> Made:
+def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
     """One run as it comes, checked for completeness and for values that are no numbers.
 
     Raises:
@@ -314,6 +321,13 @@ class _NoEstimate(Exception):
     """There is nothing to estimate an error with; the text is a clause that says why."""
 
 
+class _NoTime(EngineFailure):
+    """A run was not begun."""
+
+    def __str__(self) -> str:
+        return self.cause
+
+
 @dataclass(frozen=True)
 class _Judged:
     """A run with its estimate and the parts of it; `remark` says why there is none."""
@@ -323,6 +337,7 @@ class _Judged:
     parts: tuple[float, ...] = ()
     estimates: dict[str, float | None] = field(default_factory=lambda: dict.fromkeys(ESTIMATED))
     remark: str = ""
+    further_run_skipped: bool = False
 
     @property
     def estimate(self) -> float | None:
@@ -332,17 +347,20 @@ class _Judged:
         return replace(self, remark="; ".join(filter(None, (self.remark, remark))))
 
 
-class _Runs(Generic[SceneT, StartT]):
+class _Runs:
     """Runs of one scene by settings: what was computed for the estimate of one rung serves the next."""
 
-    def __init__(self, engine: Solver[SceneT, StartT, Any], scene: SceneT, start: StartT, duration: float, output_step: float) -> None:
+    def __init__(
+        self, engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, time_limit: float | None
+    ) -> None:
         self.engine, self.scene = engine, scene
         self._run = (start, duration, output_step)
         self._done: dict[Settings, Made] = {}
         self._failed: dict[Settings, EngineFailure] = {}
         self.compile_seconds = 0.0
         self._rung = 0
-        self._begin = time.perf_counter()
+        self._begin = self._first_begin = time.perf_counter()
+        self._time_limit, self._longest, self._is_known = time_limit, 0.0, False
 
     def run(self, settings: Settings) -> Made:
         if self.engine.compiles and not self._done and not self._failed and not self.compile_seconds:
@@ -350,12 +368,20 @@ class _Runs(Generic[SceneT, StartT]):
         if settings in self._failed:
             raise self._failed[settings]
         if settings not in self._done:
+            began = time.perf_counter()
+            self._find_time(began)
             try:
                 self._done[settings] = run_once(self.engine, self.scene, *self._run, settings)
             except EngineFailure as failure:
                 self._failed[settings] = failure
                 raise
+            self._longest = max(self._longest, time.perf_counter() - began)
         return self._done[settings]
+
+    def _find_time(self, now: float) -> None:
+        """Raise `_NoTime` where another run could take longer than is left."""
+        if self._done and self._time_limit and now - self._first_begin + LONGER * self._longest > USABLE * self._time_limit:
+            raise _NoTime(0.0, f"could take longer than is left of the time limit of {self._time_limit:g} s", "")
 
     def _compile(self, settings: Settings) -> None:
         """One output step, so that all code is there before times are taken; what fails here fails again where it counts."""
@@ -374,25 +400,41 @@ class _Runs(Generic[SceneT, StartT]):
         made = self.run(settings)
         progress.tell(phase="estimating the error", rung=self._rung)
         try:
-            parts = self._parts(settings, made.trajectory)
+            parts, skipped = self._parts(settings, made.trajectory)
         except (_NoEstimate, EngineFailure) as reason:
+            if isinstance(reason, _NoTime) and self._is_known:  # of a coarser rung, which is worth more than this one
+                raise
             told = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
             return _Judged(settings, made, remark=f"the error is unknown: {told}")
+        self._is_known = True
         names = (*ESTIMATED, *(name for name in LOADS if name in made.trajectory.columns))
         columns = {name: _sum([each.get(name) for _, each in parts]) for name in names}
-        return _Judged(settings, made, tuple(tip for tip, _ in parts), columns)
+        return _Judged(settings, made, tuple(tip for tip, _ in parts), columns, further_run_skipped=skipped)
 
-    def _parts(self, settings: Settings, trajectory: Trajectory) -> list[tuple[float, dict[str, float | None]]]:
+    def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[tuple[float, dict[str, float | None]]], bool]:
+        """The parts of the error, and whether a run finer still was not needed for one of them."""
         pairs, follower = self.engine.comparisons(settings, self.scene, self._run[-1]), self.scene.follower
         if any(pair.run == pair.other for pair in pairs):
             raise _NoEstimate("these settings leave no others to compare with")
-        parts = []
+        parts, skipped = [], False
         for pair in pairs:
-            runs = compared(pair, lambda other: self.run(other).trajectory)
+            alone = pair.before is not None and pair.alike > 0.0 and self._converge_alike(pair)
+            skipped |= alone
+            runs = compared(replace(pair, before=None) if alone else pair, lambda other: self.run(other).trajectory)
             if not follower.is_rigid and same_motion(runs.run.columns, runs.other.columns):
                 raise _NoEstimate("the run to compare with is the same to the last digit")
             parts.append(estimated_part(trajectory, runs, follower.length))
-        return parts
+        return parts, skipped
+
+    def _converge_alike(self, pair: Comparison) -> bool:
+        """Whether the first two runs of a pair differ by no more than `Comparison.alike` says."""
+        try:
+            coarse, fine = (self.run(settings).trajectory for settings in (pair.run, pair.other))
+        except EngineFailure:
+            return False
+        apart = {name: _relative(rms(coarse[name] - fine[name]), rms(coarse[name])) for name in ESTIMATED if name in coarse.columns}
+        deflection = apart["tip_deflection"]
+        return deflection is not None and max(each for each in apart.values() if each is not None) <= pair.alike * deflection
 
     def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
         excess = tuple(part / target for part in judged.parts) if judged is not None and judged.settings == rung else ()
@@ -420,6 +462,7 @@ class _Runs(Generic[SceneT, StartT]):
             error_estimate=estimate,
             error_estimates=judged.estimates,
             estimate_of=self.engine.estimates,
+            further_run_skipped=judged.further_run_skipped,
             reached=reached,
             remark=remark,
             setup_seconds=setup_seconds,
@@ -437,7 +480,7 @@ def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDAr
     return bool(np.any(deflection) and np.array_equal(deflection, other["tip_deflection"]))
 
 
-def _climbed(runs: _Runs[Any, Any], first: Settings, target: float) -> _Judged:
+def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
     """The first rung from `first` on whose estimate is within `target`, else the finest one that ran."""
     best: _Judged | None = None
     failure: EngineFailure | None = None

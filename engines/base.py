@@ -18,12 +18,14 @@ from numpy.typing import NDArray
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
 S = TypeVar("S", bound=AnySettings)
-SceneT = TypeVar("SceneT", bound=Scene)
-StartT = TypeVar("StartT", bound=Start | None)
+#: A scene that an engine models: a `Mechanism`; for an engine that names `SPIN_UP` any `Scene`.
+ModelledScene = Any
+#: A `Start`; None for a follower alone, which begins straight and at rest.
+StartOfScene = Any
 
 #: Version of what is asked of an engine; it changes where an engine written for the one before would no longer do.
 INTERFACE: Final = 1
@@ -109,6 +111,8 @@ class Comparison:
             to run as both factors say, the factor that they do show counts (`engines.accurate.shown_factor`). None: the factor is taken
             on trust.
         instead: the pair that counts where a run of this one breaks down, a finer one for example; None: then the error is unknown.
+        alike: `before` is not run where the relative difference of `run` and `other` is, in every column with an estimate, at most so
+            many times that of the tip deflection: columns converge alike, and the factor is taken on trust. 0: it is always run.
     """
 
     run: AnySettings
@@ -116,6 +120,7 @@ class Comparison:
     factor: float
     before: "Comparison | None" = None
     instead: "Comparison | None" = None
+    alike: float = 0.0
 
 
 class NoSteadyState(Exception):
@@ -148,16 +153,31 @@ class SteadyState:
     solve_seconds: float
 
 
-class Solver(ABC, Generic[SceneT, StartT, S]):
-    """What a run to an accuracy asks of an engine, whichever kind of scene it simulates; settings are a class of its own."""
+#: The quantity that an engine names if it models the follower alone too, on a base that turns as prescribed.
+SPIN_UP: Final = "base.spin_up_speed"
+
+
+class Engine(ABC, Generic[S]):
+    """One way of simulating the mechanism. Instances carry no state; everything about a run is in its settings."""
 
     name: ClassVar[str]  # as typed on the command line
+    method: ClassVar[str]  # one line, for `quickreturn engines` and the report
+    interface: ClassVar[int] = INTERFACE  # version that the engine is written for; state it as a number
     compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
     default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
     estimates: ClassVar[EstimateOf] = "total"  # what the error estimate is an estimate of
     quantities: ClassVar[tuple[str, ...]] = ()  # of `scene_values.NAMED` those that the model has, by `section.key`
+    settings_type: type[S]
 
-    def check(self, scene: SceneT, /) -> None:
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if unknown := [name for name in cls.quantities if name not in NAMED]:
+            raise TypeError(f"{cls.__name__}.quantities: {', '.join(unknown)}: not known; accepted: {', '.join(NAMED)}")
+
+    def __repr__(self) -> str:
+        return f"{self.name}: {self.method}"
+
+    def check(self, scene: Scene, /) -> None:
         """Refuse what `quantities` does not name. Called before anything is built; an override adds what else cannot be modelled.
 
         Raises:
@@ -167,25 +187,20 @@ class Solver(ABC, Generic[SceneT, StartT, S]):
             for key, value in values.items():
                 name = f"{section}.{key}"
                 if (known := NAMED.get(name)) is not None and value != known.default and name not in self.quantities:
-                    accepted = "a crank driven otherwise" if known.default is None else known.default
+                    accepted = _accepted_instead(scene) if known.default is None else known.default
                     given = f"{value} {known.unit}" if known.unit != "1" else f"{value}"
                     raise Refusal(f"{name}: {given} is not modelled by engine {self.name}; accepted: {accepted}")
 
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
-        if unknown := [name for name in cls.quantities if name not in NAMED]:
-            raise TypeError(f"{cls.__name__}.quantities: {', '.join(unknown)}: not known; accepted: {', '.join(NAMED)}")
-
     @abstractmethod
-    def describe(self, scene: SceneT, settings: S, /) -> ModelDescription:
+    def describe(self, scene: ModelledScene, settings: S, /) -> ModelDescription:
         """Bodies, joints and degrees of freedom that `prepare` builds for this scene with these settings."""
 
     @abstractmethod
-    def settings_for(self, accuracy: float, scene: SceneT, /) -> S:
+    def settings_for(self, accuracy: float, scene: ModelledScene, /) -> S:
         """Where to start for an error of the tip deflection of `accuracy` (measured table; the run's own estimate decides)."""
 
     @abstractmethod
-    def comparisons(self, settings: S, scene: SceneT, output_step: float, /) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: S, scene: ModelledScene, output_step: float, /) -> tuple[Comparison, ...]:
         """Pairs of runs that show the parts of the error of `settings`, one pair per part; the estimate is the parts' sum.
 
         Parts must be shown apart where they may have opposite signs (space and time, say): the difference of runs that are coarser
@@ -200,24 +215,13 @@ class Solver(ABC, Generic[SceneT, StartT, S]):
         """
 
     @abstractmethod
-    def prepare(self, scene: SceneT, start: StartT, settings: S, /) -> Simulation:
+    def prepare(self, scene: ModelledScene, start: StartOfScene, settings: S, /) -> Simulation:
         """Build the model in the state `start` (see `Start` for its meaning).
 
         Raises:
             Refusal: a feature or setting that cannot be modelled.
             EngineFailure: the start cannot be reached (time 0).
         """
-
-
-class Engine(Solver[Mechanism, Start, S]):
-    """One way of simulating the mechanism. Instances carry no state; everything about a run is in its settings."""
-
-    interface: ClassVar[int] = INTERFACE  # version that the engine is written for; state it as a number
-    method: ClassVar[str]  # one line, for `quickreturn engines` and the report
-    settings_type: type[S]
-
-    def __repr__(self) -> str:
-        return f"{self.name}: {self.method}"
 
     @abstractmethod
     def version(self) -> str:
@@ -248,40 +252,15 @@ class Engine(Solver[Mechanism, Start, S]):
         Follower straight, at rest, no gravity, undamped. Fewer than `count` if the model has fewer; shape (<= count,).
         """
 
-    def follower_alone(self) -> "FollowerEngine[S]":
-        """The engine's model of the follower alone, without crank and slider, on a base that turns as prescribed.
 
-        Raises:
-            Refusal: it has none (the default).
-        """
-        raise Refusal(
-            f"[crank]: this scene has none, and engine {self.name} models the closed mechanism alone; accepted: a scene with [crank]"
-            " and without base.spin_up_speed"
-        )
-
-
-class FollowerEngine(Solver[FollowerAlone, None, S]):
-    """An engine's second model: the follower alone, straight and at rest at the start, on a base that turns as prescribed.
-
-    There are trajectories to compare, no cycles. Settings are the engine's; so is, unless overridden, what is said of them.
-
-    Args:
-        engine: the engine whose model it is.
-    """
-
-    def __init__(self, engine: Engine[S]) -> None:
-        self.engine = engine
-        for fact in ("name", "compiles", "default_accuracy", "estimates", "quantities"):
-            setattr(self, fact, getattr(engine, fact))
-
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> S:
-        return self.engine.settings_for(accuracy, scene)  # type: ignore[arg-type]
-
-    def comparisons(self, settings: S, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        return self.engine.comparisons(settings, scene, output_step)  # type: ignore[arg-type]
-
-    def finer(self, settings: S, excess: tuple[float, ...], output_step: float) -> S | None:
-        return self.engine.finer(settings, excess, output_step)
+def _accepted_instead(scene: Scene) -> str:
+    """What a model accepts that lacks a quantity without a default: another drive."""
+    if not isinstance(scene, Mechanism):
+        return "a scene with [crank]"
+    if not isinstance(drive := scene.crank.drive, TorqueDrive):
+        return "crank.torque and crank.damping"
+    speed = drive.torque / drive.damping if drive.damping else drive.initial_speed
+    return f'crank.prescribed_speed, such as the mean speed "{speed:.6g} rad/s"'
 
 
 def first_line(error: BaseException) -> str:

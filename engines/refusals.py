@@ -1,18 +1,18 @@
 """What several engines refuse, each thing in the same words. All functions raise `Refusal` if the scene has it."""
 
 from quickreturn.engines.base import Refusal
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet
 
 
-def of_massless_parts(name: str, mechanism: Mechanism, why: str) -> None:
+def of_massless_parts(name: str, scene: Scene, why: str) -> None:
     """For methods whose loop is open, parts that this leaves without inertia; `why`: of the follower."""
-    if mechanism.crank_is_free and mechanism.crank_inertia <= 0.0:
+    if isinstance(scene, Mechanism) and scene.crank_is_free and scene.crank_inertia <= 0.0:
         raise Refusal(
-            f"crank.inertia: {mechanism.crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {name}, whose open loop"
+            f"crank.inertia: {scene.crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {name}, whose open loop"
             " leaves the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"
         )
-    if (mass := mechanism.follower.mass_per_length) <= 0.0:
+    if (mass := scene.follower.mass_per_length) <= 0.0:
         raise Refusal(f"follower.mass_per_length: {mass:g} kg/m cannot be modelled by {name}{why}; accepted: above 0")
 
 

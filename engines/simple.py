@@ -23,7 +23,7 @@ from quickreturn.engines.settings import SettingError, Settings, setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
 
@@ -124,10 +124,10 @@ class SimpleEngine(Engine[SimpleSettings]):
     def unavailable(self) -> str | None:
         return None if installed(self.library) else f"the package {self.library} is not installed"
 
-    def check(self, mechanism: Mechanism) -> None:
+    def check(self, scene: Scene) -> None:
         """Refuse what is not among `quantities`, and a rigid follower."""
-        super().check(mechanism)
-        if mechanism.follower.is_rigid:
+        super().check(scene)
+        if scene.follower.is_rigid:
             raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
 
     def describe(self, mechanism: Mechanism, settings: SimpleSettings) -> ModelDescription:

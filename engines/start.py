@@ -1,12 +1,12 @@
 """The state in which a simulation begins, in terms that every engine can realise."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 
 class Field(Protocol):
@@ -34,6 +34,13 @@ class Start:
     deflection_rate: Field | None = None  # m/s, at fixed arc length
 
 
-def standard_start(mechanism: Mechanism) -> Start:
-    """The start of every case: crank at its initial angle and speed, follower straight and moving as the rigid mechanism."""
-    return Start(mechanism.crank.initial_angle, mechanism.crank.drive.initial_speed)
+@overload
+def standard_start(scene: Mechanism) -> Start: ...
+@overload
+def standard_start(scene: Scene) -> Start | None: ...
+def standard_start(scene: Scene) -> Start | None:
+    """The start of every case: crank at its initial angle and speed, follower straight and moving as the rigid mechanism.
+
+    None for a follower alone: it begins straight and at rest.
+    """
+    return Start(scene.crank.initial_angle, scene.crank.drive.initial_speed) if isinstance(scene, Mechanism) else None

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,6 +59,11 @@ class FollowerTrajectory(Trajectory):
     """Observables of a follower alone: the columns of crank and slider are absent, the follower's angle is the prescribed one."""
 
     required: ClassVar[tuple[str, ...]] = tuple(name for name in REQUIRED if not COLUMNS[name].of_slider)
+
+
+def trajectory_type(scene: Scene) -> type[Trajectory]:
+    """The type of a scene's trajectories."""
+    return Trajectory if isinstance(scene, Mechanism) else FollowerTrajectory
 
 
 def join(pieces: list[Trajectory]) -> Trajectory:

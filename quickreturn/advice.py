@@ -21,15 +21,15 @@ class Advice(Shown):
 
     Attributes:
         case: name of the machine.
-        groups: in which it is told from others.
+        groups: its dimensionless groups.
         accuracy: error of the tip deflection that is wanted.
         level: error at which methods were compared: the loosest that is as tight, or the tightest.
         scene: name of the nearest scene of the map.
         steps: how far the machine is from it, in steps of the map.
         sharpness: by how much two independent solutions of that scene differ; None where it has no second one.
-        outside: sentences, each on something in which the machine lies outside the map: there the advice is an extrapolation.
-        use: of `cases.classes.map.TIMES` -> the engine that was fastest there and takes this machine; absent where none is known.
-        reaches: of each engine what it reached in that scene; of one that refuses this machine that.
+        outside: sentences, each on a quantity for which the machine lies outside the map and the advice is an extrapolation.
+        use: name of a time, see `cases.classes.map.TIMES` -> the fastest engine that models this machine; absent where there is none.
+        reaches: what each engine reached in that scene, or its refusal of this machine.
     """
 
     case: str
@@ -110,7 +110,7 @@ def _time(seconds: float | None) -> str:
 
 
 def _remark(reach: Reach) -> str:
-    """The status where the engine does not get there, what is left, and the reason."""
+    """The status and the remaining error of an engine that misses the level, and the reason."""
     missed = reach.solve_seconds is None
     left = f"{100.0 * reach.error:.2g} % are left" if missed and reach.error is not None else ""
     return "; ".join(filter(None, (reach.status if missed else "", left, reach.remark)))

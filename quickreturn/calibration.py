@@ -1,4 +1,4 @@
-"""Parameters that are not known exactly: found from a recorded table, or scattered as distributions say."""
+"""Uncertain parameters: fitted to a recorded table, or drawn from distributions."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -45,7 +45,7 @@ def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limi
         EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
     chosen, recorded, keys = one_case(case), as_table(table), [free] if isinstance(free, str) else [*free]
-    frees_of(keys, chosen, "--free")
+    frees_of(keys, chosen)
     TableModel(chosen, recorded)
     job = Job("calibration", calibration.calibrate, (chosen, recorded, keys))
     return questions.value_of(questions.asked([job], "calibration", limits, quiet)[0])

@@ -74,16 +74,13 @@ def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str])
 def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
     """Raises what can be known before anything runs: UnknownEngine; Refusal or SettingError of one of this project's engines."""
     from quickreturn.engines.registry import OWN, engine, engine_names
-    from quickreturn.reference_model.mechanism import FollowerAlone
+    from quickreturn.engines.scene import check_scene
 
     if name in engine_names() and name not in OWN:  # it would load its library here
         return
     found = engine(name)
     found.settings_type().with_texts(dict(settings))
-    if isinstance(scene, FollowerAlone):
-        found.follower_alone().check(scene)
-    else:
-        found.check(scene)
+    check_scene(found, scene)
 
 
 def check_settings(cases: "Sequence[Case]", settings: Mapping[str, Mapping[str, str]]) -> None:

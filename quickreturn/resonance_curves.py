@@ -15,7 +15,7 @@ from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.sweeping import ERROR
-from quickreturn.table_files import table_file
+from quickreturn.table_files import dataset_file, table_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,7 +27,7 @@ class Resonance(Shown):
     """The periodic motion of a machine over one of its quantities.
 
     Attributes:
-        curve: all that is known of it.
+        curve: its points, special points and peaks.
     """
 
     def __init__(self, curve: ResonanceCurve) -> None:
@@ -55,7 +55,7 @@ class Resonance(Shown):
 
     @property
     def special(self) -> "pd.DataFrame":
-        """Special points: kind, value of what varies (SI), by how much the model's own may be missed, and the claim."""
+        """Special points: kind, value of what varies (SI), the error of locating it on the model's curve, and the claim."""
         import pandas as pd
 
         return pd.DataFrame(map(vars, self.curve.special), columns=["kind", "value", "tolerance", "error", "reason"])
@@ -81,7 +81,7 @@ class Resonance(Shown):
         return figure
 
     def document(self) -> dict[str, Any]:
-        """What the JSON document holds of it: special points and peaks, and the points by column."""
+        """The JSON document: special points, peaks, and the points by column."""
         frame = self.frame
         about = {"key": self.curve.range.key, "units": frame.attrs["units"], "settings": self.curve.settings}
         special, peaks = (table.to_dict(orient="records") for table in (self.special, self.peaks))
@@ -99,7 +99,7 @@ class Resonance(Shown):
         dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.curve.case)
         for name, unit in frame.attrs["units"].items():
             dataset[name].attrs["units"] = unit
-        return bytes(dataset.to_netcdf(engine="h5netcdf"))
+        return dataset_file(dataset, ending)
 
     def _unit(self, name: str) -> str:
         name = name.removesuffix(ERROR)
@@ -146,7 +146,7 @@ def resonance(
         case: a name, a path or a `Case`.
         key: of what varies, as in a case file.
         range: its values, such as "60 rpm .. 300 rpm".
-        speed: at which the crank is held where something else varies, such as "165 rpm"; None: the case's own drive.
+        speed: prescribed speed of the crank where something else varies, such as "165 rpm"; None: the case's own drive.
         measures: what to measure, "peak.COLUMN"; peaks are those of the first.
         accuracy: relative, of the model that is followed; None: that of `reference`.
         claims: whether the error of every point is estimated, which takes a third of the time or more.

@@ -169,6 +169,8 @@ class Solution(Shown):
             yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())
         yield "settings", settings_words(self.settings)
+        if result.further_run_skipped:
+            yield "compared", "with one finer run; a second was skipped, for all columns converge alike"
         if self.remark:
             yield "remark", self.remark
 
@@ -206,6 +208,7 @@ def simulate(
     accuracy: float | None = None,
     settings: Mapping[str, Any] | None = None,
     estimate: bool = True,
+    time_limit: float | None = None,
     quiet: bool = False,
 ) -> Solution:
     """Simulate a case from its standard start, in this process.
@@ -216,6 +219,8 @@ def simulate(
         accuracy: relative error of the tip deflection asked for; None: the engine's default.
         settings: of the engine, by name; they are taken as they are, and the error is estimated all the same.
         estimate: False: make the one run and spare those that it would be compared with. Nothing is known of its error then.
+        time_limit: wall time (s) within which to answer, with what is known then: runs that could take longer are not begun, but for
+            the first. None: there is none.
         quiet: whether nothing is told on standard error while code is compiled, which happens once on a machine.
 
     Raises:
@@ -228,7 +233,7 @@ def simulate(
         warnings.warn(sentence, stacklevel=2)
     texts = as_texts(settings or {})
     with compilation_told(quiet):
-        result = simulate_scene(chosen, scene.scene, scene.duration, scene.output_step, texts, checked(accuracy), estimate)
+        result = simulate_scene(chosen, scene.scene, scene.duration, scene.output_step, texts, checked(accuracy), estimate, time_limit)
     return Solution(scene, chosen.name, chosen.version(), replace(result, runs={}))
 
 

@@ -19,21 +19,20 @@ from quickreturn.cases.sweep.study import Path, Study, study
 from quickreturn.catalogue import AnyCase, Listing, one_case
 from quickreturn.cross_validation import given_settings, opened
 from quickreturn.engines.registry import usable_engine
-from quickreturn.table_files import table_file
 
 if TYPE_CHECKING:
     import xarray as xr
 
 #: Measures unless others are asked for.
 USUAL: Final = ("peak.tip_acceleration", "multiplier")
-#: Behind a measure's name: how far off it may be.
+#: Suffix of a measure's name that names its error.
 ERROR: Final = ".error"
-#: Attribute that holds the file of the case of a study.
+#: Attribute of a dataset that holds the study's case file.
 FILE: Final = "case_file"
 
 
 def measures() -> "Listing[Measure]":
-    """What a study may measure: name, unit, meaning."""
+    """The measures of a study: name, unit, meaning."""
     return Listing.of(MEASURES.values(), name=lambda each: each.name, unit=lambda each: each.unit, meaning=lambda each: each.meaning)
 
 
@@ -62,7 +61,7 @@ def sweep(
         accuracy: error of the tip deflection that is asked for; None: the engine's default.
         settings: of the engine, by name.
         claims: whether every number gets its error estimate, which takes about twice as long.
-        path: which way each row of points is gone through, "up", "down" or "both": near a fold the motion depends on it.
+        path: direction in which each row of points is computed, "up", "down" or "both": near a fold the motion depends on it.
         jobs: processes at a time; None: one per core.
         workshop: where to compute and to store; None: here.
         quiet: whether nothing is told on standard error.
@@ -116,29 +115,26 @@ def _axis(key: str, values: str | Sequence[Any]) -> Axis:
 
 
 def dataset_of(found: Study) -> "xr.Dataset":
-    """A study as a dataset, whose attributes are texts and numbers alone, so that netCDF keeps them."""
+    """A study as a dataset. Its attributes are texts and numbers, which netCDF can store."""
     import xarray as xr
 
     axes, both = found.grid.axes, len(found.ways) > 1
-    way = slice(None) if both else 0
-    dimensions = (*(["path"] if both else []), *(each.key for each in axes))
-
+    dimensions = ("path", *(each.key for each in axes))
     variables: dict[str, tuple[Any, ...]] = {}
     for place, name in enumerate(found.asked.measures):
         about = MEASURES[name]
-        variables[name] = (dimensions, found.values[way, ..., place], {"units": about.unit, "long_name": about.meaning})
+        variables[name] = (dimensions, found.values[..., place], {"units": about.unit, "long_name": about.meaning})
         said = {"units": about.unit, "long_name": f"how far off {name} may be by the engine's own estimate"}
         if found.asked.claims:
-            variables[f"{name}{ERROR}"] = (dimensions, found.errors[way, ..., place], said)
-    variables["status"] = (dimensions, found.statuses[way].astype(str), {"long_name": "how the point ended"})
-    variables["sentence"] = (dimensions, found.sentences[way].astype(str), {"long_name": "why"})
+            variables[f"{name}{ERROR}"] = (dimensions, found.errors[..., place], said)
+    variables["status"] = (dimensions, found.statuses.astype(str), {"long_name": "how the point ended"})
+    variables["sentence"] = (dimensions, found.sentences.astype(str), {"long_name": "why"})
     if both:
         variables["two_motions"] = (dimensions[1:], found.two_motions, {"long_name": "whether the ways settle on two stable motions"})
     coordinates: dict[str, tuple[Any, ...]] = {
         each.key: (each.key, np.array(each.values), {"units": each.unit} if each.unit else {}) for each in axes
     }
-    if both:
-        coordinates["path"] = ("path", list(found.ways))
+    coordinates["path"] = ("path", list(found.ways))
     case = found.grid.case
     attributes = {
         "case": case.name,
@@ -147,11 +143,12 @@ def dataset_of(found: Study) -> "xr.Dataset":
         "engine": found.asked.engine,
         "source": f"quickreturn {version('quickreturn')}",
     }
-    return xr.Dataset(variables, coordinates, attributes)
+    dataset = xr.Dataset(variables, coordinates, attributes)
+    return dataset if both else dataset.isel(path=0, drop=True)
 
 
 def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
-    """The case of the point of a study that is nearest to a place.
+    """The case at the point of a study that is nearest to some values.
 
     Args:
         dataset: of `sweep`, or read from its netCDF file.
@@ -174,17 +171,8 @@ def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
     return case.with_(overrides)
 
 
-def written(dataset: "xr.Dataset", ending: str) -> bytes:
-    """A dataset as the content of a file: .nc (netCDF 4), .csv or .parquet; tables have a row for each point, and units in headings."""
-    if ending == ".nc":
-        return bytes(dataset.to_netcdf(engine="h5netcdf"))
-    frame = dataset.to_dataframe().reset_index()
-    units = {name: dataset[name].attrs.get("units", "") for name in map(str, frame.columns)}
-    return table_file(frame, units, ending)
-
-
 def summary(dataset: "xr.Dataset") -> list[str]:
-    """Lines for a person: how many points ended how, and the range of every measure with where its ends lie."""
+    """Lines for a person: the number of points of each status, and the extremes of every measure with their places."""
     counts = Counter(map(str, dataset["status"].values.flat)).most_common()
     points = ", ".join(f"{count} {status}" for status, count in counts)
     lines = [f"{dataset['status'].size} points: {points}"]
@@ -193,7 +181,7 @@ def summary(dataset: "xr.Dataset") -> list[str]:
     for name in (str(each) for each in dataset.data_vars if str(each) in MEASURES):
         values = dataset[name]
         if not values.notnull().any():
-            lines.append(f"{name}: not to be had")
+            lines.append(f"{name}: no point has a value")
             continue
         ends = (("least", values.argmin(...)), ("greatest", values.argmax(...)))
         told = [f"{which} {float(values[at]):.6g} at {_place(values[at], values)}" for which, at in ends]

@@ -22,7 +22,7 @@ SEARCHED: Final = 1e-3
 #: Factor between the prescribed speeds for which models are built: a model's tables do not depend on the speed, only the sizes that its
 #: integration's errors refer to do.
 PACE: Final = 1.25
-#: Length of the last correction of a point that is only compared with.
+#: Length of the last correction of a point that serves for a comparison only.
 COMPARED: Final = 1e-4
 #: Models that are kept: corrections and derivatives ask for the same values again.
 KEPT: Final = 8

@@ -1,7 +1,7 @@
 """Time integration by a compiled DOP853 loop, which knows a right-hand side, a state, scales and an event, and no model.
 
 DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5): order 8, error control by the embedded
-formulas of orders 5 and 3, dense output of order 7. The coefficients are those of scipy. A step that asks for a state in which the
+formulas of orders 5 and 3, dense output of order 7. A step that asks for a state in which the
 loop cannot close is rejected like one with too large an error.
 """
 
@@ -11,15 +11,12 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import DOP853
 
+from quickreturn.reference_model.dop853 import E3, E5, A, D
 from quickreturn.reference_model.machine.compilation import compiled, without_references
 from quickreturn.reference_model.machine.pointers import call_equations
 
 STAGES: Final = 12
-_A = np.vstack([np.hstack([DOP853.A, np.zeros((STAGES, 4))]), np.zeros((1, 16)), DOP853.A_EXTRA])
-_A[STAGES, :STAGES] = DOP853.B
-_E3, _E5, _D = (np.ascontiguousarray(a) for a in (DOP853.E3, DOP853.E5, DOP853.D))
 
 #: Largest step times the highest angular frequency that the equations have. On the imaginary axis DOP853 damps an oscillation to 0.70 to
 #: 0.75 of itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond; without a ceiling steps creep past that again and
@@ -207,7 +204,7 @@ def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: 
     for i in range(len(y)):
         out[i] = y[i]
     for j in range(stage):
-        weight = h * _A[stage, j]
+        weight = h * A[stage, j]
         if weight != 0.0:
             for i in range(len(y)):
                 out[i] += weight * K[j, i]
@@ -219,8 +216,8 @@ def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], c
     for i in range(controlled):
         e5 = e3 = 0.0
         for stage in range(STAGES + 1):
-            e5 += _E5[stage] * K[stage, i]
-            e3 += _E3[stage] * K[stage, i]
+            e5 += E5[stage] * K[stage, i]
+            e3 += E3[stage] * K[stage, i]
         error5 += (e5 / scales[i]) ** 2
         error3 += (e3 / scales[i]) ** 2
     if error5 == 0.0 and error3 == 0.0:
@@ -238,7 +235,7 @@ def _dense_coefficients(y: NDArray[np.float64], new: NDArray[np.float64], K: NDA
         for m in range(4):
             total = 0.0
             for stage in range(16):
-                total += _D[m, stage] * K[stage, i]
+                total += D[m, stage] * K[stage, i]
             F[3 + m, i] = h * total
 
 

@@ -80,8 +80,16 @@ def in_words(slider: Slider) -> str:
     if slider.is_linear:
         told = [f"compliant joint, {plus:g} N/m", *told]
     else:
-        told = [f"rollers of {plus:g} N/m (plus) and {minus:g} N/m (minus)", *told]
+        # a side that no key makes soft is infinite in the scene
+        given = (min(slider.joint_stiffness, own) for own in (slider.joint_stiffness_plus, slider.joint_stiffness_minus))
+        of_plus, of_minus = (", as stiff as a contact" if math.isinf(stiffness) else "" for stiffness in given)
+        told = [f"rollers of {plus:g} N/m (plus{of_plus}) and {minus:g} N/m (minus{of_minus})", *told]
     for key, unit in (("clearance", "m clearance"), ("preload", "N preload"), ("contact_damping", "s/m contact damping")):
         if (value := getattr(slider, key)) > 0.0:
             told.append(f"{value:g} {unit}")
     return ", ".join(told)
+
+
+def friction_in_words(slider: Slider) -> str:
+    """What a description of the joint ends with: nothing where the slider does not rub."""
+    return ", with friction along the follower" if slider.has_friction else ""

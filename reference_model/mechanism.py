@@ -94,7 +94,7 @@ class Base:
 class SpinUp:
     """A base whose angle is prescribed: from rest to a steady speed without a jump in acceleration (DERIVATION.md, equation 11.1)."""
 
-    speed: float = quantity("rad/s", "of the base from `spin_up_time` on; 0 holds it", key="spin_up_speed")
+    speed: float = quantity("rad/s", "of the base from `spin_up_time` on; 0 holds it", key="spin_up_speed", named=True)
     time: float = quantity("s", "until the base turns steadily", key="spin_up_time", sign="positive")
 
 

@@ -5,10 +5,8 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
+import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
-from scipy.linalg import eig, null_space
-from scipy.optimize import brentq
 
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
@@ -183,7 +181,7 @@ class BeamModel:
             self.can_move(y)
             return abs(f.foot) - math.hypot(v1, v2)
 
-        y[m] = brentq(excess, 0.98 * s, min(1.02 * s, p.tables.high), xtol=1e-15)
+        y[m] = scipy.optimize.brentq(excess, 0.98 * s, min(1.02 * s, p.tables.high), xtol=1e-15)
         if not self.closes_loop:
             self.can_move(y)
             y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot.imag, f.foot.real), 0.0
@@ -238,7 +236,7 @@ class BeamModel:
             return of_follower_alone(found)
         return {name: found[name] for name in OBSERVED} if self.closes_loop else found
 
-    def deflection(self, y: Array) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
+    def deflection(self, y: Array) -> "tuple[scipy.interpolate.CubicHermiteSpline, scipy.interpolate.CubicHermiteSpline]":
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""
         n, m, L = self.parameters.n, self.parameters.speeds, self.parameters.L
         s = y[m]
@@ -249,9 +247,9 @@ class BeamModel:
         rate = psi @ y[m + 2 : m + 2 + n] + psi_s @ y[1 : n + 1] * self.workspace.facts.s_rate
         slope, slope_rate = np.sin(angle), np.cos(angle) * rate
         # cubic through the slopes, integrated: exact to the fourth power of the spacing
-        place = CubicHermiteSpline(x, slope, np.gradient(slope, x)).antiderivative()(x)
-        speed = CubicHermiteSpline(x, slope_rate, np.gradient(slope_rate, x)).antiderivative()(x)
-        return CubicHermiteSpline(x, place, slope), CubicHermiteSpline(x, speed, slope_rate)
+        place = scipy.interpolate.CubicHermiteSpline(x, slope, np.gradient(slope, x)).antiderivative()(x)
+        speed = scipy.interpolate.CubicHermiteSpline(x, slope_rate, np.gradient(slope_rate, x)).antiderivative()(x)
+        return scipy.interpolate.CubicHermiteSpline(x, place, slope), scipy.interpolate.CubicHermiteSpline(x, speed, slope_rate)
 
     def natural_frequencies(self, crank_angle: float, count: int) -> Array:
         """Lowest natural frequencies (Hz) with the crank held, follower straight, at rest, undamped; of an open loop (equation 7.1).
@@ -284,10 +282,10 @@ class BeamModel:
                 closed = p.plus + p.minus if p.plus_from < 0.0 else p.plus  # as `Slider.closed_stiffness` has it
                 stiffness += closed * np.outer(row, row)
             else:
-                free, test = null_space(row[None, :]), null_space(spread[None, :])
+                free, test = scipy.linalg.null_space(row[None, :]), scipy.linalg.null_space(spread[None, :])
                 mass, stiffness = test.T @ mass @ free, test.T @ stiffness @ free
         # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
-        return np.asarray(1.0 / eig(mass, stiffness, right=False), dtype=np.complex128)
+        return np.asarray(1.0 / scipy.linalg.eig(mass, stiffness, right=False), dtype=np.complex128)
 
 
 def _amplitude(scene: Scene, deflection: float) -> float:

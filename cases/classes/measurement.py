@@ -1,4 +1,4 @@
-"""What it takes each method to get to an error in each scene of the map, in solve time and in all that one waits for."""
+"""The time that each method needs to reach an error in a scene of the map: of solving alone, and of all that one waits for."""
 
 import time
 from dataclasses import dataclass, replace
@@ -31,9 +31,9 @@ REFUSED: Final = "refused"
 FAILED: Final = "failed"
 NOT_REACHED: Final = "not reached"
 TOO_SLOW: Final = "too slow"
-#: Remark where settings get to an error in time, and the engine that is asked for it does not know in time.
+#: Remark where settings reach an error in time, but the engine's own estimate does not confirm it in time.
 SLOW_ANSWER: Final = "its estimate takes too long"
-#: Remark where the estimate is none of the distance from the scene's solution, as that of a model whose discretization is its own.
+#: Remark where the estimate does not include the distance from the scene's solution, as for a model that differs from the scene.
 OF_ITSELF: Final = "its estimate is of something else"
 
 

@@ -39,7 +39,7 @@ CHANGES: Final = (
 def alone(bench: Bench) -> Iterator[Check]:
     """All checks of the follower alone; one that says so where the engine has no model of it."""
     try:
-        bench.solver(SCENE).check(SCENE)
+        bench.check(SCENE)
     except Refusal as refusal:
         yield Check("the follower alone", "passed", f"refused: {refusal}")
         return

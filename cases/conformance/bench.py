@@ -5,19 +5,19 @@ import functools
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 from quickreturn.cases.conformance.checks import Array, LeftOut
 from quickreturn.cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
 from quickreturn.cases.jobs.display import span
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import compared, run_once
-from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal, Solver
+from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
-from quickreturn.engines.scene import solver_of
+from quickreturn.engines.scene import check_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
@@ -59,8 +59,8 @@ class Motion:
 
     def by(self, engine: AnyEngine, settings: Settings) -> Trajectory:
         """A complete and finite run of an engine. Raises as `run_once`; Refusal where it has no model of a follower alone."""
-        solver, start = solver_of(engine, self.scene)
-        return run_once(solver, self.scene, self.start or start, self.duration, self.output_step, settings).trajectory
+        check_scene(engine, self.scene)
+        return run_once(engine, self.scene, self.start or standard_start(self.scene), self.duration, self.output_step, settings).trajectory
 
 
 @dataclass(frozen=True)
@@ -117,13 +117,13 @@ class Bench:
         self._runs: dict[tuple[Motion, Settings], Trajectory] = {}
         self._began, self._spent, self._simulated = time.monotonic(), 0.0, 0.0
 
-    def solver(self, scene: Scene) -> Solver[Any, Any, Any]:
-        """The engine's model for the scene's kind. Raises Refusal where it has none."""
-        return solver_of(self.engine, scene)[0]
+    def check(self, scene: Scene) -> None:
+        """Raises Refusal if the engine cannot model a scene of either kind."""
+        check_scene(self.engine, scene)
 
     def settings(self, scene: Scene) -> Settings:
         """Those that the engine picks unless asked otherwise."""
-        found: Settings = self.solver(scene).settings_for(self.engine.default_accuracy, scene)
+        found: Settings = self.engine.settings_for(self.engine.default_accuracy, scene)
         return found
 
     def run(self, motion: Motion, settings: Settings | None = None) -> Trajectory:
@@ -163,8 +163,8 @@ class Bench:
 
     def finer(self, scene: Scene, settings: Settings) -> Settings | None:
         """The next rung of an engine that is found to be twice as far off as it may be."""
-        solver = self.solver(scene)
-        found: Settings | None = solver.finer(settings, (2.0,) * max(1, len(solver.comparisons(settings, scene, 1e-3))), 1e-3)
+        parts = len(self.engine.comparisons(settings, scene, 1e-3))
+        found: Settings | None = self.engine.finer(settings, (2.0,) * max(1, parts), 1e-3)
         return found
 
     def sharpened(self, motion: Motion) -> Iterator[Trajectory]:
@@ -182,7 +182,7 @@ class Bench:
     def coarsened(self, motion: Motion) -> Trajectory | None:
         """A run that is coarser than the default by what `comparisons` say; None where they name none."""
         settings = self.settings(motion.scene)
-        pairs = self.solver(motion.scene).comparisons(settings, motion.scene, motion.output_step)
+        pairs = self.engine.comparisons(settings, motion.scene, motion.output_step)
         coarser = [pair for pair in pairs if pair.factor > 1.0 and pair.run == settings]
         try:
             return self.run(motion, coarser[0].other) if coarser else None
@@ -197,9 +197,8 @@ class Bench:
     def estimates(self, motion: Motion, settings: Settings | None = None) -> dict[str, float] | None:
         """The engine's error by its own comparisons, in the unit of each column; None where they show none."""
         parts: dict[str, float] = {}
-        solver = self.solver(motion.scene)
         try:
-            for pair in solver.comparisons(settings or self.settings(motion.scene), motion.scene, motion.output_step):
+            for pair in self.engine.comparisons(settings or self.settings(motion.scene), motion.scene, motion.output_step):
                 if pair.run == pair.other:
                     return None
                 runs = compared(pair, functools.partial(self.run, motion))

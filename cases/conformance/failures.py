@@ -40,7 +40,7 @@ def failures(bench: Bench) -> Iterator[Check]:
 
 
 def _attempt(bench: Bench, motion: Motion) -> Trajectory | EngineFailure:
-    bench.solver(motion.scene).check(motion.scene)
+    bench.check(motion.scene)
     try:
         return motion.by(bench.engine, bench.settings(bench.scene))  # made for the mild scene, as a fixed step would be
     except EngineFailure as failure:

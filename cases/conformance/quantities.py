@@ -78,7 +78,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
     if after.scene == before.scene:
         return "the scene has it already"
     try:
-        bench.solver(scene).check(after.scene)
+        bench.check(after.scene)
         runs = [bench.run(motion) for motion in (before, after)]
     except EngineFailure as failure:
         kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # raised, returned: no adapter says so

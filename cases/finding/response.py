@@ -11,7 +11,7 @@ keeps the published scene's mean speed: what the crank loses in the first cycles
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Final
 
@@ -19,11 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.measures import CHANNELS, Cycle, TimeScale, time_scale
 from quickreturn.cases.measures.consensus import consensus
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.first_mode import FirstMode, fit_first_modes
 from quickreturn.cases.measures.half_cycle import channel_half, half_cycle
+from quickreturn.cases.measures.steady_state import Cycle
+from quickreturn.cases.measures.time_scale import CHANNELS, TimeScale, time_scale
 from quickreturn.cases.runs.marching import March, output_step, periodic_cycle
 from quickreturn.cases.runs.orbit import PeriodicStart
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
@@ -80,6 +81,7 @@ class Response:
     peaks: Mapping[str, float] = field(default_factory=dict)  # largest magnitude in a cycle, by channel, mean over the cycles
     ring: Ring | None = None
     speed: float = 0.0  # mean crank speed, rad/s
+    factor: float = 1.0  # error with the settings that computed it over that with the usual ones
     reason: str = ""
 
 
@@ -104,10 +106,11 @@ def respond(requests: tuple[Request, ...]) -> tuple[Response, ...]:
 def _response(request: Request) -> Response:
     engine, scene = engine_of_name(request.engine), request.scene
     try:
-        settings = engine.settings_for(engine.default_accuracy, scene).with_texts(dict(request.settings))
+        settings, factor = engine.settings_for(engine.default_accuracy, scene).with_texts(dict(request.settings)), 1.0
         if request.finer:
-            settings = engine.comparisons(settings, scene, output_step(scene))[0].other
-        return _measured(scene, _at_speed(engine, settings, request))
+            pair = engine.comparisons(settings, scene, output_step(scene))[0]
+            settings, factor = pair.other, pair.factor
+        return replace(_measured(scene, _at_speed(engine, settings, request)), factor=factor)
     except (EngineFailure, Refusal, ValueError) as failure:
         return Response(reason=str(failure))
 

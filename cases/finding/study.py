@@ -11,9 +11,9 @@ from quickreturn.cases.finding.response import Request, Response, respond
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library.thesis import RUNS, run_case
-from quickreturn.cases.measures import CHANNELS
 from quickreturn.cases.measures.consensus import consensus
 from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.orbit import Orbit, orbits
 from quickreturn.cases.runs.request import CODE
 
@@ -24,8 +24,6 @@ CONFIRMED_RUNS: Final = (10, 24)
 #: The second formulation, and the effects that it computes, too: those of the joint.
 SECOND: Final = "mujoco"
 OF_JOINT: Final = ("linear", "post-side", "pre-side", "preload", "post-side-alloy", "clearance", "friction", "drag", "pivot")
-#: Error with the finer settings of `reference` over that with the usual ones: four modes and seven (`engines.own.reference.COMPARED`).
-FINER: Final = 0.2
 #: The run whose fast vibration the thesis describes.
 EXAMPLE: Final = 24
 #: How a run is computed: "" as `Effect.engine` does, "finer", or by the engine of this name.
@@ -205,10 +203,16 @@ def _claim(effect: Effect, found: Found) -> tuple[float, ...]:
     pairs = [both for both in pairs if all(pair and not pair[1].reason for pair in both)]
     claims = list[float]()
     for kind in kinds if pairs else ():
-        values = [(one, two) for usual, finer in pairs for one, two in zip(kind(usual), kind(finer), strict=True)]
-        differences = [abs(one - two) for one, two in values if one is not None and two is not None]
-        claims.append(round(max(differences, default=0.0) / (1.0 - FINER), 2))
+        values = [(one, two, _taken_away(finer)) for usual, finer in pairs for one, two in zip(kind(usual), kind(finer), strict=True)]
+        errors = [abs(one - two) / part for one, two, part in values if one is not None and two is not None]
+        claims.append(round(max(errors, default=0.0), 2))
     return tuple(claims)
+
+
+def _taken_away(finer: Pair) -> float:
+    """The least part of an error that the finer settings take away, of the run as published and of the changed one."""
+    assert finer is not None
+    return min(abs(1.0 - response.factor) for response in finer)
 
 
 def _whole(value: float | None, times: float = 1.0) -> int | None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from quickreturn.cases.loads.peak import Claim, Peak, of_column, of_vector
 from quickreturn.cases.loads.resonance import Resonance, of_motion, resonance
 from quickreturn.cases.loads.stress import ArmStress, Factor, arm_stress, safety
-from quickreturn.cases.runs.request import Run
 from quickreturn.reference_model.mechanism import Mechanism, Scene
+
+if TYPE_CHECKING:
+    from quickreturn.cases.runs.request import Run
 
 __all__ = ["Claim", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "of_motion", "resonance"]
 
@@ -57,7 +59,7 @@ def loads_of(scene: Scene, columns: Mapping[str, Array], claim: Claim) -> Loads:
     )
 
 
-def loads_of_run(mechanism: Mechanism, run: Run) -> Loads | None:
+def loads_of_run(mechanism: Mechanism, run: "Run") -> Loads | None:
     """What the parts bear in the cycle of a run; None where it has none that can be used."""
     return loads_of(mechanism, run.cycle, Claimed(run)) if run.usable else None
 
@@ -66,7 +68,7 @@ def loads_of_run(mechanism: Mechanism, run: Run) -> Loads | None:
 class Claimed:
     """What a run says of a column in the half cycle of a crank angle: its estimate, and how far its cycle may be from steady."""
 
-    run: Run
+    run: "Run"
 
     def __call__(self, column: str, angle: float) -> float | None:
         begin, end = self.run.cycle["crank_angle"][[0, -1]]

@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.measures.time_scale import TURN, time_scale
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
@@ -69,6 +68,8 @@ def of_motion(mechanism: Mechanism) -> float:
 
     To first order in the coupling of the modes (`cases.measures.moving_mode`); 0 where nothing vibrates.
     """
+    from quickreturn.cases.measures.time_scale import TURN, time_scale
+
     scale = time_scale(mechanism)
     if scale is None:
         return 0.0

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 
@@ -28,10 +28,10 @@ def low_pass(time: Array, signal: Array) -> Array:
     """
     steps = 2 * time.size  # dense enough to keep everything that uneven samples hold
     uniform = np.linspace(time[0], time[-1], steps, endpoint=False)
-    spectrum = np.fft.rfft(CubicSpline(time, signal)(uniform))
+    spectrum = np.fft.rfft(scipy.interpolate.CubicSpline(time, signal)(uniform))
     frequencies = np.fft.rfftfreq(steps, (time[-1] - time[0]) / steps)
     filtered = np.fft.irfft(spectrum / (1.0 + (frequencies / CUT_OFF) ** (2 * ORDER)), steps)
-    whole = CubicSpline(np.append(uniform, time[-1]), np.append(filtered, filtered[0]), bc_type="periodic")
+    whole = scipy.interpolate.CubicSpline(np.append(uniform, time[-1]), np.append(filtered, filtered[0]), bc_type="periodic")
     return np.asarray(whole(time))
 
 
@@ -56,7 +56,7 @@ def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extr
         start: s, within the samples but for round-off.
         end: s, likewise.
     """
-    curve = CubicSpline(time, signal)
+    curve = scipy.interpolate.CubicSpline(time, signal)
     turning = curve.derivative().roots(extrapolate=False)
     inside = turning[(turning > start) & (turning < end)]  # NaN, which stands for a level stretch, is not
     instants = np.concatenate([np.clip([start, end], time[0], time[-1]), inside])
@@ -76,5 +76,5 @@ def _left_out(time: Array, signal: Array) -> Array:
     for first in (1, 2):
         between = np.arange(first, time.size - 1, 2)
         kept = np.delete(np.arange(time.size), between)
-        missed[between] = np.abs(signal[between] - CubicSpline(time[kept], signal[kept])(time[between]))
+        missed[between] = np.abs(signal[between] - scipy.interpolate.CubicSpline(time[kept], signal[kept])(time[between]))
     return missed

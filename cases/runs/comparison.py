@@ -13,7 +13,9 @@ from typing import Any, Final, Literal
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures import CHANNELS, Consensus, consensus_of, extremes_by_half
+from quickreturn.cases.measures.consensus import Consensus
+from quickreturn.cases.measures.cycle import consensus_of, extremes_by_half
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.measures import on_common_grid
-from quickreturn.cases.measures.steady_state import GRID
+from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.mistakes import diagnose
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.noise import white_noise

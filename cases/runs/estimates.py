@@ -20,8 +20,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures import CHANNELS, Consensus, CycleMeasures, Measure, on_common_grid
-from quickreturn.cases.measures.steady_state import GRID
+from quickreturn.cases.measures.consensus import Consensus
+from quickreturn.cases.measures.cycle import CycleMeasures, Measure
+from quickreturn.cases.measures.steady_state import GRID, on_common_grid
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.marching import Columns, channels_of
 from quickreturn.engines.accurate import LEAST_FACTOR, Compared
 

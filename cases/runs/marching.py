@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures import AVERAGED, CHANNELS, Cycle, Settling, cut_cycles
-from quickreturn.cases.measures.steady_state import GREATEST_NUMBER
+from quickreturn.cases.measures.mean_cycle import AVERAGED
+from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, Cycle, Settling, cut_cycles
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import check_trajectory
 from quickreturn.engines.base import EngineFailure, Simulation, SteadyState

@@ -18,19 +18,9 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.measures import (
-    CHANNELS,
-    Cycle,
-    Measure,
-    Settling,
-    cut_cycles,
-    extremes_by_half,
-    measure_cycle,
-    on_common_grid,
-    time_scale,
-)
-from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER
-from quickreturn.cases.measures.time_scale import TURN
+from quickreturn.cases.measures.cycle import Measure, extremes_by_half, measure_cycle
+from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, Cycle, Settling, cut_cycles, on_common_grid
+from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.marching import columns_of

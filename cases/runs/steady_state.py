@@ -24,7 +24,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.measures import CHANNELS, Cycle, mean_measures, measure_cycle, time_scale
+from quickreturn.cases.measures.cycle import measure_cycle
+from quickreturn.cases.measures.mean_cycle import mean_measures
+from quickreturn.cases.measures.steady_state import Cycle
+from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from quickreturn.cases.runs.marching import Columns, March, columns_of, output_step, settle, whole_cycles
 from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion

@@ -1,4 +1,4 @@
-"""What varies in a study: axes as they are written, and the scenes of their grid."""
+"""Axes of a study, read from text, and the scenes of their grid."""
 
 import itertools
 import math
@@ -20,13 +20,13 @@ from quickreturn.cases.sweep.rows import OPEN, REFUSED, Asked, Impossible, Row, 
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
 
-#: The axis of engines.
+#: Key of an axis whose values are engines.
 ENGINE: Final = "engine"
-#: What a row depends on besides what the simulation does.
+#: Modules on which a stored row depends, besides those of the simulation.
 CODE: Final = (*CODE_OF_RUNS, "quickreturn.cases.sweep", "quickreturn.cases.loads", "quickreturn.cases.reading")
-#: Keys that a trajectory depends on and a steady motion does not.
+#: Keys that change a trajectory but not the steady motion.
 OF_START: Final = ("crank.initial_angle", "crank.initial_speed", "simulation.duration", "simulation.output_step")
-#: Points on one axis at most, and in all.
+#: Largest number of points, on one axis and in all.
 MOST: Final = 1_000_000
 _SOURCE: Final = "--vary"
 _SPEC: Final = "such as 'crank.prescribed_speed = 60 rpm .. 300 rpm : 241' or 'tip.mass = 0 g; 25 g; 50 g'"
@@ -35,16 +35,16 @@ _RANGE: Final = re.compile(r"(?P<log>log\s+)?(?P<first>.+?)\s*\.\.\s*(?P<last>.+
 
 @dataclass(frozen=True)
 class Axis:
-    """What varies along one dimension of a grid."""
+    """A key and its values along one dimension of a grid."""
 
     key: str  # dotted key of a case file, or "engine"
-    texts: tuple[str, ...]  # the values as a case file has them
-    values: tuple[float, ...] | tuple[str, ...]  # the same in SI; texts again where they are no single numbers
+    texts: tuple[str, ...]  # the values as in a case file
+    values: tuple[float, ...] | tuple[str, ...]  # the values in SI; of engines and vectors the texts
     unit: str  # SI; "" of texts
 
 
 def axis(text: str) -> Axis:
-    """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes. CaseError: it cannot be read."""
+    """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes. Raises CaseError."""
     key, sign, values = (part.strip() for part in text.partition("="))
     if not (key and sign and values):
         raise CaseError(_SOURCE, None, shown(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
@@ -62,7 +62,7 @@ def axis(text: str) -> Axis:
 
 
 def si_text(key: str, value: float) -> str:
-    """A value in SI as a text of a case file, from which the same value is read. CaseError: there is no such key."""
+    """The text of a case file that reads back as exactly this value in SI. CaseError: there is no such key."""
     unit = _unit_of(key)
     return "inf" if math.isinf(value) else f"{value!r} {unit}".removesuffix(" 1")
 
@@ -105,7 +105,7 @@ def _ranged(key: str, values: str) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Grid:
-    """A case, in which all other values are, and what of it varies: dimensions of the grid in the order in which they were given."""
+    """A case, and the axes along which it varies, in the order given."""
 
     case: Case
     axes: tuple[Axis, ...]
@@ -125,13 +125,13 @@ class Grid:
 
     @property
     def along(self) -> int:
-        """The axis along which rows run: the longest one of numbers, of those first that leave the follower's shapes as they are."""
+        """The axis along which rows run: the longest one of numbers, preferably of those that leave the follower's shapes unchanged."""
         numeric = [place for place, each in enumerate(self.axes) if each.unit]
         kept = [place for place in numeric if keeps_shapes(self.axes[place].key)]
         return max(kept or numeric or range(len(self.axes)), key=lambda place: self.shape[place])
 
     def rows(self) -> Iterator[tuple[int, ...]]:
-        """The places of the grid where rows begin: at 0 on the axis along which they run."""
+        """The places of the grid at which rows begin, with 0 on the axis along which they run."""
         yield from itertools.product(*(range(1 if place == self.along else size) for place, size in enumerate(self.shape)))
 
     def engine_at(self, place: tuple[int, ...], otherwise: str) -> str:
@@ -139,12 +139,12 @@ class Grid:
         return next((axis.texts[at] for axis, at in zip(self.axes, place, strict=True) if axis.key == ENGINE), otherwise)
 
     def overrides(self, place: tuple[int, ...]) -> dict[str, str]:
-        """What is changed of the case at a place of the grid, as texts of a case file."""
+        """Key -> value of the case file at a place of the grid, as text."""
         return {axis.key: axis.texts[at] for axis, at in zip(self.axes, place, strict=True) if axis.key != ENGINE}
 
 
 def keeps_shapes(key: str) -> bool:
-    """Whether the follower's shapes, whose tables a row shares, stay the same while a key varies."""
+    """Whether a key leaves the follower's shapes unchanged, so that a row can share their tables."""
     return key.startswith(("crank.", "base.", "slider.", "tip.force", "mechanism.gravity", "follower.damping")) and key != "crank.length"
 
 
@@ -164,14 +164,15 @@ def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanis
 
 
 def measured_row(case: Case, changes: tuple[Mapping[str, str], ...], asked: Asked) -> Row:
-    """The row of a case with these values, one after the other."""
+    """Measures a case with one set of values after another."""
     return row(scenes_of(case, changes), asked)
 
 
 def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[Row]:
-    """The same as a job, which is stored as a whole."""
+    """`measured_row` as a job, whose row is stored as a whole."""
     changed = tuple(map(dict, changes))
     first = ", ".join(f"{key} = {text}" for key, text in changed[0].items())
+    own = type(engine(asked.engine)).__module__.startswith("quickreturn.engines.own.")
     return Job(
         name=f"{asked.engine}, {len(changed)} points from {first}",
         function=measured_row,
@@ -181,7 +182,5 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[R
         code=CODE,
         inputs=(case.scene, [list(each.items()) for each in changed], asked),
         points=len(changed),
-        brief=type(engine(asked.engine)).__module__.startswith(
-            "quickreturn.engines.own."
-        ),  # a library that is foreign gets a process of its own
+        brief=own,  # a foreign library gets a process of its own
     )

@@ -1,4 +1,4 @@
-"""What a study may measure of a settled motion: names, units, meanings, and how far off each number may be."""
+"""Measures of a settled motion: names, units, meanings, and the error of each number."""
 
 import difflib
 import math
@@ -14,14 +14,14 @@ from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.loads import Claimed
 from quickreturn.cases.loads.peak import Peak, of_column, of_vector
 from quickreturn.cases.loads.stress import arm_stress
-from quickreturn.cases.measures import CHANNELS
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.extremes import extremes
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 
-#: Value and how far off it may be, in the measure's unit; nan where not to be had.
+#: Value and its error, in the measure's unit; nan where unavailable.
 Measured = tuple[float, float]
 NOTHING: Final[Measured] = (math.nan, math.nan)
 
@@ -31,7 +31,7 @@ class Motion:
     """A settled motion."""
 
     mechanism: Mechanism
-    run: Run  # what is known of it, as `run` would tell it
+    run: Run  # the same as `run` reports it
     finer: tuple[PeriodicOrbit, float] | None = None  # the orbit of finer settings, and its error over that of the run
 
     @cached_property
@@ -74,7 +74,7 @@ def of_columns(name: str, unit: str) -> Iterator[Measure]:
 
 
 def _where_given(column: str, of: Callable[[str, Motion], Measured], motion: Motion) -> Measured:
-    """What is taken of a column; nothing where the engine does not give it."""
+    """A measure of a column; `NOTHING` where the engine does not deliver it."""
     return of(column, motion) if column in motion.run.cycle else NOTHING
 
 
@@ -144,7 +144,7 @@ def _period(motion: Motion) -> Measured:
 
 
 def _beside_finer(value: float, number: Callable[[PeriodicOrbit], float], motion: Motion) -> Measured:
-    """A value with the error that the orbit of finer settings gives it."""
+    """A value with its error, estimated from the orbit with finer settings."""
     if motion.finer is None:
         return value, math.nan
     orbit, factor = motion.finer

@@ -2,7 +2,7 @@
 
 `reference` finds each periodic state from its neighbour's, so that a row follows one branch of motions where there are several, and what it
 finds depends on the way: hence a row is computed as a whole, and is stored under one key. The other engines, and scenes whose periodic
-state is not found directly, take the road of `run` from the periodic state that `reference` found.
+state is not found directly, are computed as `run` does, from the periodic state that `reference` found.
 """
 
 import math
@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures import CHANNELS, measure_cycle, time_scale
+from quickreturn.cases.measures.cycle import measure_cycle
+from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from quickreturn.cases.runs.marching import Columns, output_step
 from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in
@@ -33,19 +34,19 @@ from quickreturn.reference_model.periodic import instability
 
 Array = NDArray[np.float64]
 
-#: How a point ends.
+#: Statuses of points besides those of runs.
 UNSTABLE: Final = "unstable: {}"  # fold, period doubling or torus
 LEFT: Final = "slider left"
 OPEN: Final = "loop cannot close"
 REFUSED: Final = "refused"
 NOT_CONVERGED: Final = "not converged"
-#: Endings of a run -> of a point.
+#: Status of a run -> status of its point.
 _ENDINGS: Final = {SETTLED: SETTLED, MISSED: NOT_CONVERGED, NOT_SETTLED: NOT_CONVERGED, FAILED: FAILED, ENGINE_REFUSED: REFUSED}
 
 
 @dataclass(frozen=True)
 class Impossible:
-    """A scene that cannot be: how its point ends, and the sentence that says why."""
+    """A scene whose parts do not fit together: the status of its point, and the reason."""
 
     status: str
     sentence: str
@@ -74,10 +75,10 @@ class Asked:
 
 @dataclass(frozen=True)
 class Row:
-    """What a row came to.
+    """Measures and statuses of the points of a row.
 
     Attributes:
-        values: of each measure, nan where it is not to be had, shape (points, measures).
+        values: of each measure, nan where unavailable, shape (points, measures).
         errors: how far off each may be by the engine's own estimate, likewise.
         statuses: how each point ended.
         sentences: why, "" where it settled.
@@ -90,7 +91,7 @@ class Row:
 
 
 def row(scenes: Sequence[Mechanism | Impossible], asked: Asked) -> Row:
-    """Measure neighbouring scenes. What an engine does wrong becomes the status of a point; nothing is raised for it.
+    """Measure neighbouring scenes. The failure of an engine becomes the status of its point and raises nothing.
 
     Args:
         scenes: in the order in which one continues the other.
@@ -117,7 +118,7 @@ class _Point:
     """One scene of a row.
 
     Attributes:
-        motion: what is measured; None where there is nothing.
+        motion: the settled motion; None where there is none.
         status: how it ended.
         sentence: why.
     """
@@ -129,7 +130,7 @@ class _Point:
         self.status, self.sentence = FAILED, ""
 
     def settle(self, near: OwnSimulation | None) -> OwnSimulation | None:
-        """Find the settled motion, from a neighbour's or anew; the periodic state that the next point may begin in."""
+        """Find the settled motion, from a neighbour's or anew; return the periodic state from which the next point may begin."""
         try:
             settings = self._settings()
             found = periodic_state(self._scene, settings, near)
@@ -148,7 +149,7 @@ class _Point:
         return near
 
     def _settings(self) -> ReferenceSettings:
-        """Of `reference`, whose periodic state every engine's run begins in. Raises Refusal."""
+        """Settings of `reference`: runs of all engines begin in its periodic state. Raises Refusal."""
         reference = ReferenceEngine()
         self._engine.check(self._scene)
         if not isinstance(self._engine, ReferenceEngine):
@@ -158,7 +159,7 @@ class _Point:
         )
 
     def _measure(self, found: SteadyState, settings: ReferenceSettings) -> None:
-        """One turn of the periodic state, and what a finer one makes of it."""
+        """Measure one turn of the periodic state, and one with finer settings for the error estimate."""
         if kind := instability(np.array(found.multipliers)):
             self.status = UNSTABLE.format(kind)
             self.sentence = f"a disturbance grows {abs(found.multipliers[0]):.7g}-fold in a turn ({kind})"
@@ -178,7 +179,7 @@ class _Point:
         self.motion = Motion(self._scene, self._measured(found, cycle, beside), finer)
 
     def _measured(self, found: SteadyState, cycle: Columns, beside: Sequence[Compared[Columns]]) -> Run:
-        """The turn as the run that `run` would make of it, with what the measures need alone."""
+        """The turn as `run` would report it, reduced to what the measures need."""
         measures = [measure(name) for name in self._asked.measures]
         columns = dict.fromkeys(name for each in measures for name in each.columns if name in cycle)
         scale = time_scale(self._scene) if any(each.vibration for each in measures) else None
@@ -205,7 +206,7 @@ class _Point:
         return replace(run, measures=found_measures, consensus=consensus, extreme_estimates=extreme_estimates(compared))
 
     def _run(self, found: SteadyState | None) -> None:
-        """The road of `run`, from the periodic state of `reference` where there is one."""
+        """Measure as `run` does, from the periodic state of `reference` where there is one."""
         orbit, asked = None, self._asked
         if found is not None:
             begin = PeriodicStart.of(simulation_in(found).present_start()) if found.stable else None
@@ -229,7 +230,7 @@ class _Point:
 
 
 def _turn(found: SteadyState, step: float) -> Columns:
-    """A turn of a periodic state, recorded at about this step (s): from the slider's farthest place to just there."""
+    """One turn of a periodic state, from the slider's farthest place on, recorded at about this step (s)."""
     rows = math.ceil(found.period / step)
     return dict(simulation_in(found).advance(found.period, found.period / rows).columns)
 
@@ -240,7 +241,7 @@ def _orbit(found: SteadyState) -> PeriodicOrbit:
 
 
 def _ending(cause: str, otherwise: str) -> str:
-    """How a run that broke down ended, by the words of its cause."""
+    """Status of a point whose run broke down, by the words of the cause."""
     if "left the follower" in cause:
         return LEFT
     return OPEN if "loop cannot" in cause else otherwise

@@ -14,16 +14,16 @@ from quickreturn.cases.runs.request import FAILED, SETTLED
 from quickreturn.cases.sweep.grid import Grid, job
 from quickreturn.cases.sweep.rows import Asked, Row
 
-#: Which way the points of a row are gone through: as they are given, backwards, or both.
+#: Direction in which the points of a row are computed: as given, backwards, or both.
 Path = Literal["up", "down", "both"]
-#: Numbers that differ by so many times what both claim, or by this part where nothing is claimed, are of two motions.
+#: Two numbers are of two motions if they differ by more than `TWO` times the sum of their claims, and by more than the part `APART`.
 TWO: Final = 3.0
 APART: Final = 0.02
 
 
 @dataclass(frozen=True)
 class Study:
-    """What came of a grid."""
+    """The measured points of a grid."""
 
     grid: Grid  # the case and its axes
     asked: Asked  # what was measured
@@ -35,14 +35,12 @@ class Study:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Status -> number of points that ended so, the commonest first."""
+        """Status -> number of points, the most frequent first."""
         return dict(Counter(map(str, self.statuses.flat)).most_common())
 
     @property
     def two_motions(self) -> NDArray[np.bool_]:
-        """Where the ways settle on two stable motions, shape (*grid)."""
-        if len(self.ways) < 2:
-            return np.zeros(self.grid.shape, dtype=bool)
+        """Whether the two ways settle on two stable motions at a point, shape (*grid)."""
         known = [place for place, name in enumerate(self.asked.measures) if name != "solve_seconds"]
         one, other = self.values[..., known]
         claimed = np.nan_to_num(np.nansum(self.errors[..., known], axis=0))
@@ -75,7 +73,7 @@ def study(grid: Grid, asked: Asked, workshop: Workshop, path: Path = "up") -> St
 
 
 def computed(jobs: Sequence[Job[Row]], workshop: Workshop) -> list[Row]:
-    """The rows of jobs; where a process died, its points each in a process of its own, so that one costs no other."""
+    """The rows of jobs. Where a process died, each point gets a process of its own, so that one failure costs no other point."""
     return [outcome.value or _point_by_point(outcome.job, workshop) for outcome in workshop.outcomes(jobs, "points")]
 
 

@@ -29,12 +29,13 @@ from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 
+_SOURCE: Final = "--free"  # the option that messages name
 #: Accuracy of the simulations that the result rests on. The way there, and the derivatives, take the engine's default.
 ACCURACY: Final = 1e-4
 #: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of what it shows.
 DIFFERENCE: Final = 1e-3
-#: How strongly a parameter is held where a fit begins, relative to one that changes the table by all of its size: what a stretch of the
-#: table does not tell shall not run away. Each fit begins where the last one ended, so nothing of it is left in the end.
+#: How strongly a parameter is held where a fit begins, relative to one that changes the table by all of its size. It keeps a parameter
+#: that a stretch of the table does not determine from running away. Each fit begins where the last one ended, so it biases no result.
 HOLD: Final = 1e-2
 #: By how much a parameter without a range may change: its logarithm.
 FARTHEST: Final = 3.0
@@ -56,18 +57,18 @@ class Free:
     ends: tuple[float, float] | None
 
     @classmethod
-    def of_text(cls, text: str, case: Case, source: str) -> "Free":
+    def of_text(cls, text: str, case: Case) -> "Free":
         """From `KEY` or `KEY = A .. B`. CaseError: no such parameter, or one whose value gives no scale and that has no range."""
         key, sign, range_ = (part.strip() for part in text.partition("="))
-        parameter = Parameter.of_key(key, source)
+        parameter = Parameter.of_key(key, _SOURCE)
         start = parameter.of(case.mechanism)
         if sign:
-            given = distribution(f"uniform {range_}", parameter, source)
+            given = distribution(f"uniform {range_}", parameter, _SOURCE)
             low, high = given.first, given.second
             return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high))
         if not math.isfinite(start) or start == 0.0:
             accepted = f'give a range, such as "{key} = 0 {parameter.quantity.unit} .. 1 {parameter.quantity.unit}"'
-            raise CaseError(source, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
+            raise CaseError(_SOURCE, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
         return cls(parameter, start, None)
 
     @property
@@ -77,36 +78,36 @@ class Free:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Of the coordinate."""
+        """Limits of the coordinate."""
         return (-FARTHEST, FARTHEST) if self.ends is None else (0.0, 1.0)
 
     def value(self, coordinate: float) -> float:
-        """SI."""
+        """The value of the parameter at a coordinate, SI."""
         return self.start * math.exp(coordinate) if self.ends is None else self.ends[0] + coordinate * (self.ends[1] - self.ends[0])
 
     def slope(self, coordinate: float) -> float:
-        """Change of the value by the coordinate."""
+        """Derivative of the value by the coordinate, SI."""
         return self.value(coordinate) if self.ends is None else self.ends[1] - self.ends[0]
 
 
-def calibrate(case: Case, table: RecordedTable, free: Sequence[str], source: str = "--free") -> Fit:
+def calibrate(case: Case, table: RecordedTable, free: Sequence[str]) -> Fit:
     """The parameters with which `reference` comes closest to a table from the standard start, or of the steady state.
 
-    `free`: keys, each alone or with a range ("tip.center_of_mass = 0 in .. 0.5 in"); `source` is named in what is wrong with them.
+    `free`: keys, each alone or with a range ("tip.center_of_mass = 0 in .. 0.5 in").
 
     Raises:
         CaseError: keys or table that cannot be.
         EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
-    return _Search(case, TableModel(case, table), frees_of(free, case, source)).fit(table.name)
+    return _Search(case, TableModel(case, table), frees_of(free, case)).fit(table.name)
 
 
-def frees_of(texts: Sequence[str], case: Case, source: str) -> list[Free]:
+def frees_of(texts: Sequence[str], case: Case) -> list[Free]:
     """The parameters of some texts. CaseError: as of `Free.of_text`, or one is given twice, or none is."""
-    found = [Free.of_text(text, case, source) for text in texts]
+    found = [Free.of_text(text, case) for text in texts]
     keys = [each.parameter.key for each in found]
     if not found or len({*keys}) < len(keys):
-        raise CaseError(source, None, None, f"{as_written(keys)} are no different parameters", "give each key once")
+        raise CaseError(_SOURCE, None, None, f"{as_written(keys)} are no different parameters", "give each key once")
     return found
 
 

@@ -1,4 +1,4 @@
-"""What a recorded table says of a scene's parameters."""
+"""Parameters of a scene, fitted to a recorded table."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
@@ -13,7 +13,7 @@ from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.uncertainty.parameters import Parameter, overrides
 
 PROBABILITY: Final = 0.95
-#: A smooth part of the squares left that is worth a word.
+#: Smooth part of the squared residuals above which a note is printed.
 SMOOTH: Final = 0.3
 
 
@@ -41,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Fit(Shown):
-    """What a table says of some parameters.
+    """Parameters fitted to a table, their intervals, and the residuals.
 
     Attributes:
         case: where the search began.

@@ -68,15 +68,14 @@ class Share:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Scatter(Shown):
-    """What came of the points.
+    """The measured points.
 
     Attributes:
         case: in which all other values are.
         distributions: of the parameters.
         measures: names.
-        units: of the measures.
         inputs: values of the parameters, SI, shape (n, p).
-        values: of the measures, SI, nan where not to be had, shape (n, measures).
+        values: of the measures, SI, nan where unavailable, shape (n, measures).
         errors: how far off each may be by the simulation's own estimate, likewise; nan without one.
         statuses: how each point ended.
     """
@@ -84,7 +83,6 @@ class Scatter(Shown):
     case: Case
     distributions: Mapping[Parameter, Distribution]
     measures: tuple[str, ...]
-    units: tuple[str, ...]
     inputs: Array
     values: Array
     errors: Array
@@ -130,9 +128,9 @@ class Scatter(Shown):
         counts = ", ".join(f"{count} {status}" for status, count in self.counts.items())
         yield f"{self.case.name}: {len(self.statuses)} points in {len(self.distributions)} parameters: {counts}"
         rows = []
-        for name, unit in zip(self.measures, self.units, strict=True):
+        for name in self.measures:
             found = [f"{each.value:.5g} ± {each.error:.1g}" for each in self.quantiles(name)]
-            rows.append((name, unit, *(found or ["-"] * len(PROBABILITIES)), f"{self.simulation_error(name):.1g}"))
+            rows.append((name, measure(name).unit, *(found or ["-"] * len(PROBABILITIES)), f"{self.simulation_error(name):.1g}"))
         heads = [f"{100.0 * each:g} %" for each in PROBABILITIES]
         yield Rows(rows, ("measure", "unit", *heads, "simulation's error"))
         for name in self.measures:
@@ -161,8 +159,7 @@ class Points:
     def scatter(self, workshop: Workshop) -> Scatter:
         """Compute what is not stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
         names, row = self.asked.measures, joined(computed(self.jobs, workshop))
-        units = tuple(measure(name).unit for name in names)
-        return Scatter(self.case, self.distributions, names, units, self.inputs, row.values, row.errors, row.statuses)
+        return Scatter(self.case, self.distributions, names, self.inputs, row.values, row.errors, row.statuses)
 
 
 def planned(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int, source: str) -> Points:

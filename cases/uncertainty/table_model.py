@@ -1,4 +1,4 @@
-"""What the engine `reference` says to the rows of a recorded table, for any values of a scene's parameters."""
+"""Simulates the rows of a recorded table by `reference`, for any values of a scene's parameters."""
 
 import math
 from typing import Final
@@ -33,10 +33,10 @@ FEWEST_ROWS: Final = 20
 
 
 class TableModel:
-    """The rows of a table and what a simulation has in their place.
+    """The rows of a table, and the same rows of a simulation.
 
-    A table that begins in the standard start is held against a simulation from there, row by row in time. Any other is held against the
-    periodic steady state at equal crank angles.
+    A table that begins in the standard start is compared with a simulation from there, row by row in time. Any other is compared
+    with the periodic steady state at equal crank angles.
     """
 
     def __init__(self, case: Case, table: RecordedTable) -> None:

@@ -10,7 +10,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.experiment import statements
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library.thesis import RUNS, run_name
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.request import SETTLED
 from quickreturn.cases.sweep.rows import Asked
 from quickreturn.cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles

@@ -1,27 +1,17 @@
 """The follower alone in Exudyn: a cable clamped to a base body whose angle is a prescribed function of time."""
 
-import time
-
 import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import Comparison, FollowerEngine, ModelDescription, Simulation
-from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.flexible import CableModel, add_base, add_cable, add_nodes, add_tip
 from quickreturn.engines.exudyn.record import Record, accumulated, index
-from quickreturn.engines.exudyn.settings import LARGEST_STEP, ExudynSettings
-from quickreturn.engines.exudyn.simulation import ExudynSimulation
+from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start_state import at_rest
-from quickreturn.engines.trajectory import FollowerTrajectory
 from quickreturn.reference_model.mechanism import FollowerAlone
-from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.spin_up import base_motion
 
 Array = NDArray[np.float64]
-
-#: Hz, the slowest of run 24's motions, on which the engine's ladder was measured.
-MEASURED_FREQUENCY = 10.9
 
 
 class FollowerModel(CableModel):
@@ -29,8 +19,6 @@ class FollowerModel(CableModel):
 
     Exudyn's clock restarts at every stretch of steps: where it began last is kept here.
     """
-
-    trajectory_type = FollowerTrajectory
 
     def __init__(self, scene: FollowerAlone, settings: ExudynSettings) -> None:
         super().__init__(scene, settings)
@@ -81,25 +69,3 @@ class FollowerModel(CableModel):
             "dissipated_energy": accumulated(record.time, *self._damped(line, frame)),
             "drive_work": np.concatenate([[0.0], np.cumsum((torque[1:] + torque[:-1]) / 2.0 * np.diff(angle))]),
         }
-
-
-class ExudynAlone(FollowerEngine[ExudynSettings]):
-    """A cable that can stretch, on a base whose angle is a constraint of position."""
-
-    def describe(self, scene: FollowerAlone, settings: ExudynSettings) -> ModelDescription:
-        """Bodies, joints and degrees of freedom, read off the assembled system."""
-        return FollowerModel(scene, settings).assembly.describe()
-
-    def settings_for(self, accuracy: float, scene: FollowerAlone) -> ExudynSettings:
-        """The engine's ladder, its steps in proportion to the slowest period."""
-        found, slowest = ladder.LADDER.pick(accuracy), float(clamped_modes(scene, 1).frequencies[0])
-        return found.replaced(step=min(found.step * MEASURED_FREQUENCY / slowest, LARGEST_STEP))
-
-    def comparisons(self, settings: ExudynSettings, scene: FollowerAlone, output_step: float) -> tuple[Comparison, ...]:
-        """Time and space apart, as with the mechanism."""
-        in_time = ladder.in_time(settings, output_step)
-        return in_time, ladder.in_space(settings, in_time)
-
-    def prepare(self, scene: FollowerAlone, start: None, settings: ExudynSettings) -> Simulation:
-        begun = time.perf_counter()
-        return ExudynSimulation(FollowerModel(scene, settings), settings, begun)

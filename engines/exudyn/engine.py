@@ -5,21 +5,24 @@ The library is loaded when the first model is built, not when engines are listed
 
 import time
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import ROLLERS, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
+from quickreturn.engines.base import ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.natural_modes import clamped_modes
 
 if TYPE_CHECKING:
-    from quickreturn.engines.exudyn.alone import ExudynAlone
     from quickreturn.engines.exudyn.record import Model
+
+#: Hz, the slowest of run 24's motions, on which the ladder was measured.
+MEASURED_FREQUENCY: Final = 10.9
 
 
 class ExudynEngine(Engine[ExudynSettings]):
@@ -29,7 +32,7 @@ class ExudynEngine(Engine[ExudynSettings]):
     method: ClassVar[str] = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
     default_accuracy: ClassVar[float] = 3e-3
     settings_type = ExudynSettings
-    quantities = (*USUAL, *ROLLERS, "follower.material_damping")
+    quantities = (*USUAL, *ROLLERS, "follower.material_damping", SPIN_UP)
 
     def version(self) -> str:
         return f"exudyn {installed('exudyn') or 'not installed'}"
@@ -37,20 +40,32 @@ class ExudynEngine(Engine[ExudynSettings]):
     def unavailable(self) -> str | None:
         return None if installed("exudyn") and find_spec("exudyn") else "the package exudyn is not installed"
 
-    def describe(self, mechanism: Mechanism, settings: ExudynSettings) -> ModelDescription:
+    def describe(self, scene: Scene, settings: ExudynSettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom, read off the assembled system."""
-        self.check(mechanism)
-        return self._model(mechanism, standard_start(mechanism), settings).assembly.describe()
+        self.check(scene)
+        return self._model(scene, standard_start(scene), settings).assembly.describe()
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ExudynSettings:
-        """The measured ladder of run 24; the run's own estimate decides about other scenes."""
-        return ladder.LADDER.pick(accuracy)
+    def settings_for(self, accuracy: float, scene: Scene) -> ExudynSettings:
+        """The measured ladder of run 24, for a follower alone its steps in proportion to the slowest period.
 
-    def comparisons(self, settings: ExudynSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Time, space, stretch and the slider's passing apart: their errors have different signs; a rigid follower has no elements."""
-        touches = mechanism.slider.has_corners
+        The run's own estimate decides about other scenes.
+        """
+        found = ladder.LADDER.pick(accuracy)
+        if isinstance(scene, Mechanism):
+            return found
+        slowest = float(clamped_modes(scene, 1).frequencies[0])
+        return found.replaced(step=min(found.step * MEASURED_FREQUENCY / slowest, ladder.LARGEST_STEP))
+
+    def comparisons(self, settings: ExudynSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
+        """Time, space, stretch and the slider's passing apart: their errors have different signs; a rigid follower has no elements.
+
+        A follower alone is compared in time and space.
+        """
+        touches = isinstance(scene, Mechanism) and scene.slider.has_corners
         in_time = ladder.in_time(settings, output_step, ladder.SAFE_WITH_BLOWS if touches else ladder.SAFE_IN_TIME)
-        if mechanism.follower.is_rigid:
+        if isinstance(scene, FollowerAlone):
+            return in_time, ladder.in_space(settings, in_time)
+        if scene.follower.is_rigid:
             return (in_time,)
         return in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time), *ladder.in_passing(settings, in_time)
 
@@ -58,13 +73,13 @@ class ExudynEngine(Engine[ExudynSettings]):
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""
         return ladder.finer(settings, excess, output_step)
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: ExudynSettings) -> Simulation:
+    def prepare(self, scene: Scene, start: Start | None, settings: ExudynSettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
-        self.check(mechanism)
+        self.check(scene)
         from quickreturn.engines.exudyn.simulation import ExudynSimulation
 
         begun = time.perf_counter()
-        return ExudynSimulation(self._model(mechanism, start, settings), settings, begun)
+        return ExudynSimulation(self._model(scene, start, settings), settings, begun)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
@@ -74,17 +89,15 @@ class ExudynEngine(Engine[ExudynSettings]):
         return modes.natural_frequencies(mechanism, crank_angle, count, settings.elements)
 
     @staticmethod
-    def _model(mechanism: Mechanism, start: Start, settings: ExudynSettings) -> "Model":
+    def _model(scene: Scene, start: Start | None, settings: ExudynSettings) -> "Model":
+        from quickreturn.engines.exudyn.alone import FollowerModel
         from quickreturn.engines.exudyn.flexible import FlexibleModel
         from quickreturn.engines.exudyn.rigid import RigidModel
 
-        state = reconstruct(mechanism, start)
-        if mechanism.follower.is_rigid:
-            return RigidModel(mechanism, start, state)
-        return FlexibleModel(mechanism, start, state, settings)
-
-    def follower_alone(self) -> "ExudynAlone":
-        """A cable clamped to a base that is turned."""
-        from quickreturn.engines.exudyn.alone import ExudynAlone
-
-        return ExudynAlone(self)
+        if isinstance(scene, FollowerAlone):
+            return FollowerModel(scene, settings)
+        assert start is not None
+        state = reconstruct(scene, start)
+        if scene.follower.is_rigid:
+            return RigidModel(scene, start, state)
+        return FlexibleModel(scene, start, state, settings)

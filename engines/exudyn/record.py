@@ -1,14 +1,13 @@
 """What is recorded of a run, and the bookkeeping of energy that both followers share."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable, dot, turned
-from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import TorqueDrive
 from quickreturn.reference_model.tip_force import tip_force
@@ -37,7 +36,6 @@ class Model(Protocol):
     assembly: Assembly  # what was built
     # index of the multiplier that prescribes the crank's speed; None where the crank is free, or there is none
     drive_equation: int | None = None
-    trajectory_type: ClassVar[type[Trajectory]] = Trajectory  # of what `columns` are columns
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
         """Set what stands still over the next stretch of the simulation, `duration` (s) long and at most `damping.LONGEST`."""

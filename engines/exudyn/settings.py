@@ -89,7 +89,7 @@ def in_time(own: ExudynSettings, output_step: float, order: float = SAFE_IN_TIME
 
 
 def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
-    """Half the elements (twice as many where half are too few), both at the coarser one of the steps compared in time: that is cheaper.
+    """Half the elements (twice as many where half are too few), both at the coarsest of the steps compared in time: that is cheaper.
 
     Where that breaks down twice as many at the run's own step, then at a smaller one.
     """
@@ -101,7 +101,7 @@ def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
 
 
 def in_passing(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
-    """Three quarters of the elements at the coarser one of the steps, see `PASSING`; none where half are too few for an order."""
+    """Three quarters of the elements at the coarsest of the steps, see `PASSING`; none where half are too few for an order."""
     if own.elements < FEWEST_WITH_ORDER:
         return ()
     part, factor = PASSING
@@ -110,7 +110,7 @@ def in_passing(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
 
 
 def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:
-    """A stiffer cable, or a softer one where it is stiff already, with its own elements at the coarser one of the steps.
+    """A stiffer cable, or a softer one where it is stiff already, with its own elements at the coarsest of the steps.
 
     Not with fewer elements: few are too stiff in bending where they cannot stretch.
     """
@@ -121,7 +121,8 @@ def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:
 
 def _steps_compared(own: ExudynSettings, time: Comparison) -> list[ExudynSettings]:
     """The runs compared in time, from large to small steps: what hardly depends on the step may be seen in any that does not break down."""
-    runs = [time.other, own] if time.factor > 1.0 else [own, time.other]
+    coarsest = [time.before.other] if time.before is not None else []
+    runs = [*coarsest, time.other, own] if time.factor > 1.0 else [own, time.other]
     if time.instead is not None:
         runs.append(time.instead.other)
     return [run for run in runs if isinstance(run, ExudynSettings)]

@@ -13,7 +13,7 @@ from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.exudyn.damping import LONGEST
 from quickreturn.engines.exudyn.record import Model, Record
 from quickreturn.engines.exudyn.settings import ExudynSettings
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, trajectory_type
 
 Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array, float, float]
@@ -77,7 +77,7 @@ class ExudynSimulation(Simulation):
             "newton_iterations": float(self._solver.it.newtonStepsCount - newton_before),
         }
         self.time, self._last = float(at[-1]), rows[-1]
-        trajectory = self._model.trajectory_type(columns, time.perf_counter() - begun, statistics)
+        trajectory = trajectory_type(self._model.assembly.scene)(columns, time.perf_counter() - begun, statistics)
         if failure is not None:
             raise EngineFailure(self.time, *failure, trajectory)
         return trajectory

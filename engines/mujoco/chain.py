@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import ModelDescription
-from quickreturn.reference_model.joint import in_words
+from quickreturn.reference_model.joint import friction_in_words, in_words
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
 # kg and kg m^2: MuJoCo accepts no body with 1e-15 or less. A small machine's link has some 1e-13 kg m^2: with 1e-12 here, 60 links of an
@@ -127,8 +127,7 @@ def describe(scene: Scene, hinges: int) -> ModelDescription:
             if compliant
             else "on the follower's smooth centre line: one constraint, exact multiplier"
         )
-        how += ", with friction" if scene.slider.has_friction else ""
-        joints.append(f"{moving} {how}")
+        joints.append(f"{moving} {how}{friction_in_words(scene.slider)}")
         free += int(scene.crank_is_free) + int(compliant)
     return ModelDescription(tuple(bodies), tuple(joints), free)
 

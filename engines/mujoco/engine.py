@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison, Engine, FollowerEngine, ModelDescription, Simulation, installed
+from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
 from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
 from quickreturn.engines.start import Start
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 _DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
@@ -39,7 +39,7 @@ class MujocoEngine(Engine[ChainSettings]):
     method: ClassVar[str] = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, Runge-Kutta of order 4"
     default_accuracy: ClassVar[float] = 7e-3
     settings_type = ChainSettings
-    quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping")
+    quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
     def version(self) -> str:
         return f"mujoco {installed(*_DISTRIBUTIONS) or 'not installed'}"
@@ -52,15 +52,15 @@ class MujocoEngine(Engine[ChainSettings]):
             return f"mujoco {found} is installed, {'.'.join(map(str, _OLDEST))} or later is needed"
         return None
 
-    def check(self, mechanism: Mechanism) -> None:
+    def check(self, scene: Scene) -> None:
         """Refuse also parts without mass."""
-        super().check(mechanism)
-        refusals.of_massless_parts(self.name, mechanism, ", whose links need mass")
+        super().check(scene)
+        refusals.of_massless_parts(self.name, scene, ", whose links need mass")
 
-    def describe(self, mechanism: Mechanism, settings: ChainSettings) -> ModelDescription:
+    def describe(self, scene: Scene, settings: ChainSettings) -> ModelDescription:
         from quickreturn.engines.mujoco import chain
 
-        return chain.describe(mechanism, chain.hinge_count(mechanism, settings.links))
+        return chain.describe(scene, chain.hinge_count(scene, settings.links))
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ChainSettings:
         """The cheapest rung whose claim in run 24 is within `accuracy`; larger steps where the follower is stiff."""
@@ -77,32 +77,14 @@ class MujocoEngine(Engine[ChainSettings]):
     def finer(self, settings: ChainSettings, excess: tuple[float, ...], output_step: float) -> ChainSettings | None:
         return LADDER.finer(settings, excess)
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: ChainSettings) -> Simulation:
-        self.check(mechanism)
+    def prepare(self, scene: Scene, start: Start | None, settings: ChainSettings) -> Simulation:
+        self.check(scene)
         from quickreturn.engines.mujoco.simulation import ChainSimulation
 
-        return ChainSimulation(mechanism, start, settings)
+        return ChainSimulation(scene, start, settings)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> NDArray[np.float64]:
         self.check(mechanism)
         from quickreturn.engines.mujoco import modes
 
         return modes.natural_frequencies(mechanism, crank_angle, count, settings.links)
-
-    def follower_alone(self) -> "MujocoAlone":
-        """The same chain on a base that is turned."""
-        return MujocoAlone(self)
-
-
-class MujocoAlone(FollowerEngine[ChainSettings]):
-    """The base link is turned; the tangent of the beam that the chain stands for lies h²/24 of the curvature's slope beside it."""
-
-    def describe(self, scene: FollowerAlone, settings: ChainSettings) -> ModelDescription:
-        from quickreturn.engines.mujoco import chain
-
-        return chain.describe(scene, chain.hinge_count(scene, settings.links))
-
-    def prepare(self, scene: FollowerAlone, start: None, settings: ChainSettings) -> Simulation:
-        from quickreturn.engines.mujoco.simulation import ChainSimulation
-
-        return ChainSimulation(scene, None, settings)

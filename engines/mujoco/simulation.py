@@ -15,7 +15,7 @@ from quickreturn.engines.mujoco import chain, kernels, modes
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
-from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
+from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.reference_model.columns import BENDING, OBSERVED, of_follower_alone
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
@@ -121,10 +121,9 @@ class ChainSimulation(Simulation):
         found = dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
         columns = {"time": times[:rows]} | {name: found[name] for name in OBSERVED if self._hinges or name not in BENDING}
         statistics = {"steps": float(steps * max(rows - 1, 0))}
-        kind = Trajectory
         if isinstance(self._scene, FollowerAlone):  # without the columns of what is not there; the drive turns the base
-            kind, columns = FollowerTrajectory, of_follower_alone(columns)
-        trajectory = kind(columns, time.perf_counter() - begun, statistics)
+            columns = of_follower_alone(columns)
+        trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - begun, statistics)
         if state != kernels.GOOD:
             good = times[max(rows - 1, 0)]
             raise EngineFailure(float(good), *self._reason(state), trajectory if rows else None)

@@ -12,11 +12,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import Engine, EngineFailure, ModelDescription
+from quickreturn.engines.base import Engine, EngineFailure, ModelDescription, ModelledScene
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
-from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 if TYPE_CHECKING:
@@ -51,9 +51,11 @@ class BeamEngine(Engine[S]):
     compiles = True
     #: What the description says of the shapes behind their number.
     kind_of_shapes = "shapes"
+    #: The same for the follower alone.
+    kind_of_clamped_shapes = "shapes"
 
     @abstractmethod
-    def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
+    def model(self, scene: ModelledScene, settings: S) -> "BeamModel":
         """The model of a scene. Refusal: the scene has what this model cannot carry."""
 
     def joint_line(self, mechanism: Mechanism, settings: S) -> str:
@@ -68,20 +70,23 @@ class BeamEngine(Engine[S]):
         """The libraries that it computes with; equations and integrator are this project's own."""
         return f"numpy {np.__version__}, scipy {scipy.__version__}"
 
-    def describe(self, mechanism: Mechanism, settings: S) -> ModelDescription:
+    def describe(self, scene: Scene, settings: S) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
-        self.check(mechanism)
+        self.check(scene)
+        if isinstance(scene, FollowerAlone):
+            return alone_description(scene, f"{settings.shape_count} {self.kind_of_clamped_shapes}", settings.shape_count)
+        mechanism = scene
         n = 0 if mechanism.follower.is_rigid else settings.shape_count
         joint, coordinates = self.joint_line(mechanism, settings), n + int(self.opens_loop(mechanism))
         return description(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid", joint, coordinates)
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: S) -> "OwnSimulation":
+    def prepare(self, scene: Scene, start: Start | None, settings: S) -> "OwnSimulation":
         from quickreturn.engines.own.simulation import OwnSimulation
 
-        self.check(mechanism)
+        self.check(scene)
         began = time.perf_counter()
-        model = self.model(mechanism, settings)
-        state = state_of(model, mechanism, start)
+        model = self.model(scene, settings)
+        state = state_of(model, scene, start)
         if model.closes_loop and not model.can_move(state):
             raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
         return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began + model.made_before)
@@ -100,6 +105,13 @@ def gain_of(scene: Scene) -> float:
     """
     ratio = stiffness_ratio(scene) if isinstance(scene, Mechanism) else 0.0
     return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
+
+
+def alone_description(scene: FollowerAlone, beam: str, coordinates: int) -> ModelDescription:
+    """What has terms in the equations of a follower alone: beam in a word or two, number of coordinates."""
+    bodies = {"base block": scene.base.inertia > 0.0, f"follower beam ({beam})": True, "tip body": scene.tip is not None}
+    joints = ("base on the ground (angle prescribed)", "follower clamped to the base")
+    return ModelDescription(tuple(name for name, there in bodies.items() if there), joints, coordinates)
 
 
 def description(mechanism: Mechanism, beam: str, joint: str, coordinates: int) -> ModelDescription:
@@ -121,8 +133,10 @@ def description(mechanism: Mechanism, beam: str, joint: str, coordinates: int) -
     )
 
 
-def state_of(model: "BeamModel", mechanism: Mechanism, start: Start) -> NDArray[np.float64]:
-    """The model's state closest to a start."""
+def state_of(model: "BeamModel", mechanism: Scene, start: Start | None) -> NDArray[np.float64]:
+    """The model's state closest to a start; of a follower alone straight and at rest."""
+    if start is None or isinstance(mechanism, FollowerAlone):
+        return model.state_at_rest()
     straight = start.deflection is None and start.deflection_rate is None
     if straight or mechanism.follower.is_rigid:
         return model.straight_state(start.crank_angle, start.crank_speed)

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import USUAL
-from quickreturn.engines.own.alone import OwnAlone
+from quickreturn.engines.base import SPIN_UP, USUAL
 from quickreturn.engines.own.staying_shapes import ShapeSettings, StayingShapesEngine
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -36,7 +35,7 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
     method = "pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853"
     default_accuracy = 3e-3
     settings_type = FixedShapesSettings
-    quantities = (*USUAL, "slider.inertia")
+    quantities = (*USUAL, "slider.inertia", SPIN_UP)
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """The slider's place is eliminated."""
@@ -69,10 +68,6 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
             if elements > 16 * count or np.all(np.abs(found - last) < 1e-6 * found):
                 return found
             elements, last = 2 * elements, found
-
-    def follower_alone(self) -> OwnAlone:
-        """The same beam on a base that turns as prescribed."""
-        return OwnAlone(self, self.model)
 
 
 def _nodes(length: float, support: float, elements: int) -> NDArray[np.float64]:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import USUAL, Comparison, FollowerEngine, Refusal
+from quickreturn.engines.base import USUAL, Comparison
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 if TYPE_CHECKING:
@@ -48,16 +48,6 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
     kind_of_shapes = "shapes that follow the slider"
     quantities = tuple(name for name in USUAL if name != "crank.torque")
 
-    def check(self, mechanism: Mechanism) -> None:
-        """Refuse also a driven crank, with the speed to prescribe instead."""
-        if isinstance(drive := mechanism.crank.drive, TorqueDrive):
-            speed = drive.torque / drive.damping if drive.damping else drive.initial_speed
-            raise Refusal(
-                f"crank.torque: {drive.torque:.6g} N*m is not modelled by engine {self.name}, whose frame turns with a crank of known"
-                f' speed; accepted: crank.prescribed_speed, such as the mean speed "{speed:.6g} rad/s"'
-            )
-        super().check(mechanism)
-
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """The slider's place is known from the crank's angle."""
         return False
@@ -95,10 +85,3 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         """Converged: the shapes are the natural modes with the crank held."""
         self.check(mechanism)
         return frozen_crank_modes(mechanism, crank_angle, min(count, settings.modes)).frequencies
-
-    def follower_alone(self) -> FollowerEngine[MovingBoundariesSettings]:
-        """Refuse: without a slider there is no boundary that moves."""
-        raise Refusal(
-            f"[slider]: this scene has no slider and no [crank], and in engine {self.name} the slider's place divides the follower;"
-            " use engine reference"
-        )

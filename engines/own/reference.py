@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison, NoSteadyState, SteadyState
+from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.alone import OwnAlone
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model import slider_constraint
-from quickreturn.reference_model.joint import in_words, rollers
+from quickreturn.reference_model.joint import friction_in_words, in_words, rollers
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, SliderConstraint
 
 if TYPE_CHECKING:
@@ -37,8 +37,13 @@ COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: of the modes' error that slowing it may cost where it is stiffer.
 SOFT: Final = 5e-4
 UNSEEN: Final = 5e-3
-#: Modes at least where rollers part and touch again: blows set more of them ringing than the crank does.
+#: Modes at least where rollers are hit: blows set more of them ringing than the crank does.
 MODES_OF_BLOWS: Final = 7
+#: Part of the slider force from which on a roller that meets the follower hits it (`blow`): measured are 0.07, which needs no more modes
+#: than a rigid joint, and 0.6, which does (`engines/LADDERS.md`, section 5).
+HIT: Final = 0.1
+#: Least tolerance that a finer run needs where rollers touch and part, over that of the run itself.
+TENTH: Final = 0.1
 #: Rate (1/s) at which the gap of a rigid joint with friction decays.
 STABILIZATION: Final = 100.0
 #: Two modes more, and two modes fewer where no more are accepted.
@@ -47,6 +52,8 @@ MOST_MODES: Final = 16
 #: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
+#: Modes with which one finer run tells the error, where columns differ from it alike -> by how many times what the deflection does at most.
+ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 #: Distance at which the search for a steady state makes its last step, which leaves a tenth of it or less: what counts as settled when
 #: marching.
 ORBIT_TOLERANCE: Final = 1e-3
@@ -89,20 +96,24 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     default_accuracy = 1e-3
     settings_type = ReferenceSettings
     kind_of_shapes = "shapes that follow the slider"
-    quantities = (*USUAL, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping")
+    kind_of_clamped_shapes = "clamped modes"
+    quantities = (*USUAL, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
-    def check(self, mechanism: Mechanism) -> None:
+    def check(self, scene: Scene) -> None:
         """Refuse also, with a joint that gives way or rubs, parts that the open loop leaves without inertia."""
-        super().check(mechanism)
-        if self.opens_loop(mechanism):
-            refusals.of_massless_parts(self.name, mechanism, " with a joint that gives way or rubs, which leaves the follower to itself")
+        super().check(scene)
+        if isinstance(scene, Mechanism) and self.opens_loop(scene):
+            refusals.of_massless_parts(self.name, scene, " with a joint that gives way or rubs, which leaves the follower to itself")
 
     def opens_loop(self, mechanism: Mechanism) -> bool:
         """A joint that gives way leaves the follower's angle free; friction needs the normal force, which an open loop knows."""
         return not mechanism.slider.is_rigid or mechanism.slider.has_friction
 
     def model(self, scene: Scene, settings: ReferenceSettings) -> "BeamModel":
-        """See `BeamEngine.model`; the slider is eliminated only where it neither leaves the centre line nor rubs."""
+        """See `BeamEngine.model`; the slider is eliminated only where it neither leaves the centre line nor rubs.
+
+        The follower alone has modes of the beam clamped at its base: five leave 6e-5 in the library's spin-up.
+        """
         from quickreturn.reference_model.model import BeamModel
 
         if isinstance(scene, FollowerAlone):
@@ -122,12 +133,12 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             line = f"slider beside the centre line ({in_words(slider)})"
         else:
             line = "slider on the centre line (Lagrange multiplier)" if slider.has_friction else super().joint_line(mechanism, settings)
-        return line + (", with friction along the follower" if slider.has_friction else "")
+        return line + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
-        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers part."""
+        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit."""
         usual = LADDER.pick(accuracy)
-        if isinstance(mechanism, Mechanism) and mechanism.slider.has_corners:
+        if isinstance(mechanism, Mechanism) and blow(mechanism) > HIT:
             return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
         found = LADDER.pick(accuracy, gain_of(mechanism))
         if found.modes == usual.modes:
@@ -139,18 +150,25 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
 
         Of clamped modes the error of more is a smaller part, which makes the estimate a little too large. Another with still more tells
-        whether the error falls as it should: after a blow it does not, for that sets all modes ringing.
+        whether the error falls as it should: after a blow it does not, for that sets all modes ringing. It shows in accelerations, which
+        then differ by a larger part than the deflection.
         """
         more, ratio = settings.modes + 2, RATIO
         if isinstance(mechanism, Mechanism):
             more, ratio = COMPARED.get(settings.modes, (more, ratio))
         if more > MOST_MODES:
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
-        finer, further = LADDER.sized(settings, more), None
+
+        def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
+            usual = LADDER.sized(run, modes)
+            corners = isinstance(mechanism, Mechanism) and mechanism.slider.has_corners
+            return usual.replaced(tolerance=max(usual.tolerance, TENTH * run.tolerance)) if corners else usual
+
+        finer, further = sized(settings, more), None
         if isinstance(mechanism, Mechanism) and more + 2 <= MOST_MODES:
             rest = RATIO if settings.modes < SMOOTH else SLOWEST
-            further = Comparison(finer, LADDER.sized(finer, more + 2), rest)
-        return (Comparison(settings, finer, ratio, further),)
+            further = Comparison(finer, sized(finer, more + 2), rest)
+        return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
         """The next rung of the ladder."""
@@ -215,10 +233,6 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         self.check(mechanism)
         return frozen_crank_modes(mechanism, crank_angle, count).frequencies
 
-    def follower_alone(self) -> OwnAlone:
-        """Modes of the beam clamped at its base in place of those that follow the slider: five leave 6e-5 in the library's spin-up."""
-        return OwnAlone(self, self.model, "clamped modes")
-
 
 def _guess(near: "OwnSimulation", crank_speed: float, mechanism: Mechanism) -> NDArray[np.float64]:
     """The state of a neighbour's orbit, with the crank speed (rad/s) that is prescribed."""
@@ -226,6 +240,20 @@ def _guess(near: "OwnSimulation", crank_speed: float, mechanism: Mechanism) -> N
     if not mechanism.crank_is_free:
         state[(len(state) - 5) // 2 + 2] = crank_speed
     return state
+
+
+def blow(mechanism: Mechanism) -> float:
+    """Force with which a roller meets the follower as the slider force changes its sign, over that force; infinite across a clearance.
+
+    The softer roller lets go of the follower at the rate of the force over its stiffness, and a mass m that meets the stiffer one at a
+    speed v is stopped by v sqrt(k m). The force changes at the crank's pace, and m is the follower's mass, each in order of magnitude.
+    """
+    if not mechanism.slider.has_corners:
+        return 0.0
+    if mechanism.slider.clearance > 0.0:
+        return math.inf
+    softer, stiffer = sorted(mechanism.slider.sides)
+    return crank_pace(mechanism) / softer * math.sqrt(stiffer * mechanism.follower.mass)
 
 
 def joint_inertia(mechanism: Mechanism, modes: int) -> float:

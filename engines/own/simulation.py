@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.start import Start
-from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
+from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.reference_model import integrate
 from quickreturn.reference_model.columns import JOINT_COLUMNS
-from quickreturn.reference_model.mechanism import FollowerAlone
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.slider_constraint import LEVER
@@ -73,8 +72,7 @@ class OwnSimulation(Simulation):
         statistics = {"right_hand_side_calls": float(result.calls), "integration_seconds": integrated - began}
         statistics |= self._of_joint({name: columns.pop(name) for name in JOINT_COLUMNS if name in columns}, states, output_step)
         columns["time"] = self.time + output_step * np.arange(len(states), dtype=np.float64)
-        kind = FollowerTrajectory if isinstance(self.model.scene, FollowerAlone) else Trajectory
-        trajectory = kind(columns, time.perf_counter() - began, statistics)
+        trajectory = trajectory_type(self.model.scene)(columns, time.perf_counter() - began, statistics)
         if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
             cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
             if self._is_lever and result.status != integrate.LEFT_FOLLOWER:

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import USUAL, Comparison, FollowerEngine, Refusal
+from quickreturn.engines.base import USUAL, Comparison
 from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, S, gain_of
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import Follower, Mechanism
+from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
 from quickreturn.reference_model.slider_constraint import CLOSED, SliderConstraint
 
@@ -109,17 +109,10 @@ class RivalEngine(StayingEngine[S]):
 
     quantities = USUAL
 
-    def check(self, mechanism: Mechanism) -> None:
+    def check(self, scene: Scene) -> None:
         """Refuse also parts that the open loop leaves without inertia."""
-        super().check(mechanism)
-        refusals.of_massless_parts(self.name, mechanism, ", whose shapes need mass of their own")
-
-    def follower_alone(self) -> FollowerEngine[S]:
-        """Refuse: without a slider there is no constraint to treat."""
-        raise Refusal(
-            f"[slider]: this scene has no slider and no [crank], and engine {self.name} differs from fixed-shapes in the slider's"
-            " constraint alone; use engine fixed-shapes"
-        )
+        super().check(scene)
+        refusals.of_massless_parts(self.name, scene, ", whose shapes need mass of their own")
 
 
 def of_shapes(chosen: ShapeSettings) -> tuple[Comparison, ...]:

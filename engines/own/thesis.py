@@ -9,9 +9,8 @@ import scipy
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import USUAL, Comparison, Engine, EngineFailure, ModelDescription
-from quickreturn.engines.own.alone import OwnAlone
-from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
+from quickreturn.engines.base import SPIN_UP, USUAL, Comparison, Engine, EngineFailure, ModelDescription
+from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, alone_description, description
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
@@ -52,7 +51,7 @@ class ThesisEngine(Engine[ThesisSettings]):
     estimates = "integration"
     settings_type = ThesisSettings
     compiles = True
-    quantities = (*USUAL, "slider.inertia")
+    quantities = (*USUAL, "slider.inertia", SPIN_UP)
 
     def version(self) -> str:
         """The integrator's library; the equations are this project's own."""
@@ -62,31 +61,32 @@ class ThesisEngine(Engine[ThesisSettings]):
         """The thesis' model of a scene. Refusal: the scene has what this model or these shapes cannot carry."""
         from quickreturn.reference_model.thesis.model import ThesisModel
 
-        if isinstance(scene, FollowerAlone):
-            shapes = hermite_elements(scene.follower.length, settings.elements)
-        else:
-            self.check(scene)
-            shapes = self._shapes(scene, settings)
-        return ThesisModel(scene, shapes, settings.geometry == "exact")
+        self.check(scene)
+        return ThesisModel(scene, self._shapes(scene, settings), settings.geometry == "exact")
 
-    def describe(self, mechanism: Mechanism, settings: ThesisSettings) -> ModelDescription:
+    def describe(self, scene: Scene, settings: ThesisSettings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
-        self.check(mechanism)
-        n = self._shapes(mechanism, settings).count
-        return description(mechanism, f"{n} shapes" if n else "rigid", ELIMINATED_SLIDER, n)
+        self.check(scene)
+        n = self._shapes(scene, settings).count
+        if isinstance(scene, FollowerAlone):
+            return alone_description(scene, f"{n} shapes", n)
+        return description(scene, f"{n} shapes" if n else "rigid", ELIMINATED_SLIDER, n)
 
-    def _shapes(self, mechanism: Mechanism, settings: ThesisSettings) -> ShapeSet:
+    def _shapes(self, scene: Scene, settings: ThesisSettings) -> ShapeSet:
         """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""
-        length = mechanism.follower.length
-        shapes = no_shapes(length) if mechanism.follower.is_rigid else hermite_elements(length, settings.elements)
-        refusals.of_kinks(mechanism, shapes, "one Hermite element")
+        length = scene.follower.length
+        shapes = no_shapes(length) if scene.follower.is_rigid else hermite_elements(length, settings.elements)
+        if isinstance(scene, Mechanism):
+            refusals.of_kinks(scene, shapes, "one Hermite element")
         return shapes
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: ThesisSettings) -> "OwnSimulation":
+    def prepare(self, scene: Scene, start: Start | None, settings: ThesisSettings) -> "OwnSimulation":
         from quickreturn.engines.own.simulation import OwnSimulation
 
         began = time.perf_counter()
-        model = self.model(mechanism, settings)
+        model = self.model(scene, settings)
+        if start is None:
+            return OwnSimulation(model, model.state_at_rest(), settings.tolerance, time.perf_counter() - began)
         points = model.projection_points()
         coordinates = [
             None if field is None else model.project_deflection(field(points, 0), field(points, 1))
@@ -125,7 +125,3 @@ class ThesisEngine(Engine[ThesisSettings]):
 
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
         return shape_frequencies(mechanism, hermite_elements(mechanism.follower.length, settings.elements), support, count)
-
-    def follower_alone(self) -> OwnAlone:
-        """The same beam on a base that turns as prescribed."""
-        return OwnAlone(self, self.model)

@@ -3,6 +3,7 @@
 import itertools
 import shlex
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
+#: Modules that serve to tell what a worker found: they are imported while it imports its own.
+_TELLING: Final = ("quickreturn.solution", "quickreturn.reports.tables.strength", "scipy.interpolate")
+
 #: What the JSON document holds of a simulation besides; these where a failure leaves nothing to say.
 _NOTHING: Final[dict[str, Any]] = {
     "version": None,
@@ -30,6 +34,7 @@ _NOTHING: Final[dict[str, Any]] = {
     "error_estimate": None,
     "error_estimates": {},
     "estimate_of": None,
+    "further_run_skipped": None,
     "remark": "",
     "settings": None,
     "loads": {},
@@ -77,7 +82,8 @@ def command(
 
     Exit code 3: the engine failed, did not reach the accuracy, or cannot say that it reached the one asked for, because its error
     estimate is unknown or not verified; the rows that it delivered are in the file. One that crashed or was stopped at a limit delivers
-    none. The accuracy of `thesis` is that of the integration of its own equations. With several engines or cases the JSON document is a
+    none. Of the runs that an error is estimated with, those that could outlast --time-limit are not begun. The accuracy of `thesis` is
+    that of the integration of its own equations. With several engines or cases the JSON document is a
     list.
     """
     from quickreturn import questions
@@ -92,6 +98,8 @@ def command(
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
+    for module in _TELLING:
+        import_module(module)
     places = _places(output, loaded, engines)
     for case, name in itertools.product(loaded, engines):
         if (file := places[case.name, name]) is not None:
@@ -162,13 +170,14 @@ def _attempted(
     for case, name in pairs:
         questions.check(name, case.scene, texts[name])
     options.tell_doubts(cases)
-    jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy, estimate)) for case, name in pairs]
-    outcomes = questions.asked(jobs, "simulating", options.limits(), options.quiet())
+    limits = options.limits()
+    jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy, estimate, limits.seconds)) for case, name in pairs]
+    outcomes = questions.asked(jobs, "simulating", limits, options.quiet())
     return [(case, name, outcome) for (case, name), outcome in zip(pairs, outcomes, strict=True)]
 
 
 def attempt(
-    case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None, estimate: bool
+    case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None, estimate: bool, time_limit: float | None
 ) -> "tuple[str, Solution | EngineFailure]":
     """Simulate, in a worker: version of the engine, and what came of it. Raises as `quickreturn.simulate` but for failures."""
     from quickreturn.engines.base import EngineFailure
@@ -177,7 +186,7 @@ def attempt(
 
     version = usable_engine(engine).version()
     try:
-        return version, simulate(case, engine, accuracy=accuracy, settings=settings, estimate=estimate)
+        return version, simulate(case, engine, accuracy=accuracy, settings=settings, estimate=estimate, time_limit=time_limit)
     except EngineFailure as failure:
         return version, failure
 

@@ -65,7 +65,8 @@ def command(
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from quickreturn.engines.settings import SettingError
     from quickreturn.reports.output import check_writable, print_json, write_file
-    from quickreturn.sweeping import USUAL, computed, dataset_of, summary, written
+    from quickreturn.sweeping import USUAL, computed, dataset_of, summary
+    from quickreturn.table_files import dataset_file
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
@@ -85,7 +86,7 @@ def command(
     workshop = options.opened_workshop([loaded], engines)
     found = computed(loaded, varied, measures or USUAL, engines[0], accuracy, texts, claims, path, workshop)
     dataset = dataset_of(found)
-    write_file(Path(output), written(dataset, Path(output).suffix.lower()))
+    write_file(Path(output), dataset_file(dataset, Path(output).suffix.lower()))
     if plot is not None:
         from quickreturn.reports.plots.study import draw
         from quickreturn.reports.plots.style import picture

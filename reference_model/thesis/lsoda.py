@@ -4,8 +4,8 @@ import warnings
 from collections.abc import Callable
 
 import numpy as np
+import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
-from scipy.integrate import ODEintWarning, odeint
 
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, Integration
 
@@ -43,8 +43,10 @@ def integrate_lsoda(
     errors[: len(scales)] = scales
     times = output_step * np.arange(intervals + 1)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ODEintWarning)
-        states, info = odeint(fun, y, times, tfirst=True, rtol=1e-14, atol=errors, mxstep=100_000, full_output=True, printmessg=False)
+        warnings.simplefilter("ignore", scipy.integrate.ODEintWarning)
+        states, info = scipy.integrate.odeint(
+            fun, y, times, tfirst=True, rtol=1e-14, atol=errors, mxstep=100_000, full_output=True, printmessg=False
+        )
     good, status = len(states), REACHED_END
     if info["message"] != "Integration successful.":
         # the rows after the first one not reached are not even initialised

@@ -3,11 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.loads import Loads, Resonance, loads_of_run, of_motion, resonance
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.reports.words import degrees, off_by, quantity
+
+if TYPE_CHECKING:
+    from quickreturn.cases.runs.comparison import CaseResult
 
 
 @dataclass(frozen=True)
@@ -21,6 +24,8 @@ class CaseLoads:
     @property
     def lead(self) -> str:
         """The engine whose numbers are told: `reference`, else the first that gives a stress; "" where none does, or it is zero."""
+        from quickreturn.cases.runs.comparison import REFERENCE  # what a single trajectory bears needs no comparison
+
         stressed = [name for name, found in self.loads.items() if found.stress is not None and found.stress.largest.value > 0.0]
         return REFERENCE if REFERENCE in stressed else next(iter(stressed), "")
 
@@ -47,15 +52,17 @@ class CaseLoads:
         return {name: value / lead - 1.0 for name, value in stress.items()} if lead else {}
 
 
-def loads_of_case(result: CaseResult) -> CaseLoads:
+def loads_of_case(result: "CaseResult") -> CaseLoads:
     """What engines find on a case; recorded tables are left out, for they need not have the moments."""
     mechanism = result.case.mechanism
     found = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
     return CaseLoads(result.case, found, frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration"))
 
 
-def leading_loads(result: CaseResult) -> CaseLoads:
+def leading_loads(result: "CaseResult") -> CaseLoads:
     """The same of the engine alone whose numbers are told."""
+    from quickreturn.cases.runs.comparison import REFERENCE
+
     mechanism, names = result.case.mechanism, sorted(result.runs, key=lambda name: name != REFERENCE)
     for name in names:
         loads = loads_of_run(mechanism, result.runs[name])
@@ -64,7 +71,7 @@ def leading_loads(result: CaseResult) -> CaseLoads:
     return CaseLoads(result.case, {})
 
 
-def loads_of_cases(results: Sequence[CaseResult]) -> list[CaseLoads]:
+def loads_of_cases(results: "Sequence[CaseResult]") -> list[CaseLoads]:
     """The same of several cases."""
     return [loads_of_case(result) for result in results]
 

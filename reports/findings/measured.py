@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from quickreturn.cases.experiment import channel_is_usable
-from quickreturn.cases.measures import CHANNELS, Measure, consensus_of
+from quickreturn.cases.measures.cycle import Measure, consensus_of
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES, CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.findings.runs import run_number

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.findings.agreement import Summary, summary_of

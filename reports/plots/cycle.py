@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from quickreturn.cases.experiment import AxisLabels
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.plots.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, padded, tidy

@@ -25,15 +25,15 @@ from quickreturn.cases.sweep.study import Study
 from quickreturn.cases.units import parse_quantity
 from quickreturn.reports.plots.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
 
-#: Values of a second key that are drawn as lines; more of them make a map.
+#: Largest number of values of a second key that are drawn as lines; more make a map.
 LINES: Final = 6
-#: Ratio of the values from which on their axis is logarithmic.
+#: Ratio of the largest to the smallest value above which their axis is logarithmic.
 DECADE: Final = 10.0
 #: Colours of a map, about: a logarithmic scale has at least so many.
 COLOURS: Final = 10
 #: Steps of a logarithmic scale within a decade, from coarse to fine.
 STEPS: Final = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
-#: How a point ended that did not settle -> its hatch in maps and its mark on lines.
+#: Status of a point that did not settle -> its hatch in maps and its mark on lines.
 ENDINGS: Final = {
     UNSTABLE.format("period doubling"): ("////", "o"),
     UNSTABLE.format("torus"): ("xxxx", "s"),

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
 from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.cases.runs.request import INACCURATE, SETTLED, Run

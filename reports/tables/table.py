@@ -9,11 +9,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from itertools import groupby
-from typing import Any, Final, Literal
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, number
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed", "model"]
@@ -185,8 +186,10 @@ class Table:
         return text
 
     @property
-    def frame(self) -> pd.DataFrame:
+    def frame(self) -> "pd.DataFrame":
         """Every column in SI units under its heading with the unit, and a column of remarks beside each that has any."""
+        import pandas as pd
+
         columns: dict[str, list[Value]] = {}
         for column in self.columns:
             cells = [row[column.key] for row in self.rows]

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, Kind
 from quickreturn.reports.findings.agreement import Summary, differences, summary_of
 from quickreturn.reports.findings.conclusions import HOLDS, IN_PART, MODEL, NOT, Conclusion

@@ -115,6 +115,16 @@ BAD = [
         'slider.joint_damping: "0.1 lbf*s/in" acts on a joint that gives way, and this one is rigid; give a finite',
     ),
     (
+        'joint_stiffness = "100 lbf/in"',
+        'joint_stiffness = "100 lbf/in"\nclearance = "0.2 mm"\npreload = "2 N"',
+        'slider.clearance: "0.2 mm" conflicts with slider.preload (2 N); give one of them',
+    ),
+    (
+        'joint_stiffness = "100 lbf/in"',
+        'joint_stiffness = "100 lbf/in"\njoint_stiffness_plus = "10 kN/m"',
+        'slider.joint_stiffness_plus: "10 kN/m" conflicts with slider.joint_stiffness (17512.7 N/m), which is that of both rollers',
+    ),
+    (
         'output_step = "1 ms"',
         'output_step = "3 ms"',
         'simulation.duration: "2 s" gives 666.667 output steps (duration 2 s, output step 0.003 s)',

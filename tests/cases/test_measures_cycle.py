@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.cases.measures import CHANNELS, CycleMeasures, measure_cycle
 from quickreturn.cases.measures.consensus import consensus
+from quickreturn.cases.measures.cycle import CycleMeasures, measure_cycle
 from quickreturn.cases.measures.extremes import extremes
+from quickreturn.cases.measures.time_scale import CHANNELS
 from tests.verification.measured_scenes import scale_of_run, vibrating_cycle
 
 FACTOR = 0.95

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quickreturn.cases.measures import AVERAGED, CycleMeasures, Measure, mean_measures, standard_error
-from quickreturn.cases.measures.mean_cycle import BOUND, GROUPS
+from quickreturn.cases.measures.cycle import CycleMeasures, Measure
+from quickreturn.cases.measures.mean_cycle import AVERAGED, BOUND, GROUPS, mean_measures, standard_error
 
 
 def measure(frequency: float | None = 17.0, maximum: float = 5.0) -> Measure:

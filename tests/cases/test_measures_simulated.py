@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.measures import CHANNELS, cut_cycles, measure_cycle, time_scale
+from quickreturn.cases.measures.cycle import measure_cycle
+from quickreturn.cases.measures.steady_state import cut_cycles
+from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import frozen_crank_modes

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from quickreturn.cases.measures import Cycle, Settling, cut_cycles
+from quickreturn.cases.measures.steady_state import Cycle, Settling, cut_cycles
 
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 301)
 

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.measures import time_scale
 from quickreturn.cases.measures.moving_mode import moving_mode
 from quickreturn.cases.measures.quasi_static import follower_acceleration, quasi_static_strain, quasi_static_tip_acceleration
+from quickreturn.cases.measures.time_scale import time_scale
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.reference_model.mechanism import Mechanism

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.measures import CHANNELS, Cycle, CycleMeasures, TimeScale, measure_cycle, time_scale
+from quickreturn.cases.measures.cycle import CycleMeasures, measure_cycle
+from quickreturn.cases.measures.steady_state import Cycle
+from quickreturn.cases.measures.time_scale import CHANNELS, TimeScale, time_scale
 from quickreturn.cases.runs.marching import output_step, whole_cycles
 from quickreturn.cases.runs.steady_state import ROWS_AFTER
 from quickreturn.engines.base import NoSteadyState

@@ -16,6 +16,7 @@ from quickreturn.engines.accurate import LARGEST_REST, LEAST_FACTOR, Compared, R
 from quickreturn.engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 from tests.engines.fake_engine import FakeEngine, FakeSettings, error_of
 from tests.engines.scenes import run_24
@@ -294,3 +295,63 @@ def test_refusals_and_settings_pass_through() -> None:
         simulate(FakeEngine(), heavy, standard_start(heavy), DURATION, STEP)
     with pytest.raises(SettingError, match=r"engine\.step"):
         run({"step": "7"})
+
+
+class Further(FakeEngine):
+    """Compares with a finer run, and that with one finer still; its strain errs by `worse` times what the tip does."""
+
+    def __init__(self, worse: float) -> None:
+        self.worse, self.made = worse, list[float]()
+
+    def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+        assert isinstance(settings, FakeSettings)
+        finer, further = (settings.replaced(step=settings.step / part) for part in (2.0, 4.0))
+        return (Comparison(settings, finer, 0.25, Comparison(finer, further, 0.25), alike=2.0),)
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+        assert isinstance(settings, FakeSettings)
+        self.made.append(settings.step)
+        simulation, worse = super().prepare(mechanism, start, settings), self.worse
+        plain = simulation.advance
+
+        def advance(duration: float, output_step: float) -> Trajectory:
+            found = plain(duration, output_step)
+            times = found["time"]
+            found.columns["strain_1"] = 0.001 * (np.sin(times) + worse * error_of(settings.step) * np.cos(times))
+            return found
+
+        simulation.advance = advance  # type: ignore[method-assign]
+        return simulation
+
+
+@pytest.mark.parametrize(("worse", "made"), [(1.9, [0.1, 0.05]), (2.1, [0.1, 0.05, 0.025])])
+def test_a_further_run_is_made_only_where_columns_do_not_converge_alike(worse: float, made: list[float]) -> None:
+    engine = Further(worse)
+    result = run({"step": "0.1"}, engine=engine)
+    assert engine.made == made
+    assert result.further_run_skipped is (len(made) == 2)
+    assert result.error_estimate == pytest.approx(error_of(0.1), rel=1e-2)
+
+
+def test_what_would_not_be_done_in_time_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every run takes 10 s of a clock of its own, so that 40 s must be left for another."""
+    clock = [0.0]
+    monkeypatch.setattr("quickreturn.engines.accurate.time.perf_counter", lambda: clock[0])
+
+    class Slow(FakeEngine):
+        def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+            clock[0] += 10.0
+            return super().prepare(mechanism, start, settings)
+
+    def within(seconds: float) -> Result:
+        scene, clock[0] = run_24(), 0.0
+        return simulate(Slow(), scene, standard_start(scene), DURATION, STEP, accuracy=1e-3, time_limit=seconds)
+
+    alone, first, all_rungs = within(55.0), within(60.0), within(1000.0)
+    assert (alone.error_estimate, alone.reached) == (None, False)
+    assert "the run for its estimate could take longer than is left of the time limit of 55 s" in alone.remark
+    assert first.error_estimate == pytest.approx(error_of(step_of(first)), rel=1e-2)
+    assert not first.reached
+    assert "the next finer settings could take longer than is left of the time limit of 60 s" in first.remark
+    assert step_of(alone) == step_of(first) > step_of(all_rungs)
+    assert all_rungs.reached

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from quickreturn.cases.case_file import load_case
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.own.moving_boundaries import MovingBoundariesEngine, MovingBoundariesSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -89,8 +90,8 @@ def test_what_the_model_lacks_is_refused() -> None:
     ):
         with pytest.raises(Refusal, match=key):
             ENGINE.check(dataclasses.replace(turning(), **changes))
-    with pytest.raises(Refusal, match=r"\[slider\]"):
-        ENGINE.follower_alone()
+    with pytest.raises(Refusal, match=r"base\.spin_up_speed.*accepted: a scene with \[crank\]"):
+        ENGINE.check(load_case("spin-up").scene)
 
 
 def test_the_slider_may_leave_the_follower() -> None:

@@ -88,4 +88,3 @@ def test_what_estimates_are_of() -> None:
     found = {name: engine(name).estimates for name in (*MAIN, *registry.RIVALS)}
     others = {"thesis": "integration", "nodal-load": "unverified", "moving-boundaries": "integration"}
     assert found == {**dict.fromkeys((*MAIN, *registry.RIVALS), "total"), **others}
-    assert engine("thesis").follower_alone().estimates == "integration"

@@ -13,13 +13,14 @@ from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings, blow
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.rigid import crank_pace
 from tests.engines.energy import imbalance
 from tests.engines.scenes import run_24
 
@@ -132,6 +133,42 @@ def test_preload_that_no_force_overcomes_is_a_linear_spring(move) -> None:
     held = move(run_24(slider=Slider(joint_stiffness=1e4, preload=1e3)), 0.1)
     spring = move(run_24(slider=Slider(joint_stiffness=2e4)), 0.1)
     assert_near(held, spring, dict.fromkeys(("tip_deflection", "slider_force", "constraint_gap"), 1e-9))
+
+
+#: Modes that `reference` takes for run 24, its joint changed; 4 with a rigid one.
+MODES = {
+    "rigid": (Slider(), 4),
+    "linear": (Slider(joint_stiffness=1e4), 4),
+    "losses alone": (Slider(joint_stiffness=1e6, contact_damping=0.5), 4),
+    "sides that differ a little": (Slider(joint_stiffness_plus=1e5, joint_stiffness_minus=2e5), 4),
+    "one soft side": (Slider(joint_stiffness_plus=1e4), 7),
+    "clearance": (Slider(clearance=1e-5), 7),
+}
+
+
+@pytest.mark.parametrize("joint", MODES)
+def test_reference_takes_more_modes_where_rollers_are_hit(joint: str) -> None:
+    slider, modes = MODES[joint]
+    engine, scene = ReferenceEngine(), run_24(slider=slider)
+    settings = engine.settings_for(1e-3, scene)
+    assert settings.modes == modes
+    (pair,) = engine.comparisons(settings, scene, 1e-3)
+    assert pair.other.modes > modes
+    # an error that falls with the tolerance is shown all but a tenth of it, and no finer run is asked for more than that
+    if slider.has_corners:
+        assert 0.1 * settings.tolerance <= pair.other.tolerance * (1.0 + 1e-12) <= 0.2 * settings.tolerance
+    else:
+        assert pair.other.tolerance < 0.1 * settings.tolerance
+
+
+@pytest.mark.parametrize("side", [1e5, 1e4, 2e3])
+def test_the_blow_is_what_a_bead_on_the_softer_spring_does_to_the_stiffer_one(side: float) -> None:
+    """Closed form: carried by the softer spring under a force a t it leaves at the rate a / k, and the stiffer one stops it alone."""
+    scene = run_24(slider=Slider(joint_stiffness_plus=side, joint_stiffness_minus=1e6))
+    mass, pace, force = scene.follower.mass, crank_pace(scene), 10.0
+    speed = pace * force / side
+    pushed_in = speed * math.sqrt(mass / 1e6)  # k x^2 = m v^2
+    assert blow(scene) == pytest.approx(1e6 * pushed_in / force)
 
 
 @pytest.mark.parametrize("engine", [MujocoEngine(), ExudynEngine()], ids=lambda engine: engine.name)

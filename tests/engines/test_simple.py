@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from quickreturn.cases.conformance.alone import SCENE as ALONE
 from quickreturn.cases.conformance.scenes import BASE, changed
 from quickreturn.engines.accurate import run_once
-from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.base import SPIN_UP, EngineFailure, Refusal
 from quickreturn.engines.settings import SettingError
 from quickreturn.engines.simple import Model, SimpleEngine, SimpleSettings
 from quickreturn.engines.start import Start, standard_start
@@ -96,13 +97,15 @@ def test_what_the_model_has_not_is_refused_by_key_and_value(name: str) -> None:
     paths: dict[str, tuple[str, Any, str]] = {
         "mechanism.gravity": ("gravity", (0.0, 9.81), "9.81"),
         "crank.prescribed_speed": ("crank.drive", PrescribedSpeed(speed=7.5), "7.5"),
+        SPIN_UP: ("spin_up.speed", 6.5, "6.5"),
         "crank.torque": ("crank.drive.torque", 0.7, "0.7"),
         "tip.force": ("tip.force", (1.5, 0.0), "1.5"),
         "slider.joint_stiffness": ("slider.joint_stiffness", 5e3, "5000"),
     }
     path, value, shown = paths.get(name, (name, 0.75, "0.75"))
     gives_way = {"slider.joint_stiffness_plus": 2e4} if "damping" in name or name == "slider.preload" else {}
-    scene, others = changed(BASE, gives_way | {path: value}), tuple(each for each in NAMED if each != name)
+    scene = changed(ALONE if name == SPIN_UP else BASE, gives_way | {path: value})
+    others = tuple(each for each in NAMED if each != name)
     with pytest.raises(Refusal, match=name) as refused:
         type("Lacking", (ToyEngine,), {"quantities": others})().check(scene)
     assert shown in str(refused.value)

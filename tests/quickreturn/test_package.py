@@ -56,6 +56,27 @@ def test_importing_it_loads_nothing_else() -> None:
     assert not {name.partition(".")[0] for name in loaded} & {"numpy", "numba", "pandas", "scipy", "matplotlib", "pint"}
 
 
+@pytest.mark.parametrize(
+    ("code", "needless"),
+    [
+        (
+            "qr.simulate('thesis-24', quiet=True)",
+            {"pandas", "pint", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "scipy.sparse"},
+        ),
+        ('main(["show", "thesis-24"])', {"numba", "pandas", "pint", "scipy.interpolate", "scipy.optimize"}),
+    ],
+    ids=["simulate", "show"],
+)
+def test_what_is_not_needed_is_not_imported(code: str, needless: set[str]) -> None:
+    begin = "import sys, quickreturn as qr; from quickreturn.command_line import main;"
+    run = subprocess.run(
+        [sys.executable, "-c", f"{begin} {code}; print('imported', *sys.modules)"], capture_output=True, text=True, check=True
+    )
+    loaded = set(run.stdout.partition("imported ")[2].split())
+    assert "quickreturn.engines.registry" in loaded
+    assert not loaded & needless
+
+
 def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
     case = qr.case("thesis-24", {"crank.length": "5 in"}, duration=0.5)
     assert case.mechanism.crank.length == pytest.approx(0.127)

@@ -9,7 +9,7 @@ import numpy as np
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure

@@ -12,7 +12,7 @@ from quickreturn.cases.frozen_crank import (
     Range,
     frozen_crank,
 )
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES, CaseResult, Check, compare
 from quickreturn.cases.runs.estimates import EstimatedConsensus
 from quickreturn.cases.runs.request import Run

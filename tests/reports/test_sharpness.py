@@ -9,7 +9,8 @@ import pytest
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures import CHANNELS, measure_cycle, time_scale
+from quickreturn.cases.measures.cycle import measure_cycle
+from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare, cross_validate
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION
 from quickreturn.cases.runs.request import Run

@@ -8,7 +8,7 @@ import numpy as np
 from quickreturn.cases.experiment import statements
 from quickreturn.cases.experiment.stiffness import stiffness_reading
 from quickreturn.cases.library import inconsistencies
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import REFERENCE
 from quickreturn.cases.uncertainty.thesis import Band
 from quickreturn.engines.registry import OWN

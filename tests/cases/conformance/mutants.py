@@ -32,7 +32,9 @@ class Mutant(ReferenceEngine):
     def spoil(self, columns: Columns, mechanism: Mechanism) -> None:
         """What goes wrong in a table."""
 
-    def prepare(self, mechanism: Mechanism, start: Start, settings: ReferenceSettings) -> Any:
+    def prepare(self, mechanism: Any, start: Start | None, settings: ReferenceSettings) -> Any:
+        if start is None:  # the follower alone is modelled as it should be
+            return super().prepare(mechanism, None, settings)
         return Spoiling(self, mechanism, super().prepare(self.scene(mechanism), self.start(start), settings))
 
 

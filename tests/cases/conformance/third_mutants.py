@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import Comparison, Simulation
-from quickreturn.engines.own.alone import OwnAlone
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
@@ -94,20 +93,15 @@ def _turned_with_the_crank(m: Mechanism) -> dict[str, Any]:
     return {"gravity": (c * m.gravity[0] - s * m.gravity[1], s * m.gravity[0] + c * m.gravity[1])}
 
 
-class _SpoiledAlone(OwnAlone):
-    def prepare(self, scene: FollowerAlone, start: None, settings: Any) -> Any:
-        mutant: Any = self.engine
-        return Spoiling(mutant, scene, super().prepare(mutant.alone(scene), start, settings))  # type: ignore[arg-type]
-
-
 class OfAlone(Mutant):
     """Wrong in its model of the follower alone only."""
 
     def alone(self, scene: FollowerAlone) -> FollowerAlone:
         return scene
 
-    def follower_alone(self) -> OwnAlone:
-        return _SpoiledAlone(self, self.model, "clamped modes")
+    def prepare(self, mechanism: Any, start: Any, settings: Any) -> Any:
+        sound = super().prepare(self.alone(mechanism) if start is None else mechanism, start, settings)
+        return Spoiling(self, mechanism, sound) if start is None else sound
 
 
 def of_alone(**values: Any) -> type[OfAlone]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, Check, compare, not_judged
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.request import FAILED, INACCURATE, REFUSED, SETTLED, Run

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from quickreturn.cases.measures import CHANNELS, Consensus, CycleMeasures, Measure
+from quickreturn.cases.measures.consensus import Consensus
+from quickreturn.cases.measures.cycle import CycleMeasures, Measure
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import EstimatedMeasure, MeasuredCycle, mean_estimate, with_estimates
 from quickreturn.engines.accurate import LEAST_FACTOR, Compared
 

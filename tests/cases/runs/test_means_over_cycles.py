@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.measures import AVERAGED, CHANNELS, Cycle
-from quickreturn.cases.measures.steady_state import GREATEST_NUMBER
+from quickreturn.cases.measures.mean_cycle import AVERAGED
+from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, Cycle
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates
 from quickreturn.cases.runs.marching import channels_of, settle
 from quickreturn.cases.runs.request import SETTLED, RunRequest

@@ -9,7 +9,7 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, CaseResult, claim, cross_validate
 from quickreturn.engines.registry import MAIN
 

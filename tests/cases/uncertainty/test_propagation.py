@@ -20,9 +20,7 @@ def points(samples: int = 64) -> Points:
 
 def scattered(found: Points, values: np.ndarray) -> Scatter:
     errors = np.full((len(values), 1), 0.01)
-    return Scatter(
-        found.case, found.distributions, ASKED.measures, ("1",), found.inputs, values[:, None], errors, ("settled",) * len(values)
-    )
+    return Scatter(found.case, found.distributions, ASKED.measures, found.inputs, values[:, None], errors, ("settled",) * len(values))
 
 
 def test_the_shares_of_a_polynomial_are_those_of_its_closed_form() -> None:
@@ -85,10 +83,7 @@ def test_a_band_compares_the_halves_where_both_are_resolved() -> None:
     values = np.tile([10.0, 10.0, 1e-4, 3e-4, 2e-4], (8, 1))
     values[0, 1], values[1, 1], values[2, 0] = 9.0, 10.1, np.nan
     statuses = ("settled",) * 7 + ("failed",)
-    units = ("Hz", "Hz", "1", "1", "1")
-    made = band(
-        24, Scatter(found.case, found.distributions, MEASURES, units, found.inputs, values, np.full(values.shape, np.nan), statuses)
-    )
+    made = band(24, Scatter(found.case, found.distributions, MEASURES, found.inputs, values, np.full(values.shape, np.nan), statuses))
     assert (made.points, made.settled, made.compared, made.apart) == (8, 7, 6, 1)
     assert made.ratio == pytest.approx((0.9, 1.0, 1.01))
     assert made.strain == pytest.approx((3e-4,) * 3)
