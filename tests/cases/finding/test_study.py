@@ -6,7 +6,7 @@ from quickreturn.cases.finding import study
 from quickreturn.cases.finding.effects import PUBLISHED, effects
 from quickreturn.cases.finding.response import Response, respond
 from quickreturn.cases.library.thesis import run_case
-from quickreturn.cases.measures import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.orbit import find_orbit
 
 
