@@ -49,7 +49,8 @@ class Beam:
         points: Gauss points per cell.
 
     Attributes:
-        x, y: places of all Gauss points in the frame, m, columns.
+        x: places of all Gauss points along the frame's first axis, m, a column.
+        y: places of all Gauss points along its second axis, m, a column.
         shares: of the length that the Gauss points stand for, m, a column.
         lengths: of the cells, m.
     """

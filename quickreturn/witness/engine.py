@@ -23,7 +23,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.beam.tables import following
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.motion.layout import Tables
 
 if TYPE_CHECKING:
@@ -75,13 +75,14 @@ class DerivedEngine(Engine[DerivedSettings]):
         """What is missing, and how to install it."""
         return None if find_spec("casadi") else "CasADi is not installed; pip install 'quickreturn[derive]'"
 
-    def check(self, mechanism: Mechanism) -> None:
+    def check(self, scene: Scene) -> None:
         """Refuse also a rigid follower, and with a joint that gives way parts that it leaves without inertia."""
-        super().check(mechanism)
-        if mechanism.follower.is_rigid:
+        super().check(scene)
+        assert isinstance(scene, Mechanism)  # a follower alone has quantities that are not named here
+        if scene.follower.is_rigid:
             raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
-        if not mechanism.slider.is_rigid:
-            refusals.of_massless_parts(self.name, mechanism, " with a joint that gives way, which leaves the follower to itself")
+        if not scene.slider.is_rigid:
+            refusals.of_massless_parts(self.name, scene, " with a joint that gives way, which leaves the follower to itself")
 
     def describe(self, mechanism: Mechanism, settings: DerivedSettings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
