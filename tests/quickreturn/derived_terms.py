@@ -3,7 +3,6 @@
 All access to the internals of `reference_model` is here: `terms_by_hand` reads them off a workspace.
 """
 
-from collections.abc import Mapping
 from typing import Final
 
 import casadi as ca
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.derive.equations import Equations
-from quickreturn.derive.system import System, column
+from quickreturn.derive.system import column
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import Workspace, state_size
@@ -109,42 +108,6 @@ def of_free_speeds(G: Array, bias: Array, given: list[int], free: list[int]) -> 
     B, rest = np.zeros((size, len(free))), np.zeros((size, 1))
     B[free, range(len(free))], B[given], rest[given] = 1.0, -inverse @ G[:, free], -inverse @ bias
     return B, rest
-
-
-class DerivedCubic:
-    """The same of a description with the coordinates of the thesis' model: crank, tip deflection and tip slope are free."""
-
-    def __init__(self, system: System) -> None:
-        e = Equations(system)
-        self.system, self.names = system, [each.name for each in system.coordinates]
-        values = column(*(symbol for symbol, _, _ in system.parameters.values()))
-        self.function = ca.Function("terms", [e.q, e.v, values], [e.M, e.Q, e.gap, e.G, e.bias])
-
-    def terms(self, parameters: Mapping[str, float], state: Mapping[str, float], follower: float, slider: float) -> Terms:
-        """At a state of the free coordinates, near a follower's angle and a slider's place; values in SI."""
-        free = [self.names.index(name) for name in ("crank_angle", "tip_deflection", "tip_slope")]
-        given = [self.names.index(name) for name in ("follower_angle", "slider_position")]
-        q, v, p = np.zeros(5), np.zeros(5), [parameters.get(name, 0.0) for name in self.system.parameters]
-        q[given] = follower, slider
-        q[free] = [state[self.names[k]] for k in free]
-        v[free] = [state[self.system.coordinates[k].rate_name] for k in free]
-        for _ in range(30):
-            _, _, gap, G, _ = (np.array(each) for each in self.function(q, v, p))
-            q[given] -= np.linalg.solve(G[:, given], gap).ravel()
-        G = np.array(self.function(q, v, p)[3])
-        v = of_free_speeds(G, np.zeros((2, 1)), given, free)[0] @ v[free]
-        M, Q, _, G, bias = (np.array(each) for each in self.function(q, v, p))
-        B, rest = of_free_speeds(G, bias, given, free)
-        mass, force = B.T @ M[:5, :5] @ B, (B.T @ (Q[:5] - M[:5, :5] @ rest))[:, 0]
-        acceleration = np.linalg.solve(mass, force)
-        return {
-            "projected_mass_matrix": mass,
-            "projected_force": force,
-            "accelerations": acceleration,
-            "follower": np.array([q[given[0]], v[given[0]]]),
-            "slider": np.array([q[given[1]], v[given[1]]]),
-            "follower_acceleration": B[given[0]] @ acceleration + rest[given[0]],
-        }
 
 
 def terms_by_hand(model: BeamModel, w: Workspace) -> Terms:

@@ -1,7 +1,5 @@
 """Every term of the hand-derived equations of motion against the computer's derivation, at random states: every joint, every quantity.
 
-The model of the thesis too.
-
 Both read the shapes from the same tables and do the rest in different ways. Found: 1e-14 and less.
 """
 
@@ -18,8 +16,7 @@ pytest.importorskip("casadi")
 from quickreturn.reference_model.joint import joint_force
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider_constraint import ROLLERS
-from tests.quickreturn.derive.descriptions import described
-from tests.quickreturn.derived_terms import DerivedCubic, DerivedTerms, sizes, terms_by_hand
+from tests.quickreturn.derived_terms import DerivedTerms, sizes, terms_by_hand
 from tests.reference_model.beam_states import (
     APART,
     BARE,
@@ -37,7 +34,6 @@ from tests.reference_model.beam_states import (
     modes_of,
     rates,
 )
-from tests.reference_model.oracle_scene import COMPILED, build, computed, draw_case, flexible, largest_difference, state_vector
 
 #: Of a term's largest element: rounding, a hundredfold.
 SAME: Final = 1e-12
@@ -97,20 +93,3 @@ def test_terms_and_accelerations(name: str, seed: int) -> None:
         assert opening == pytest.approx(-2.0 * p.stabilization * gap_rate - p.stabilization**2 * gap, abs=SOLVED * largest)
     friction = p.friction_force + p.friction * abs(f.force)
     assert f.friction == pytest.approx(friction * math.tanh(float(expected["slider rate"][0]) / p.friction_speed), rel=SOLVED)
-
-
-@cache
-def cubic() -> DerivedCubic:
-    module = described("quick_return")
-    return DerivedCubic(module.quick_return(module.one_cubic))
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_terms_of_the_thesis(seed: int) -> None:
-    """Found: 1e-12 and less, of the projected forces, in which large parts cancel."""
-    parameters, state = draw_case(seed, present=1.0)
-    p, _ = build(parameters)
-    found = computed(COMPILED, p, state_vector(p, state, *flexible(state)))
-    expected = cubic().terms(parameters, state, float(found["follower"][0]), float(found["slider"][0]))
-    difference, where = largest_difference(found, expected)
-    assert difference < SOLVED, where
