@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from quickreturn.cases.units import in_si
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
 from quickreturn.solution import UnknownColumn, known_column
@@ -21,7 +22,7 @@ PANEL: Final = 1.9  # in, height
 NOTEBOOK: Final = 110  # dots per inch
 
 #: Unit -> what is shown in its place, and by how much a value is divided for that.
-_SHOWN: Final = {"m": ("mm", 1e-3), "1": ("10⁻⁶", 1e-6)}
+_SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
 Columns = Mapping[str, NDArray[np.float64]]
