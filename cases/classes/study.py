@@ -4,8 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.cases.benchmark.findings import Confirmation
-from quickreturn.cases.benchmark.measurement import CONFIRMING, TRUTH
+from quickreturn.cases.benchmark.truth import CONFIRMING_ONE, TRUTH, Confirmation
 from quickreturn.cases.classes.grid import case_of, grid, name_of
 from quickreturn.cases.classes.groups import Groups
 from quickreturn.cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, measured, truth
@@ -57,7 +56,7 @@ def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[li
 
 
 def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Confirmation]]:
-    engines = (TRUTH[0], CONFIRMING[0])
+    engines = (TRUTH[0], CONFIRMING_ONE)
     return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, _inputs(groups))
 
 

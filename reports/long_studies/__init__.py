@@ -18,8 +18,10 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
+from quickreturn.cases import studies
 from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.benchmark.findings import Point
+from quickreturn.cases.benchmark.truth import Confirmation
 from quickreturn.cases.case import Case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.classes.map import Map
@@ -31,7 +33,6 @@ from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record
 from quickreturn.cases.judging.conditioning import Conditioning
 from quickreturn.cases.judging.matrix import Judged, Matrix
-from quickreturn.cases.studies import StudiedRun
 from quickreturn.cases.uncertainty.thesis import Band
 from quickreturn.engines.registry import MAIN
 
@@ -42,7 +43,7 @@ FOLDER: Final = Path(__file__).parent
 CODE: Final[Mapping[str, tuple[str, ...]]] = {
     "benchmark": (*SIMULATION, "quickreturn.cases.benchmark"),
     "hard scenes": (*SIMULATION, "quickreturn.cases.judging"),
-    "confirmation": (*SIMULATION, "quickreturn.cases.studies"),
+    "confirmation": (*SIMULATION, *studies.CODE),
     "conformance": (*SIMULATION, "quickreturn.cases.conformance"),
     "finding": (*SIMULATION, "quickreturn.cases.finding", "quickreturn.cases.measures", "quickreturn.cases.runs"),
     "unprinted": (
@@ -147,9 +148,9 @@ def conformance() -> dict[str, str]:
     return {found.engine: f"{found.words} ({told})" for found in table("conformance", RecordedConformance)}
 
 
-def confirming() -> list[StudiedRun]:
+def confirming() -> list[Confirmation]:
     """Solutions that confirm the converged one of the studies."""
-    return table("confirmation", StudiedRun)
+    return table("confirmation", Confirmation)
 
 
 def finding() -> list[finding_study.Row]:

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from quickreturn.cases.benchmark import SCENES, Benchmark, fastest_at, observed_order, pareto_front
 from quickreturn.cases.benchmark.findings import LEVELS, Measured, completed, soonest_at
-from quickreturn.cases.benchmark.measurement import CONFIRMED
+from quickreturn.cases.benchmark.truth import CONFIRMED
 from quickreturn.cases.judging.conditioning import CHANGE, ILL
 from quickreturn.cases.judging.matrix import MODEL, REQUESTED, Matrix
 from quickreturn.cases.judging.verdicts import LATER, MEANINGS, OWN_EQUATIONS
