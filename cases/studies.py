@@ -14,7 +14,7 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.steady_state import on_common_grid, relative_change
 from quickreturn.cases.runs.campaign import Work, carry_out
-from quickreturn.cases.runs.marching import Columns, channels_of
+from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.request import Run, RunRequest
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure
@@ -22,7 +22,7 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Columns, Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 
 #: The case on which accuracy is shown.
@@ -157,11 +157,13 @@ def convergence(method: Method, case: Case) -> list[Point]:
     """
     attempts = [Attempt(method, settings) for settings in method.ladder]
     attempts[0].warm_up(case)  # so that the times do not count what is compiled
+    found = list[Trajectory]()
     for attempt in attempts:
         attempt.repeat(case, 0)
         if attempt.trajectory is None:
             raise EngineFailure(0.0, attempt.status, "try other settings")
-    return [attempt.told(case, attempts[-1].trajectory) for attempt in attempts]
+        found.append(attempt.trajectory)
+    return [attempt.told(case, found[-1]) for attempt in attempts]
 
 
 #: Packages that march from the standard start, too, on one run: that they get to the same cycle is seen, not assumed.

@@ -25,7 +25,7 @@ NOTEBOOK: Final = 110  # dots per inch
 _SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
-Columns = Mapping[str, NDArray[np.float64]]
+Array = NDArray[np.float64]
 
 
 class Drawing(Figure):
@@ -42,7 +42,7 @@ def drawing(height: float, width: float = WIDTH) -> Drawing:
     return Drawing(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
+def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
     """Columns over time, one panel for each; without any `USUAL`, as far as they are there. UnknownColumn: no trajectory has it.
 
     `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
@@ -60,7 +60,7 @@ def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, 
     return figure
 
 
-def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str]) -> Drawing:
+def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Sequence[str]) -> Drawing:
     """The last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
     figure = drawing(0.8 + PANEL * len(cycles), max(WIDTH, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
@@ -74,7 +74,7 @@ def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str])
     return figure
 
 
-def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: str) -> None:
+def _panel(axes: Axes, trajectories: Mapping[str, Mapping[str, Array]], column: str, over: str) -> None:
     unit, scale = _SHOWN.get(COLUMNS[column].unit, (COLUMNS[column].unit, 1.0))
     for label, trajectory in trajectories.items():
         if column in trajectory:

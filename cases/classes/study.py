@@ -26,7 +26,7 @@ STOP: Final = 12.0 * LIMIT
 
 
 @dataclass(frozen=True)
-class Scene:
+class ClassScene:
     """A scene of the map."""
 
     name: str  # see `cases.classes.grid.name_of`
@@ -36,7 +36,7 @@ class Scene:
     failure: str = ""  # why there is no solution, or no confirming one; "" where there are both
 
 
-def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[Scene], list[Reach]]:
+def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[ClassScene], list[Reach]]:
     """The scenes, and what each method reached on each of them; what is missing in the workshop is left out.
 
     `among`: scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; what was measured is stored.
@@ -71,12 +71,12 @@ def _inputs(groups: Groups) -> Any:
     return case.mechanism, case.duration, case.output_step
 
 
-def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> Scene:
+def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> ClassScene:
     name = name_of(groups)
     if outcome.value is None:
-        return Scene(name, groups, failure=outcome.explanation)
+        return ClassScene(name, groups, failure=outcome.explanation)
     _, confirmation = outcome.value
-    return Scene(name, groups, confirmation.differences.get("tip_deflection"), confirmation.failure)
+    return ClassScene(name, groups, confirmation.differences.get("tip_deflection"), confirmation.failure)
 
 
 def _kept(workshop: Workshop, outcome: Outcome[list[Reach]]) -> Outcome[list[Reach]]:

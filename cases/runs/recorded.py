@@ -41,7 +41,7 @@ LEFT_OUT: Final = ("constraint_gap", *SHAPE)
 #: Of a column's largest magnitude: numbers are taken to be written with five digits, no more.
 ROUNDED: Final = 1e-5
 #: Columns by which a table is told to have settled, where it has any of them.
-TELLING: Final = (*CHANNELS, "tip_deflection", "slider_force")
+VIBRATING: Final = (*CHANNELS, "tip_deflection", "slider_force")
 #: Of a turn: rows may lie so far apart, and a single turn may lack so much at its ends.
 LARGEST_GAP: Final = 0.01
 #: Rows in a period of the first mode that its measurement takes.
@@ -266,7 +266,7 @@ def _settling(cycles: list[Cycle]) -> Settling:
 
 def _telling(cycle: Cycle) -> list[str]:
     """Columns by which a table is told to have settled."""
-    return [name for name in cycle.channels if name in TELLING] or [name for name in cycle.channels if name not in GROWING]
+    return [name for name in cycle.channels if name in VIBRATING] or [name for name in cycle.channels if name not in GROWING]
 
 
 def _is_far(settling: Settling, last: Cycle) -> bool:

@@ -10,7 +10,7 @@ from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.studies import StudiedRun
 from quickreturn.engines.accurate import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
-from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
+from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import cost, settings_words, short_name
 
 #: Columns of the errors, with their headings.
@@ -19,7 +19,7 @@ _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error")
 
 def accuracy(runs: Sequence[StudiedRun]) -> Table:
     """Error of each engine at its default accuracy, and what it costs."""
-    columns: Columns = (
+    columns: ColumnList = (
         "engine",
         Column("solve_seconds", "solve", "s", ".2f"),
         Column("setup_seconds", unit="s", in_page=False),

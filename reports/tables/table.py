@@ -97,7 +97,7 @@ class Column:
 
 
 #: Of a table; a text is the key of a column of texts.
-Columns = Sequence[Column | str]
+ColumnList = Sequence[Column | str]
 
 #: Columns that many tables have.
 CASE: Final = Column("case", "run", words=case_label)
@@ -117,7 +117,7 @@ class Table:
         numbers: what is put into the caption.
     """
 
-    def __init__(self, name: str, columns: Columns, of: str = "", in_page: bool = True, **numbers: object) -> None:
+    def __init__(self, name: str, columns: ColumnList, of: str = "", in_page: bool = True, **numbers: object) -> None:
         self.name = name + of
         self.caption = CAPTIONS[name].format(**numbers)
         self.columns = [Column(column) if isinstance(column, str) else column for column in columns]
