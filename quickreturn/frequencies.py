@@ -65,18 +65,16 @@ def modes(
     angles = given.tolist()
     scene, texts = one_case(case), as_texts(settings or {})
     with compilation_told(quiet):
-        found = frozen_crank(scene, engine, [math.radians(angle) for angle in angles], count, texts)
+        found = modes_at(scene, engine, [math.radians(angle) for angle in angles], count, texts)
     table = pd.DataFrame([each.frequencies for each in found], index=pd.Index(angles, name="crank angle [deg]"))
     table.columns = pd.Index([f"mode {number} [Hz]" for number in range(1, table.shape[1] + 1)])
     table.attrs.update(case=found[0].case, engine=found[0].engine, version=found[0].version, settings=found[0].settings)
     return table
 
 
-def frozen_crank(
-    case: Case, engine: "str | AnyEngine", crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
-) -> list[Modes]:
+def modes_at(case: Case, engine: "str | AnyEngine", crank_angles: Sequence[float], count: int, settings: Mapping[str, str]) -> list[Modes]:
     """The same with crank angles in rad and settings as texts. Raises as `modes`."""
-    from quickreturn.engines.frozen_crank import natural_frequencies
+    from quickreturn.engines.natural_frequencies import natural_frequencies
 
     chosen = found_engine(engine)
     chosen.check(case.mechanism)

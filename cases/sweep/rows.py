@@ -16,19 +16,20 @@ from numpy.typing import NDArray
 from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from quickreturn.cases.runs.marching import Columns, output_step
+from quickreturn.cases.runs.marching import output_step
 from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in
 from quickreturn.cases.runs.request import FAILED, NOT_SETTLED, SETTLED, PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.runs.request import INACCURATE as MISSED
 from quickreturn.cases.runs.request import REFUSED as ENGINE_REFUSED
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.sweep.measures import Motion, measure
+from quickreturn.cases.sweep.measures import SettledMotion, measure
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import Compared
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import engine as engine_of_name
+from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import instability
 
@@ -126,7 +127,7 @@ class _Point:
     def __init__(self, scene: Mechanism, asked: Asked) -> None:
         self._scene, self._asked = scene, asked
         self._engine = engine_of_name(asked.engine)
-        self.motion: Motion | None = None
+        self.motion: SettledMotion | None = None
         self.status, self.sentence = FAILED, ""
 
     def settle(self, near: OwnSimulation | None) -> OwnSimulation | None:
@@ -176,7 +177,7 @@ class _Point:
                 beside, finer = [Compared(cycle, _turn(other, step), pair.factor)], (_orbit(other), pair.factor)
             except NoSteadyState as reason:
                 self.sentence = f"no error estimate: with finer settings no periodic state was found: {reason}"
-        self.motion = Motion(self._scene, self._measured(found, cycle, beside), finer)
+        self.motion = SettledMotion(self._scene, self._measured(found, cycle, beside), finer)
 
     def _measured(self, found: SteadyState, cycle: Columns, beside: Sequence[Compared[Columns]]) -> Run:
         """The turn as `run` would report it, reduced to what the measures need."""
@@ -226,7 +227,7 @@ class _Point:
         if found is not None and not found.stable and run.status == NOT_SETTLED:
             self.status = UNSTABLE.format(instability(np.array(found.multipliers)))
         if run.usable:
-            self.motion = Motion(self._scene, run)
+            self.motion = SettledMotion(self._scene, run)
 
 
 def _turn(found: SteadyState, step: float) -> Columns:

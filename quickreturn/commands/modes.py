@@ -55,7 +55,7 @@ def command(
     from quickreturn.cases.jobs.job import Job
     from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from quickreturn.engines.base import EngineFailure
-    from quickreturn.frequencies import frozen_crank
+    from quickreturn.frequencies import modes_at
     from quickreturn.reports.output import print_json
 
     overrides, settings = options.read_assignments(assignments)
@@ -67,7 +67,7 @@ def command(
         questions.check(name, case.mechanism, texts[name])
     options.tell_doubts(loaded)
     angles = [math.radians(angle) for angle in crank_angles]
-    jobs = [Job(f"{case.name} {name}", frozen_crank, (case, name, angles, count, texts[name])) for case, name in asked]
+    jobs = [Job(f"{case.name} {name}", modes_at, (case, name, angles, count, texts[name])) for case, name in asked]
     found = []
     for (case, name), outcome in zip(asked, questions.asked(jobs, "natural frequencies", quiet=options.quiet()), strict=True):
         try:

@@ -2,9 +2,10 @@
 
 import shlex
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
 from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.units import in_si
 from quickreturn.reference_model.mechanism import TorqueDrive
 from quickreturn.reports.findings.failures import MEANINGS
 from quickreturn.reports.findings.runs import thesis_runs
@@ -12,8 +13,6 @@ from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables import engines as engine_tables
 from quickreturn.reports.tables import provenance as tables
 from quickreturn.reports.tables.table import Column, Table
-
-STANDARD_GRAVITY: Final = 9.80665  # m/s²
 
 
 def next_steps(content: Content) -> dict[str, Any] | None:
@@ -59,7 +58,7 @@ def _gravity(content: Content) -> tuple[float | None, float | None]:
     for result in thesis_runs(content.results).values():
         crank = result.case.mechanism.crank
         if isinstance(crank.drive, TorqueDrive):
-            return crank.drive.torque, crank.mass * STANDARD_GRAVITY * crank.center_of_mass
+            return crank.drive.torque, crank.mass * in_si("g0") * crank.center_of_mass
     return None, None
 
 
