@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from quickreturn.cases.errors import as_written, shortened
-from quickreturn.commands.options import QUIET, WORKSHOP, tell
+from quickreturn.commands.options import QUIET, STORE, tell
 
 if TYPE_CHECKING:
-    from quickreturn.cases.jobs.workshop import Workshop
+    from quickreturn.cases.jobs.store import Store
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
 COMMANDS: Final = (
@@ -176,19 +176,19 @@ def _run(arguments: list[str]) -> int:
             try:
                 result = quickreturn.invoke(context)
             except (KeyboardInterrupt, click.Abort):
-                return _interrupted(context.meta.get(WORKSHOP))
+                return _interrupted(context.meta.get(STORE))
     except click.exceptions.Exit as leaving:  # --help
         return leaving.exit_code
     return result if isinstance(result, int) else GOOD
 
 
-def _interrupted(workshop: "Workshop | None") -> int:
+def _interrupted(store: "Store | None") -> int:
     """Say what is kept and how to go on."""
     with contextlib.suppress(ValueError):  # not the main thread
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # all that is left to do is to leave
-    if workshop is None:
+    if store is None:
         return _told("interrupted; nothing is kept, the same command begins anew", INTERRUPTED)
-    count, folder = workshop.store.written, workshop.store.folder
+    count, folder = store.written, store.folder
     kept = f"{count} result{'s' * (count > 1)} of this call" if count else "no result was finished; those of earlier calls"
     return _told(f"interrupted; {kept} {'is' if count == 1 else 'are'} kept in {folder}; the same command goes on from there", INTERRUPTED)
 

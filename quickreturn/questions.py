@@ -28,7 +28,7 @@ class EngineDied(Exception):
 
 #: What processes import that tell of engines, those that compute.
 TELLING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry")
-COMPUTING: Final = (*TELLING, "quickreturn.engines.accurate", "quickreturn.engines.own.simulation")
+COMPUTING: Final = (*TELLING, "quickreturn.cases.solving", "quickreturn.engines.own.simulation")
 #: In place of an engine's name, among settings: whichever runs.
 ANY_ENGINE: Final = "engine"
 

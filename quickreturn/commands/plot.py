@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import click
 
@@ -10,8 +10,6 @@ from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from quickreturn.curves import Columns
-
-ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 @click.command(name="plot")
@@ -22,7 +20,8 @@ ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 @options.duration
 @options.accuracy
 @options.assignments
-@options.output(f"Where the picture goes: {', '.join(ENDINGS)}.")
+@options.stored
+@options.output(f"Where the picture goes: {', '.join(options.PICTURES)}.")
 def command(
     sources: Sequence[str],
     tag: str | None,
@@ -39,7 +38,7 @@ def command(
     others.
     """
     from quickreturn.cases.recorded import is_table
-    from quickreturn.commands.simulate import trajectories
+    from quickreturn.commands.trajectories import trajectories
     from quickreturn.reports.output import check_writable, write_file
     from quickreturn.reports.plots.style import picture
 
@@ -52,7 +51,7 @@ def command(
     for what, value in given.items():
         if value and not engines:
             raise click.UsageError(f"{what}: without --engine nothing is simulated; give --engine as well")
-    check_writable(Path(output), "", *ENDINGS)
+    check_writable(Path(output), "", *options.PICTURES)
     options.begin(f"drawing {output}")
     if not engines and not files:
         from quickreturn.drawing import mechanisms

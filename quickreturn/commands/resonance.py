@@ -7,7 +7,7 @@ from typing import Final
 import click
 
 from quickreturn.commands import options
-from quickreturn.commands.plot import ENDINGS as PICTURES
+from quickreturn.commands.options import PICTURES
 
 TABLES: Final = (".csv", ".nc", ".parquet")
 
