@@ -15,6 +15,7 @@ from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.here import done
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, T
 from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.reference_model.errors import ExitCode, ToldError
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
@@ -22,8 +23,10 @@ if TYPE_CHECKING:
     from quickreturn.reference_model.mechanism import Scene
 
 
-class EngineDied(Exception):
+class EngineDied(ToldError):
     """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
+
+    exit_code = ExitCode.ENGINE_TROUBLE
 
 
 #: What processes import that tell of engines, those that compute.

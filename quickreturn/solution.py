@@ -26,6 +26,7 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS
+from quickreturn.reference_model.errors import ToldError
 from quickreturn.reference_model.machine import machine_code
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from quickreturn.curves import Drawing
 
 
-class UnknownColumn(LookupError):
+class UnknownColumn(ToldError, LookupError):
     """No such column; the text is one sentence with the nearest known one."""
 
 

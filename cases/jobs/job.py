@@ -5,6 +5,8 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 
+from quickreturn.reference_model.errors import ToldError
+
 if TYPE_CHECKING:
     from quickreturn.engines.progress import Progress
 
@@ -95,7 +97,7 @@ class Outcome(Generic[T]):
 Watch = Callable[[Job[Any], "Progress | None"], None]
 
 
-class ExecutorError(Exception):
+class ExecutorError(ToldError):
     """Jobs cannot be computed where they were sent; the text is one sentence."""
 
 

@@ -51,8 +51,8 @@ def command(
     from quickreturn import questions
     from quickreturn.cases.jobs.fork_server import get_ready
     from quickreturn.cases.solving import frequencies_job
-    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from quickreturn.engines.base import EngineFailure
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import print_json
 
     overrides, settings = options.read_assignments(assignments)
@@ -71,7 +71,7 @@ def command(
             each = questions.value_of(outcome)
         except EngineFailure as failure:  # its own text tells of an instant, which there is none of here
             options.tell(f"{case.name}: engine {name}: {failure.cause}; {failure.advice}")
-            return ENGINE_TROUBLE
+            return ExitCode.ENGINE_TROUBLE
         about = {"case": case.name, "engine": name, "version": each.version, "settings": each.settings}
         found.append([about | {"crank_angle": angle, "frequencies": row} for angle, row in zip(angles, each.values, strict=True)])
     if as_json:
@@ -80,7 +80,7 @@ def command(
     else:
         for angled in found:
             _print(angled)
-    return GOOD
+    return ExitCode.GOOD
 
 
 def _print(angled: list[dict[str, Any]]) -> None:

@@ -88,8 +88,8 @@ def command(
     """
     from quickreturn import questions
     from quickreturn.cases.jobs.fork_server import get_ready
-    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from quickreturn.commands.trajectories import attempts
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import check_writable, print_json
 
     if no_estimate and accuracy is not None:
@@ -130,7 +130,7 @@ def command(
         options.tell(f"{document['case']}: engine {document['engine']}: {document['remark']}; {kept}")
     if refusal is not None:
         raise refusal
-    return ENGINE_TROUBLE if missed else GOOD
+    return ExitCode.ENGINE_TROUBLE if missed else ExitCode.GOOD
 
 
 def _places(output: str | None, cases: "Sequence[Case]", engines: Sequence[str]) -> dict[tuple[str, str], str | None]:
