@@ -57,7 +57,7 @@ def not_needed() -> None:
 
 def _number() -> Any:
     """Of the fork server's process; None: there is none."""
-    return vars(forkserver._forkserver)["_forkserver_pid"]  # type: ignore[attr-defined]
+    return vars(forkserver._forkserver)["_forkserver_pid"]
 
 
 class Process:
