@@ -135,7 +135,7 @@ def frequencies_job(
 def frozen_crank(
     mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> Frequencies:
-    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.frozen_crank`."""
+    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.natural_frequencies`."""
     chosen = usable_engine(engine) if isinstance(engine, str) else engine
     chosen.check(mechanism)
     used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
