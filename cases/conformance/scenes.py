@@ -6,12 +6,28 @@ drive and inertias show. What a scene may lack is absent, so that a mistake in i
 takes to move the motion by more than a coarse engine errs.
 """
 
+import contextlib
 import dataclasses
 import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive, changed
+from quickreturn.cases.variation import AnyScene, Variation
+from quickreturn.engines.base import EngineFailure
+from quickreturn.reference_model.mechanism import (
+    Base,
+    Crank,
+    Follower,
+    ImpossibleMechanism,
+    Mechanism,
+    PrescribedSpeed,
+    Tip,
+    TorqueDrive,
+    changed,
+)
+
+T = TypeVar("T")
 
 OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
@@ -44,26 +60,31 @@ PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
 
 
 @dataclass(frozen=True)
-class Change:
-    """A quantity of the scene, tried."""
+class Change(Variation):
+    """A quantity of the scene, by its key in a case file, with a new value that an engine must follow."""
 
-    name: str  # of the quantity, as in a case file
-    values: dict[str, Any]  # what it is changed to
     # what the scene needs besides for the quantity to matter; it is there before and after
     context: dict[str, Any] = dataclasses.field(default_factory=dict)
     # mistakes that are made with it: what they are -> what the scene would be with them
     alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
     duration: float = 0.4  # of the motion, s; three quarters of a turn unless another one shows more
 
-    def mistakes(self) -> dict[str, dict[str, Any]]:
-        """`alike`, and the quantity half and twice as large: what the mistakes are -> what they make of a scene."""
-        found = dict(self.alike)
-        if len(self.values) == 1:
-            ((path, value),) = self.values.items()
-            for factor, words in ((0.5, "half"), (2.0, "twice")):
-                if isinstance(value, float) and math.isfinite(value):
-                    found[f"{self.name} acts as if it was {words} as large"] = {path: factor * value}
+    def mistakes(self) -> list[Variation]:
+        """What a scene would be with the mistakes of `alike`, and with the quantity half and twice as large."""
+        found = [Variation(words, values) for words, values in self.alike.items()]
+        if len(self.given) == 1:
+            ((path, value),) = self.given.items()
+            if isinstance(value, float) and math.isfinite(value):
+                half_and_twice = {"half": 0.5 * value, "twice": 2.0 * value}.items()
+                found += [Variation(f"{self.name} acts as if it was {words} as large", {path: other}) for words, other in half_and_twice]
         return found
+
+
+def imagined(scene: AnyScene, variations: Iterable[Variation], look: Callable[[AnyScene], T]) -> Iterator[tuple[str, T]]:
+    """What `look` finds of each variation of a scene, with its name; those that cannot be, or cannot be simulated, are left out."""
+    for variation in variations:
+        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
+            yield variation.name, look(variation.of(scene))
 
 
 #: A crank of the same inertia without a first moment.
