@@ -1,11 +1,14 @@
 """A scene with a few quantities changed."""
 
-from collections.abc import Callable, Mapping
+import contextlib
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from quickreturn.reference_model.mechanism import Scene, changed
+from quickreturn.engines.base import EngineFailure
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, Scene, changed
 
+T = TypeVar("T")
 AnyScene = TypeVar("AnyScene", bound=Scene)
 
 
@@ -27,6 +30,13 @@ class Variation:
     def of(self, scene: AnyScene) -> AnyScene:
         """A scene with the new values. Raises ImpossibleMechanism as the scene's dataclasses do."""
         return changed(scene, self.values(lambda name: value_at(scene, name)))
+
+
+def imagined(scene: AnyScene, variations: Iterable[Variation], look: Callable[[AnyScene], T]) -> Iterator[tuple[str, T]]:
+    """What `look` finds of each variation of a scene, with its name; those that cannot be, or cannot be simulated, are left out."""
+    for variation in variations:
+        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
+            yield variation.name, look(variation.of(scene))
 
 
 def value_at(scene: Scene, name: str) -> Any:

@@ -10,10 +10,9 @@ import numpy as np
 
 from quickreturn.cases.conformance.bench import Motion, solution
 from quickreturn.cases.conformance.checks import Array
-from quickreturn.cases.conformance.scenes import imagined
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import Finding
-from quickreturn.cases.variation import Variation, value_at
+from quickreturn.cases.variation import Variation, imagined, value_at
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive
@@ -77,7 +76,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
 
 def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
     """Scenes that differ by a mistake which no number has to be found for."""
-    others = {
+    others: dict[str, dict[str, Any]] = {
         "no tip body": {"tip": None},
         "tip.mass ignored": {"tip.mass": 0.0},
         "tip.inertia ignored": {"tip.inertia": 0.0},

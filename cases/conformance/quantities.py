@@ -9,10 +9,11 @@ import numpy as np
 from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, solution, truth
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
 from quickreturn.cases.conformance.motion import Amiss, already_amiss, falling, findings
-from quickreturn.cases.conformance.scenes import CHANGES, Change, imagined
+from quickreturn.cases.conformance.scenes import CHANGES, Change
 from quickreturn.cases.conformance.together import together
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import share_of
+from quickreturn.cases.variation import imagined
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, changed

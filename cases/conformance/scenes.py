@@ -6,28 +6,13 @@ drive and inertias show. What a scene may lack is absent, so that a mistake in i
 takes to move the motion by more than a coarse engine errs.
 """
 
-import contextlib
 import dataclasses
 import math
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
-from quickreturn.cases.variation import AnyScene, Variation
-from quickreturn.engines.base import EngineFailure
-from quickreturn.reference_model.mechanism import (
-    Base,
-    Crank,
-    Follower,
-    ImpossibleMechanism,
-    Mechanism,
-    PrescribedSpeed,
-    Tip,
-    TorqueDrive,
-    changed,
-)
-
-T = TypeVar("T")
+from quickreturn.cases.variation import Variation
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive, changed
 
 OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
@@ -78,13 +63,6 @@ class Change(Variation):
                 half_and_twice = {"half": 0.5 * value, "twice": 2.0 * value}.items()
                 found += [Variation(f"{self.name} acts as if it was {words} as large", {path: other}) for words, other in half_and_twice]
         return found
-
-
-def imagined(scene: AnyScene, variations: Iterable[Variation], look: Callable[[AnyScene], T]) -> Iterator[tuple[str, T]]:
-    """What `look` finds of each variation of a scene, with its name; those that cannot be, or cannot be simulated, are left out."""
-    for variation in variations:
-        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
-            yield variation.name, look(variation.of(scene))
 
 
 #: A crank of the same inertia without a first moment.
