@@ -161,11 +161,6 @@ class Run:
         """Whether there is a cycle with measures."""
         return self.status in (SETTLED, INACCURATE, TRANSIENT, ASSUMED)
 
-    def has_frequency(self, half: str, channel: str) -> bool:
-        """Whether it resolves a channel's first mode in a half, and has an estimate of the frequency's error."""
-        measure = self.measure(half, channel)
-        return measure is not None and measure.first_mode_frequency_estimate is not None
-
     def measure(self, half: str, channel: str) -> EstimatedMeasure | None:
         """The measure of a half and channel, or None if there is none."""
         return next((found for found in self.measures if (found.half, found.channel) == (half, channel)), None)
