@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Final, NoReturn, cast
 
 from quickreturn.engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
 from quickreturn.engines.settings import Settings as AnySettings
+from quickreturn.reference_model.errors import ToldError
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
@@ -41,8 +42,10 @@ _MODULES: Final = {
 OWN: Final = frozenset(_MODULES)
 
 
-class UnknownEngine(ValueError):
+class UnknownEngine(ToldError, ValueError):
     """No engine has this name; the text is one sentence with the nearest known names."""
+
+    option = "--engine"
 
 
 def engine_names() -> tuple[str, ...]:

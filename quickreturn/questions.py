@@ -15,6 +15,7 @@ from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.here import done
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, T
 from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.reference_model.errors import ExitCode, ToldError
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
@@ -22,13 +23,15 @@ if TYPE_CHECKING:
     from quickreturn.reference_model.mechanism import Scene
 
 
-class EngineDied(Exception):
+class EngineDied(ToldError):
     """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
 
+    exit_code = ExitCode.ENGINE_TROUBLE
 
-#: Modules that are preloaded: in processes that describe engines, and in those that run them.
+
+#: What processes import that tell of engines, those that compute.
 DESCRIBING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry")
-COMPUTING: Final = (*DESCRIBING, "quickreturn.engines.accurate", "quickreturn.engines.own.simulation")
+COMPUTING: Final = (*DESCRIBING, "quickreturn.cases.solving", "quickreturn.engines.own.simulation")
 #: In place of an engine's name, among settings: whichever runs.
 ANY_ENGINE: Final = "engine"
 

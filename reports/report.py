@@ -26,7 +26,6 @@ from quickreturn.cases.studies import ACCURACY_CASE, run_studies, work
 from quickreturn.cases.thesis_modes import ThesisModes, thesis_modes
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.reports import long_studies
-from quickreturn.reports.findings.failures import INCOMPLETE
 from quickreturn.reports.findings.resonance import curves_around, jobs_around
 from quickreturn.reports.findings.runs import of_library, run_number
 from quickreturn.reports.machine import machine_facts
@@ -58,7 +57,7 @@ class Written:
     @property
     def incomplete(self) -> list[tuple[str, Run]]:
         """Runs that an engine did not complete. Studies change a case on purpose: what they cannot make is told in the page."""
-        return [(case, run) for case, run in self.content.troubles if run.status in INCOMPLETE]
+        return [(case, run) for case, run in self.content.troubles if run.ending.incomplete]
 
     @property
     def failed(self) -> bool:

@@ -18,10 +18,12 @@ from quickreturn.cases.measures.cycle import consensus_of, extremes_by_half
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work, carry_out
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
 from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import ASSUMED, LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
+from quickreturn.cases.runs.request import LONGER, NOTHING, Run, RunRequest
 from quickreturn.engines.registry import MAIN
+from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reference_model.rigid import crank_pace
 
 REFERENCE: Final = "reference"
@@ -162,7 +164,7 @@ class CaseResult:
     @property
     def failures(self) -> tuple[Run, ...]:
         """Runs that failed, did not settle or did not reach the accuracy asked. A refusal is none: the engine says what it is."""
-        return tuple(run for run in self.runs.values() if run.status not in (SETTLED, TRANSIENT, ASSUMED, REFUSED))
+        return tuple(run for run in self.runs.values() if run.ending.exit_code == ExitCode.ENGINE_TROUBLE)
 
     @property
     def missed(self) -> tuple[Difference, ...]:
@@ -300,7 +302,7 @@ def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | N
 
 def _unsettled(run: Run) -> Run:
     told = f"begins in the standard start and has not settled after {run.cycles} turns; `quickreturn compare` holds it against that turn"
-    return replace(run, status=NOT_SETTLED, remark=f"{run.remark}; {told}" if run.remark else told)
+    return replace(run, status=Ending.NOT_SETTLED, remark=f"{run.remark}; {told}" if run.remark else told)
 
 
 def not_judged(run: Run) -> str:

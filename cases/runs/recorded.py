@@ -22,10 +22,11 @@ from quickreturn.cases.measures.cycle import Measure, extremes_by_half, measure_
 from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
 from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.marching import columns_of
 from quickreturn.cases.runs.other_case import cases_of_pace
-from quickreturn.cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
+from quickreturn.cases.runs.request import STANDARD, Recording, Run
 from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import SHAPE
@@ -109,13 +110,14 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if not settling.settled:
             remarks.append(_unsettled(settling, far, odd))
+    unsettled = Ending.NOT_SETTLED if far else Ending.ASSUMED
     measures, consensus = _measured(mechanism, last, recording.filtered, gap)
     return Run(
         engine=table.name,
         method=table.declared.get("source", "recorded table"),
         version=table.declared.get("version"),
         estimate_of="recorded",
-        status=TRANSIENT if turn is not None else SETTLED if settling.settled else NOT_SETTLED if far else ASSUMED,
+        status=Ending.TRANSIENT if turn is not None else Ending.SETTLED if settling.settled else unsettled,
         remark="; ".join(remarks),
         start=STANDARD if begins else None,
         settled=settling.settled,

@@ -2,13 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import click
 
 from quickreturn.commands import options
-
-ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 @click.command(name="plot")
@@ -19,7 +17,8 @@ ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 @options.duration
 @options.accuracy
 @options.assignments
-@options.output(f"Where the picture goes: {', '.join(ENDINGS)}.")
+@options.stored
+@options.output(f"Where the picture goes: {', '.join(options.PICTURES)}.")
 def command(
     sources: Sequence[str],
     tag: str | None,
@@ -36,7 +35,7 @@ def command(
     others.
     """
     from quickreturn.cases.recorded import is_table
-    from quickreturn.commands.simulate import trajectories
+    from quickreturn.commands.trajectories import trajectories
     from quickreturn.reports.output import check_writable, write_file
     from quickreturn.reports.plots.style import picture
 
@@ -49,7 +48,7 @@ def command(
     for what, value in given.items():
         if value and not engines:
             raise click.UsageError(f"{what}: without --engine nothing is simulated; give --engine as well")
-    check_writable(Path(output), "", *ENDINGS)
+    check_writable(Path(output), "", *options.PICTURES)
     options.begin(f"drawing {output}")
     if not engines and not files:
         from quickreturn.drawing import mechanisms

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from quickreturn.cases.case import Case
 from quickreturn.cases.library.thesis import RUNS
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.request import NOT_SETTLED, Run
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
@@ -100,7 +101,7 @@ def cycles(results: Sequence[CaseResult], engines: Sequence[str], loads: Sequenc
     view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
     for result in results:
         runs = result.whole.runs
-        motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
+        motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == Ending.NOT_SETTLED) and run.cycle}
         view.add(result.case, motions, {name: _fact(run) for name, run in runs.items()}, stressed.get(result.case.name))
     return view
 

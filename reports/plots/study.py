@@ -17,10 +17,10 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from quickreturn.cases.case import dimension_of
-from quickreturn.cases.runs.request import FAILED
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Axis
 from quickreturn.cases.sweep.measures import MEASURES
-from quickreturn.cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, REFUSED, UNSTABLE
+from quickreturn.cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, UNSTABLE
 from quickreturn.cases.sweep.study import Study
 from quickreturn.cases.units import unit_size
 from quickreturn.reports.plots.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
@@ -41,8 +41,8 @@ ENDINGS: Final = {
     LEFT: ("....", "X"),
     NOT_CONVERGED: ("\\\\\\\\", "v"),
     OPEN: ("oooo", "^"),
-    REFUSED: ("||||", "P"),
-    FAILED: ("++++", "*"),
+    Ending.REFUSED: ("||||", "P"),
+    Ending.FAILED: ("++++", "*"),
 }
 #: Colours from low to high: those of viridis that are bright enough for a dark hatch.
 BRIGHT: Final = matplotlib.colormaps["viridis"](np.linspace(0.25, 1.0, 256))

@@ -5,8 +5,9 @@ from typing import Any, Final
 
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, pair_of
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES
-from quickreturn.cases.runs.request import INACCURATE, SETTLED, Run
+from quickreturn.cases.runs.request import Run
 from quickreturn.reports.findings.runs import mean_crank_speed
 from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Mark, Table, Value
 from quickreturn.reports.words import channel_name, cost, listed, settings_words, short_name
@@ -20,7 +21,7 @@ _UNITS: Final = {"tip_acceleration": ("m/s²", ".2f")} | dict.fromkeys(CHANNELS[
 
 def run_by_engine(results: Sequence[CaseResult]) -> Table:
     """One row per case and engine; cases in which every number shown can be measured come first."""
-    settled = all(run.status == SETTLED for result in results for run in result.runs.values())
+    settled = all(run.status == Ending.SETTLED for result in results for run in result.runs.values())
     columns: ColumnList = (
         *(CASE, "engine"),
         Column("status", in_page=not settled),
@@ -81,7 +82,7 @@ def _number_columns() -> list[Column]:
 
 
 def _status(run: Run) -> Cell:
-    return Cell(run.status, note=run.remark, mark="open" if run.status == INACCURATE else "" if run.usable else "failed")
+    return Cell(run.status, note=run.remark, mark="open" if run.status == Ending.INACCURATE else "" if run.usable else "failed")
 
 
 def _peak_cells(run: Run, other: Run | None, channel: str) -> dict[str, Value | Cell]:

@@ -19,7 +19,7 @@ from quickreturn.cases.thesis_modes import (
 from quickreturn.reports.findings.agreement import differences, outward, spread
 from quickreturn.reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from quickreturn.reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
-from quickreturn.reports.findings.failures import INCOMPLETE, troubles
+from quickreturn.reports.findings.failures import troubles
 from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from quickreturn.reports.findings.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
 from quickreturn.reports.page.answer import answer_of
@@ -221,7 +221,7 @@ def test_figures_with_measured_curves_alone_are_told_apart(run_24: CaseResult) -
 
 def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
-    found = {run.engine: run.status in INCOMPLETE for _, run in troubles([reported_result("thesis-24", statuses)])}
+    found = {run.engine: run.ending.incomplete for _, run in troubles([reported_result("thesis-24", statuses)])}
     assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
 
 

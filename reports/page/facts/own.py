@@ -4,10 +4,9 @@ import shlex
 from collections.abc import Sequence
 from typing import Any
 
-from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.units import in_si
 from quickreturn.reference_model.mechanism import TorqueDrive
-from quickreturn.reports.findings.failures import MEANINGS
 from quickreturn.reports.findings.runs import thesis_runs
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables import engines as engine_tables
@@ -35,8 +34,8 @@ def provenance(content: Content) -> dict[str, Any]:
     runs = [run for result in content.results for run in result.runs.values()]
     return {
         "troubles": content.troubles,
-        "meanings": {status: meaning for status, meaning in MEANINGS.items() if status in {run.status for _, run in content.troubles}},
-        "settled": MEANINGS[SETTLED],
+        "meanings": {ending.value: ending.sentence for ending in Ending if ending in {run.status for _, run in content.troubles}},
+        "settled": Ending.SETTLED.sentence,
         "of_integration": list(dict.fromkeys(run.engine for run in runs if run.usable and run.estimate_of == "integration")),
         "study_failures": () if content.studies is None else content.studies.failures,
         "notices": content.notices,
