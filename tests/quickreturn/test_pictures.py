@@ -84,7 +84,7 @@ def test_a_trajectory_that_does_not_tell_its_shape_is_refused(trajectory: Trajec
 
 
 def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(trajectory: Trajectory, tmp_path: Path) -> None:
-    solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6})
+    solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6}, store=False)
     solution.animate(tmp_path / "out.html")
     page = (tmp_path / "out.html").read_text()
     assert "<canvas" in page
