@@ -9,9 +9,9 @@ from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
 from quickreturn.engines.registry import MAIN, RIVALS
+from quickreturn.reports.drawing.style import all_looks
 from quickreturn.reports.looks import SIGNALS, looks
 from quickreturn.reports.page.render import environment
-from quickreturn.reports.plots.style import all_looks
 
 STYLE = environment().get_template("style.css").render(engines=(), looks={})
 LIGHT, DARK = (dict(re.findall(r"--([\w-]+): (#\w+)", block)) for block in re.findall(r"{([^}]*--ground[^}]*)}", STYLE)[:2])
