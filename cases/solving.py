@@ -16,7 +16,7 @@ from quickreturn.cases.loads import Loads, loads_of
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import Assessment, Result
 from quickreturn.engines.base import AnyEngine, EngineFailure
-from quickreturn.engines.frozen_crank import natural_frequencies
+from quickreturn.engines.natural_frequencies import natural_frequencies
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import trajectory_type
@@ -135,7 +135,7 @@ def frequencies_job(
 def frozen_crank(
     mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> Frequencies:
-    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.frozen_crank`."""
+    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.natural_frequencies`."""
     chosen = usable_engine(engine) if isinstance(engine, str) else engine
     chosen.check(mechanism)
     used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))

@@ -20,6 +20,8 @@ from quickreturn.reference_model.errors import ToldError
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
 RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load", "moving-boundaries")
+#: The main engine whose discretization is its model: its distance to the others is no error of its own, and is told apart.
+MODEL: Final = "thesis"
 GROUP: Final = "quickreturn.engines"
 _LONGEST_NAME: Final = 60  # characters of an unknown name that are shown
 

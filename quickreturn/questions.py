@@ -30,15 +30,15 @@ class EngineDied(ToldError):
 
 
 #: What processes import that tell of engines, those that compute.
-TELLING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry")
-COMPUTING: Final = (*TELLING, "quickreturn.cases.solving", "quickreturn.engines.own.simulation")
+DESCRIBING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry")
+COMPUTING: Final = (*DESCRIBING, "quickreturn.cases.solving", "quickreturn.engines.own.simulation")
 #: In place of an engine's name, among settings: whichever runs.
 ANY_ENGINE: Final = "engine"
 
 
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
     """How each of the jobs ended; `limits` None: `cases.jobs.job.default_limits`. What they import is decided by `get_ready`."""
-    return answers(LocalProcesses(limits=limits, preload=TELLING, quiet=quiet), jobs, title)
+    return answers(LocalProcesses(limits=limits, preload=DESCRIBING, quiet=quiet), jobs, title)
 
 
 def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:

@@ -39,7 +39,7 @@ _SCALED: Final = (
     "tip.inertia", "base.inertia", "spin_up.speed", "spin_up.time",
 )  # fmt: skip
 #: The weighted difference that a scene makes.
-Effect = Callable[[Scene], Array]
+Departure = Callable[[Scene], Array]
 
 
 def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[str, float] | None) -> Finding | None:
@@ -73,7 +73,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     return None
 
 
-def _others(scene: Scene, effect: Effect) -> Iterator[Hypothesis]:
+def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
     """Scenes that differ by a mistake which no number has to be found for."""
     others: dict[str, dict[str, Any]] = {
         "no tip body": {"tip": None},
@@ -121,7 +121,7 @@ def _values(scene: Scene) -> Iterator[tuple[str, float]]:
             yield path, value
 
 
-def _factors(scene: Scene, shown: Array, effect: Effect, begin: float) -> Iterator[Hypothesis]:
+def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Iterator[Hypothesis]:
     """Each quantity as many times as large as explains most, from `begin` on by secants."""
     for path, value in _values(scene):
 

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import TELLING, Bench, Motion, columns_of, solution, truth
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, solution, truth
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
 from quickreturn.cases.conformance.motion import Amiss, already_amiss, falling, findings
 from quickreturn.cases.conformance.scenes import CHANGES, Change
@@ -84,7 +84,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # raised, returned: no adapter says so
         raise kind(f"with another value the run breaks down: {failure.cause}", failure.advice) from failure
     found, known = (runs[0].columns, runs[1].columns), (solution(before), solution(after))
-    names = list(columns_of(runs[0], TELLING, known[1]))
+    names = list(columns_of(runs[0], DECISIVE, known[1]))
     effect = _Effects(known, names)
     shown, due = effect.between(*found), effect.between(*known)
     if rms(shown) <= _NONE * rms(due):

@@ -27,6 +27,7 @@ from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConse
 from quickreturn.cases.runs.marching import columns_of
 from quickreturn.cases.runs.other_case import cases_of_pace
 from quickreturn.cases.runs.request import STANDARD, Recording, Run
+from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
@@ -41,7 +42,7 @@ LEFT_OUT: Final = ("constraint_gap", *SHAPE)
 #: Of a column's largest magnitude: numbers are taken to be written with five digits, no more.
 ROUNDED: Final = 1e-5
 #: Columns by which a table is told to have settled, where it has any of them.
-TELLING: Final = (*CHANNELS, "tip_deflection", "slider_force")
+VIBRATING: Final = (*CHANNELS, "tip_deflection", "slider_force")
 #: Of a turn: rows may lie so far apart, and a single turn may lack so much at its ends.
 LARGEST_GAP: Final = 0.01
 #: Rows in a period of the first mode that its measurement takes.
@@ -63,8 +64,8 @@ DEVIATIONS: Final = 4.0
 #: Times the usual step of the crank angle that a step between two rows may be.
 WRAPPED: Final = 100.0
 #: Units that may be meant where a heading has none, with their sizes: of time (s) and of angle (rad).
-_TIMES: Final = {"": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
-_ANGLES: Final = {"": 1.0, "deg": math.pi / 180.0, "turn": 2.0 * math.pi}
+_TIMES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("ms", "us", "min")}
+_ANGLES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("deg", "turn")}
 NOTHING_TO_FIT: Final = "extremes alone are measured of this column"
 
 
@@ -267,7 +268,7 @@ def _settling(cycles: list[Cycle]) -> Settling:
 
 def _telling(cycle: Cycle) -> list[str]:
     """Columns by which a table is told to have settled."""
-    return [name for name in cycle.channels if name in TELLING] or [name for name in cycle.channels if name not in GROWING]
+    return [name for name in cycle.channels if name in VIBRATING] or [name for name in cycle.channels if name not in GROWING]
 
 
 def _is_far(settling: Settling, last: Cycle) -> bool:

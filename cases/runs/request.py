@@ -10,11 +10,11 @@ import numpy as np
 from quickreturn.cases.measures.steady_state import Outlook
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
-from quickreturn.cases.runs.marching import Columns
 from quickreturn.cases.runs.orbit import Orbit
 from quickreturn.engines.accurate import ESTIMATED
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
 
 #: What a run depends on besides what the simulation does.

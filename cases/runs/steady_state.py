@@ -30,7 +30,7 @@ from quickreturn.cases.measures.steady_state import Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from quickreturn.cases.runs.marching import Columns, March, columns_of, output_step, settle, whole_cycles
+from quickreturn.cases.runs.marching import March, columns_of, output_step, settle, whole_cycles
 from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion
 from quickreturn.cases.runs.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, PeriodicOrbit, Run, RunRequest
 from quickreturn.engines import progress
@@ -39,7 +39,7 @@ from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Re
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import SettingError, Settings, as_texts
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Columns, Trajectory
 
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
 ROWS_AFTER: Final = 4

@@ -17,17 +17,18 @@ from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from quickreturn.cases.runs.marching import Columns, output_step
+from quickreturn.cases.runs.marching import output_step
 from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in
 from quickreturn.cases.runs.request import PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.sweep.measures import Motion, measure
+from quickreturn.cases.sweep.measures import SettledMotion, measure
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import Compared
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import engine as engine_of_name
+from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import instability
 
@@ -124,7 +125,7 @@ class _Point:
     def __init__(self, scene: Mechanism, asked: Asked) -> None:
         self._scene, self._asked = scene, asked
         self._engine = engine_of_name(asked.engine)
-        self.motion: Motion | None = None
+        self.motion: SettledMotion | None = None
         self.status: str = Ending.FAILED
         self.sentence = ""
 
@@ -175,7 +176,7 @@ class _Point:
                 beside, finer = [Compared(cycle, _turn(other, step), pair.factor)], (_orbit(other), pair.factor)
             except NoSteadyState as reason:
                 self.sentence = f"no error estimate: with finer settings no periodic state was found: {reason}"
-        self.motion = Motion(self._scene, self._measured(found, cycle, beside), finer)
+        self.motion = SettledMotion(self._scene, self._measured(found, cycle, beside), finer)
 
     def _measured(self, found: SteadyState, cycle: Columns, beside: Sequence[Compared[Columns]]) -> Run:
         """The turn as `run` would report it, reduced to what the measures need."""
@@ -225,7 +226,7 @@ class _Point:
         if found is not None and not found.stable and run.status == Ending.NOT_SETTLED:
             self.status = UNSTABLE.format(instability(np.array(found.multipliers)))
         if run.usable:
-            self.motion = Motion(self._scene, run)
+            self.motion = SettledMotion(self._scene, run)
 
 
 def _turn(found: SteadyState, step: float) -> Columns:

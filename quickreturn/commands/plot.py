@@ -1,15 +1,12 @@
 """`quickreturn plot`: a picture of cases, or curves of trajectories."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
 from quickreturn.commands import options
-
-if TYPE_CHECKING:
-    from quickreturn.reports.drawing.curves import Columns
 
 
 @click.command(name="plot")
@@ -61,7 +58,7 @@ def command(
         from quickreturn.cases.recorded import read_table
         from quickreturn.reports.drawing.curves import curves
 
-        shown: dict[str, Columns] = {Path(file).stem: read_table(file).columns for file in files}
+        shown: dict[str, Mapping[str, Any]] = {Path(file).stem: read_table(file).columns for file in files}
         solved = trajectories(loaded, engines, settings, accuracy)
         shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
         figure = curves(shown, columns, title=f"{loaded[0].name}: {loaded[0].title}" if len(loaded) == 1 else "")

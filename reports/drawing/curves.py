@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from quickreturn.cases.columns import UnknownColumn, known_column
+from quickreturn.cases.units import in_si
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Drawing, look, new_figure, tidy
 
@@ -17,13 +18,13 @@ USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force"
 WIDE: Final = 8.0  # in, of several panels
 PANEL: Final = 1.9  # in, height
 #: Unit -> what is shown in its place, and by how much a value is divided for that.
-_SHOWN: Final = {"m": ("mm", 1e-3), "1": ("10⁻⁶", 1e-6)}
+_SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
-Columns = Mapping[str, NDArray[np.float64]]
+Array = NDArray[np.float64]
 
 
-def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
+def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
     """Columns over time, one panel for each; without any `USUAL`, as far as they are there. UnknownColumn: no trajectory has it.
 
     `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
@@ -41,7 +42,7 @@ def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, 
     return figure
 
 
-def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str]) -> Drawing:
+def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Sequence[str]) -> Drawing:
     """The last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
     figure = new_figure(0.8 + PANEL * len(cycles), max(WIDE, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
@@ -55,7 +56,7 @@ def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str])
     return figure
 
 
-def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: str) -> None:
+def _panel(axes: Axes, trajectories: Mapping[str, Mapping[str, Array]], column: str, over: str) -> None:
     unit, scale = _SHOWN.get(COLUMNS[column].unit, (COLUMNS[column].unit, 1.0))
     for label, trajectory in trajectories.items():
         if column in trajectory:

@@ -10,9 +10,8 @@ from quickreturn.cases.benchmark import Benchmark, fastest_at
 from quickreturn.cases.benchmark.findings import LEVELS
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.engines.registry import OWN
+from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.findings.agreement import Spread, differences, engines_of, spread
-from quickreturn.reports.findings.conclusions import MODEL
 from quickreturn.reports.findings.sufficiency import Split, splits
 from quickreturn.reports.page.content import Content
 

@@ -9,7 +9,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.findings.runs import mean_crank_speed
-from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Mark, Table, Value
+from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Mark, Table, Value
 from quickreturn.reports.words import channel_name, cost, listed, settings_words, short_name
 
 #: Channels whose peaks and amplitudes the page shows; the CSV file has the amplitudes of all.
@@ -22,7 +22,7 @@ _UNITS: Final = {"tip_acceleration": ("m/s²", ".2f")} | dict.fromkeys(CHANNELS[
 def run_by_engine(results: Sequence[CaseResult]) -> Table:
     """One row per case and engine; cases in which every number shown can be measured come first."""
     settled = all(run.status == Ending.SETTLED for result in results for run in result.runs.values())
-    columns: Columns = (
+    columns: ColumnList = (
         *(CASE, "engine"),
         Column("status", in_page=not settled),
         Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
@@ -141,7 +141,7 @@ def measures(results: Sequence[CaseResult]) -> Table:
 
 def settings(results: Sequence[CaseResult]) -> Table:
     """How each engine was run on each case."""
-    columns: Columns = (
+    columns: ColumnList = (
         *(CASE, "engine"),
         Column("accuracy", "asked", "%", ".2g"),
         Column("error_estimate", "estimate", "%", ".2g"),
@@ -161,7 +161,7 @@ def settings(results: Sequence[CaseResult]) -> Table:
 
 def case_table(result: CaseResult) -> Table:
     """The small table of one case: extremes, frequencies, peaks and cost per engine."""
-    columns: Columns = (
+    columns: ColumnList = (
         "engine",
         "status",
         Column("pre_frequency", "f₁ pre", "Hz", ".2f"),

@@ -1,4 +1,4 @@
-"""Mutants of the joint's law, each of which must miss the law of two rollers that push one by one (`plain_beam.force_of_rollers`)."""
+"""Mutants of the joint's law, each of which must miss the law of two rollers that push one by one (`roller_law.force_of_rollers`)."""
 
 import itertools
 import math
@@ -9,7 +9,7 @@ from typing import Any, Final
 from quickreturn.reference_model import joint
 from quickreturn.reference_model.joint import Rollers
 from tests.reference_model.mutation import Hunt, Source
-from tests.reference_model.plain_beam import force_of_rollers, sliding_share
+from tests.reference_model.roller_law import force_of_rollers, sliding_share
 
 SOURCE: Final = Source(modules=(joint,), no_equations=frozenset({"rollers", "in_words"}), stand_ins={}, entry=dict)
 #: Rollers with clearance, and with preload.
