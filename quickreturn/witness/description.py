@@ -21,6 +21,8 @@ from quickreturn.reference_model.motion.layout import ShapeRow, Tables
 
 Array = NDArray[np.float64]
 
+#: Of a system with its follower to place, angle from n1 (rad) and curvature (1/m), at the slider, of the line that it rides on.
+Line = Callable[[System, "Follower"], tuple[ca.SX, ca.SX, ca.SX]]
 #: Units of the constants; all are SI, so that a scene's values need no conversion.
 UNITS: Final = {
     "pivot_distance": "m", "crank_length": "m", "length": "m",
@@ -56,37 +58,18 @@ def constants(scene: Mechanism) -> dict[str, float]:
 
 
 class Follower(NamedTuple):
-    """The described follower: what a slider needs to know of it.
-
-    Attributes:
-        beam: places along it.
-        cell: number of the cell that ends at the slider.
-        advance: the slider's arc length less the frozen one, m.
-        slope: the tangent's angle at the slider from n1, rad.
-        curvature: there, 1/m.
-        strain: energy, J.
-        tip: place of the flexible end.
-    """
+    """The described follower: its places, where it ends, and what it stores; at the slider its place, tangent's angle and curvature."""
 
     beam: Beam
-    cell: int
-    advance: ca.SX
-    slope: ca.SX
-    curvature: ca.SX
+    end: ca.SX
     strain: ca.SX
-    tip: ca.SX
+    slider_cell: int
+    place: ca.SX
+    angle: ca.SX
+    curvature: ca.SX
 
 
-#: Where a slider rides: place of the line, its angle from n1 (rad) and its curvature (1/m).
-Line = Callable[[Follower], tuple[ca.SX, ca.SX, ca.SX]]
-
-
-def centre_line(follower: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """The follower itself."""
-    return follower.beam.slider(follower.cell, follower.advance, follower.curvature), follower.slope, follower.curvature
-
-
-def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line = centre_line) -> System:
+def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None) -> System:
     """Crank, slider, follower, tip body and base.
 
     Args:
@@ -94,7 +77,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
         shapes: their number.
         rigid: whether the slider stays on its line; else it leaves it by a gap, across which joint and friction act.
         prescribed: whether the crank turns at a known speed; else a torque drives it.
-        line: on which the slider rides.
+        line: on which the slider rides; else the follower itself.
     """
     system = System("quick-return")
     p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
@@ -108,9 +91,9 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
 
     # bodies and drive
     system.body("crank", p.crank_mass, center, p.crank_inertia, q1)
-    system.body("slider", p.slider_mass, crank_tip, p.slider_inertia, arm.slope)
+    system.body("slider", p.slider_mass, crank_tip, p.slider_inertia, arm.angle)
     tool = _share_of_turn(q1, p) * vector(p.force_1, p.force_2)
-    system.load("tool", arm.tip, tool)
+    system.load("tool", arm.end, tool)
     system.damper("crank bearing", q1, p.crank_damping)
     if prescribed:
         system.loop("drive", q1 - p.start_angle - p.speed * system.time, "rad", gives=[q1])
@@ -118,7 +101,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
         system.load("motor", q1, torque)
 
     # the joint: the slider on the line, or beside it by a gap along the normal, towards +n
-    foot, slope, curvature = line(arm)
+    foot, slope, curvature = line(system, arm) if line else (arm.place, arm.angle, arm.curvature)
     gap, normal = ca.SX(0), turned(slope, 0, 1)
     if rigid:
         held = system.loop("slider", foot - crank_tip, gives=[q2, s])
@@ -156,16 +139,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
 
 
 def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes: int) -> Follower:
-    """Follower, tip body and base, and what is read off them.
-
-    Args:
-        system: to which they are added.
-        p: the constants of `UNITS`.
-        q2: angle of the base.
-        s: place of the slider, with which the points move.
-        tables: see `quick_return`.
-        shapes: their number.
-    """
+    """Follower, tip body and base at an angle q2, with the slider at s, and what is read off them; else as for `quick_return`."""
     eta = system.amplitudes("eta", shapes, "kg**0.5*m")
     pivot = vector(p.pivot_distance, 0)
 
@@ -212,7 +186,8 @@ def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes
         ("acceleration_x", _acceleration(system, place_x), "m/s^2"), ("acceleration_y", _acceleration(system, place_y), "m/s^2"),
         ("bending_rate", system.rate(bent), "rad/(m*s)"),
     )  # fmt: skip
-    return Follower(beam, int(tables.slider_cell[0]), s - now, slope, curvature, strain, end)
+    cell = int(tables.slider_cell[0])
+    return Follower(beam, end, strain, cell, beam.slider(cell, s - now, curvature), slope, curvature)
 
 
 def _show(system: System, *outputs: tuple[str, Any, str]) -> None:

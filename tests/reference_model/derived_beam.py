@@ -25,7 +25,7 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import Tables, Workspace, state_size
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, ROLLERS, SliderConstraint
-from quickreturn.witness.description import UNITS, Follower, centre_line, constants, follower, quick_return
+from quickreturn.witness.description import UNITS, Follower, constants, follower, quick_return
 from quickreturn.witness.recovery import columns
 from tests.engines.scenes import run_24
 from tests.reference_model.roller_law import force_of_rollers, sliding_share
@@ -81,9 +81,9 @@ class DerivedBeam:
         tables = tables._replace(slider_cell=np.array([float(self.cell)]))
         arms: list[Follower] = []
 
-        def line(arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
+        def line(system: System, arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
             arms.append(arm)
-            return _chord(arm) if p.constraint == CHORDS else centre_line(arm)
+            return _chord(system, arm) if p.constraint == CHORDS else (arm.place, arm.angle, arm.curvature)
 
         if isinstance(scene, FollowerAlone):
             system, arm = _alone(scene, tables, p.n)
@@ -112,7 +112,7 @@ class DerivedBeam:
             last = e.q[etas[-1]]
             results["highest stiffness"] = ca.jacobian(ca.jacobian(arm.strain, last), last)
         if p.constraint == CHORDS:  # moments are those of a force on the follower itself, wherever the slider rides
-            results |= {f"foot_{k}": each for k, each in enumerate(ca.vertsplit(centre_line(arm)[0] - arm.beam.origin))}
+            results |= {f"foot_{k}": each for k, each in enumerate(ca.vertsplit(arm.place - arm.beam.origin))}
         if p.constraint == LEVER:
             results |= {f"lever_{k}": each for k, each in enumerate(ca.horzsplit(_lever(system, arm, e.q)))}
         self.names, present = list(results), column(*(e.q[k] for k in system.frozen))
@@ -348,26 +348,27 @@ def _alone(scene: FollowerAlone, tables: Tables, shapes: int) -> tuple[System, F
     return system, arm
 
 
-def _nodes(arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _nodes(system: System, arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Places of the nodes of the slider's element, and the slider's share of its length."""
-    beam, cell = arm.beam, arm.cell
+    beam, cell, s = arm.beam, arm.slider_cell, system.coordinates[2].q
     left = beam.end(cell - 1) if cell else ca.SX(beam.origin)
-    return left, beam.end(cell + 1), (beam.lengths[cell] + arm.advance) / (beam.lengths[cell] + beam.lengths[cell + 1])
+    advance = s - system.freeze(s)
+    return left, beam.end(cell + 1), (beam.lengths[cell] + advance) / (beam.lengths[cell] + beam.lengths[cell + 1])
 
 
-def _chord(arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _chord(system: System, arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
     """The line from node to node."""
-    left, right, share = _nodes(arm)
+    left, right, share = _nodes(system, arm)
     chord = right - left
     return left + share * chord, ca.atan2(chord[1], chord[0]), ca.SX(0)
 
 
 def _lever(system: System, arm: Follower, q: ca.SX) -> ca.SX:
     """What a unit of force along the normal does, sign reversed, if the nodes carry it by the lever rule; shares and normal held."""
-    left, right, share = _nodes(arm)
+    left, right, share = _nodes(system, arm)
     crank_tip = turned(system.coordinates[0].q, system.parameters["crank_length"][0])
     way = ca.jacobian(crank_tip, q) - (1 - share) * ca.jacobian(left, q) - share * ca.jacobian(right, q)
-    return turned(arm.slope, 0, 1).T @ way
+    return turned(arm.angle, 0, 1).T @ way
 
 
 def _cell_at(tables: Tables, s: float) -> int:
