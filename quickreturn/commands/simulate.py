@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from quickreturn.cases.case import Case
     from quickreturn.commands.trajectories import Attempt
     from quickreturn.engines.base import EngineFailure
+    from quickreturn.engines.trajectory import Trajectory
     from quickreturn.questions import EngineDied
     from quickreturn.solution import Solution
 
@@ -159,6 +160,7 @@ def _written(attempt: "Attempt", path: str | None) -> "tuple[dict[str, Any], Fou
     from quickreturn.solution import as_csv
 
     found: Found
+    trajectory: Trajectory | None
     try:
         known: dict[str, Any] = {"version": attempt.answer().version, "stored": attempt.outcome.stored}
         found = attempt.solution()
