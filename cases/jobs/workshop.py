@@ -13,9 +13,15 @@ from quickreturn.cases.jobs.display import answers, watched
 from quickreturn.cases.jobs.here import Nobody
 from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
 from quickreturn.cases.jobs.key import key_of
-from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record, Store
+
+
+def _processes() -> Executor:
+    """Those of this machine; importing them takes a moment that a notebook need not wait."""
+    from quickreturn.cases.jobs.processes import LocalProcesses
+
+    return LocalProcesses()
 
 
 @dataclass(frozen=True)
@@ -23,7 +29,7 @@ class Workshop:
     """A store and an executor."""
 
     store: Store
-    executor: Executor = field(default_factory=LocalProcesses)
+    executor: Executor = field(default_factory=_processes)
 
     def outcomes(self, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
         """How each of the jobs ended, in their order, computed in that order; of equal keys the first is.

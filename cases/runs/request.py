@@ -158,11 +158,6 @@ class Run:
         """How it ended."""
         return Ending(self.status)
 
-    def has_frequency(self, half: str, channel: str) -> bool:
-        """Whether it resolves a channel's first mode in a half, and has an estimate of the frequency's error."""
-        measure = self.measure(half, channel)
-        return measure is not None and measure.first_mode_frequency_estimate is not None
-
     def measure(self, half: str, channel: str) -> EstimatedMeasure | None:
         """The measure of a half and channel, or None if there is none."""
         return next((found for found in self.measures if (found.half, found.channel) == (half, channel)), None)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
+from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, pair_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.cases.runs.request import Run
@@ -121,8 +121,8 @@ def _amplitude_cells(run: Run, other: Run | None, half: str, channel: str) -> di
 
 
 def _difference(run: Run, other: Run | None, quantity: str, half: str, channel: str | None, mark: Mark = "") -> Cell:
-    pair = None if other is None else values(run, other, quantity, half, channel)
-    return Cell(pair[0] / pair[1] - 1.0, mark=mark) if pair and pair[1] else Cell(None)
+    pair = None if other is None else pair_of(run, other, quantity, half, channel)
+    return Cell(pair[0].value / pair[1].value - 1.0, mark=mark) if pair and pair[1].value else Cell(None)
 
 
 def measures(results: Sequence[CaseResult]) -> Table:

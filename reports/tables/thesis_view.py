@@ -45,7 +45,7 @@ def _peak_ratios(found: Sequence[Difference]) -> list[float]:
     peaks: dict[str, list[Difference]] = {}
     for difference in found:
         peaks.setdefault(difference.case, []).append(difference)
-    return [max(abs(d.value) for d in pair) / max(abs(d.other) for d in pair) for pair in peaks.values()]
+    return [max(abs(d.mine.value) for d in pair) / max(abs(d.its.value) for d in pair) for pair in peaks.values()]
 
 
 def counted(excesses: Sequence[Excess]) -> Table:

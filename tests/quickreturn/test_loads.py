@@ -44,7 +44,7 @@ def loads_of_reference(result: object) -> float:
 
 
 def test_a_simulation_says_its_largest_stress() -> None:
-    solution = qr.simulate(qr.case("example", duration=0.1), "reference", settings={"modes": 2})
+    solution = qr.simulate(qr.case("example", duration=0.1), "reference", settings={"modes": 2}, store=False)
     stress = solution.loads.stress
     assert stress is not None
     follower = solution.case.scene.follower

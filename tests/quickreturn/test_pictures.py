@@ -10,14 +10,14 @@ import pytest
 from PIL import Image
 
 import quickreturn as qr
-from quickreturn.animation import FRAMES, last_turn, moving
 from quickreturn.cases.case_file import load_case
-from quickreturn.drawing import POINTS, SHOWN, factor_for, positions_of, unbent
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reports.drawing.animation import FRAMES, last_turn, moving
+from quickreturn.reports.drawing.mechanism import POINTS, SHOWN, factor_for, positions_of, unbent
 from quickreturn.reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
@@ -84,7 +84,7 @@ def test_a_trajectory_that_does_not_tell_its_shape_is_refused(trajectory: Trajec
 
 
 def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(trajectory: Trajectory, tmp_path: Path) -> None:
-    solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6})
+    solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6}, store=False)
     solution.animate(tmp_path / "out.html")
     page = (tmp_path / "out.html").read_text()
     assert "<canvas" in page

@@ -8,7 +8,7 @@ import pytest
 
 from quickreturn.cases.experiment import statements
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import HALVES, CaseResult, Check, compare
+from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, compare
 from quickreturn.cases.runs.estimates import EstimatedConsensus
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.thesis_modes import (
@@ -266,14 +266,14 @@ def test_the_third_mode_bends_gauges_1_and_3_against_gauge_2_and_the_first_all_a
     assert (found.alternating[2], found.alike[0], found.alternating[1]) == (1.0, 1.0, 0.0)
 
 
-def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Check]:
+def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Difference]:
     """The same with exudyn's maximum of strain 3 before the return off by so many times what both claim, and its check."""
     reference, exudyn = (result.runs[name].measure("pre", "strain_3") for name in ("reference", "exudyn"))
     assert reference is not None
     assert exudyn is not None
     wanted = ("exudyn", "maximum", "pre", "strain_3")
 
-    def found(of: CaseResult) -> Check:
+    def found(of: CaseResult) -> Difference:
         (check,) = (c for c in of.checks if (c.engine, c.quantity, c.half, c.channel) == wanted)
         return check
 

@@ -17,7 +17,7 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import library_case
 from quickreturn.cases.library.thesis import run_name
-from quickreturn.cases.runs.comparison import CaseResult, Check, cross_validate
+from quickreturn.cases.runs.comparison import CaseResult, Difference, cross_validate
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import engine
@@ -105,7 +105,7 @@ def refuses(name: str, case: Case) -> bool:
     return False
 
 
-def ratio(check: Check) -> float:
+def ratio(check: Difference) -> float:
     """Difference over what both claim."""
     return abs(check.difference) / check.tolerance
 

@@ -9,7 +9,7 @@ import pytest
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, Check, compare, not_judged
+from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, Difference, compare, not_judged
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.request import Run
@@ -65,7 +65,7 @@ def result(*runs: Run) -> CaseResult:
     return compare(CASE, {run.engine: run for run in runs})
 
 
-def check_of(found: CaseResult, quantity: str, channel: str | None = "strain_1") -> Check:
+def check_of(found: CaseResult, quantity: str, channel: str | None = "strain_1") -> Difference:
     return next(check for check in found.checks if (check.quantity, check.channel, check.half) == (quantity, channel, "pre"))
 
 
