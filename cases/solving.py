@@ -128,10 +128,10 @@ def frequencies_job(
 ) -> Job[Frequencies]:
     """At most `count` at each crank angle (rad), to be computed or taken from the store."""
     arguments = mechanism, engine, tuple(crank_angles), count, dict(settings)
-    return Job(name, frozen_crank, arguments, "natural frequencies", code=CODE, **_kept(engine))
+    return Job(name, modes_at, arguments, "natural frequencies", code=CODE, **_kept(engine))
 
 
-def frozen_crank(
+def modes_at(
     mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> Frequencies:
     """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.natural_frequencies`."""

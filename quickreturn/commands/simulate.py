@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
-#: Modules that serve to tell what a worker found.
-_TELLING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
+#: Modules that are preloaded to show what a worker found.
+_SHOWING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
 
 #: What the JSON document holds of a simulation besides; these where a failure leaves nothing to say.
 _NOTHING: Final[dict[str, Any]] = {
@@ -106,7 +106,7 @@ def command(
             check_writable(Path(file), case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
-    for attempt in attempts(loaded, engines, settings, accuracy, not no_estimate, _TELLING):
+    for attempt in attempts(loaded, engines, settings, accuracy, not no_estimate, _SHOWING):
         case, name = attempt.case, attempt.engine
         try:
             known, found = _written(attempt, places[case.name, name])
