@@ -37,7 +37,7 @@ record: $(READY)
 lint: $(TEST)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	mkdir -p $(TYPED) && ln -sfn $(addprefix $(CURDIR)/,$(wildcard quickreturn/*) $(INNER)) $(TYPED)
+	rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -sfn $(addprefix $(CURDIR)/,$(wildcard quickreturn/*) $(INNER)) $(TYPED)
 	$(BIN)/mypy $(TYPED) tests/verification
 
 # The documentation site, without a network: build/site/index.html. Each warning, lost link or unknown name is an error.
