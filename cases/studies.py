@@ -25,6 +25,9 @@ from quickreturn.reference_model.mechanism import Mechanism
 ACCURACY_CASE: Final = "thesis-24"
 CONVERGED: Final = ("reference", {"modes": "9", "tolerance": "1e-9"})
 CONFIRMING: Final = {"exudyn": {"elements": "32", "step": "1e-4"}, "mujoco": {"links": "60", "armature": "0"}}
+#: The same machine with the crank at its mean speed, and the settings of the engine that takes no other.
+PRESCRIBED_CASE: Final = "hard-prescribed-speed"
+PRESCRIBED: Final = ("moving-boundaries", ({}, {"foreshortening": "true"}))
 #: Modes and tolerances of the convergence table of the reference; the last of each is the solution it is measured against.
 MODES: Final = (1, 2, 3, 4, 5, 6, 7, 9, 11)
 TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
@@ -79,6 +82,7 @@ class Studies:
     accuracy: Sequence[StudiedRun]  # of each engine at its default accuracy
     converged: StudiedRun | None  # what that is measured against; None where it could not be computed
     confirming: Sequence[StudiedRun]  # solutions of others that confirm it, where they are stored (see `confirming`)
+    prescribed: Sequence[StudiedRun]  # of a crank at its mean speed: converged, against the driven one; then others, against this
     convergence: Sequence[StudiedRun]  # of the engine `reference`, over modes and tolerances
     both_starts: Sequence[BothStarts]  # of each package that marches
     failures: Sequence[str]  # sentences on what could not be computed
@@ -101,7 +105,7 @@ def run_studies(workshop: Workshop) -> Studies:
     jobs = _solutions()
     solutions = dict(zip(jobs, workshop.outcomes(list(jobs.values()), "studies"), strict=True))
     failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in solutions.values() if not outcome.completed]
-    convergence = solutions.pop(_CONVERGENCE).value
+    convergence, prescribed = (solutions.pop(name).value for name in (_CONVERGENCE, _PRESCRIBED))
     found = {name: outcome.value for name, outcome in solutions.items() if outcome.value is not None}
     converged = found.get(_CONVERGED)
     results = carry_out(_requests(), workshop, "another start")
@@ -110,6 +114,7 @@ def run_studies(workshop: Workshop) -> Studies:
         accuracy=[found["default", name].against(converged.columns) for name in MAIN if ("default", name) in found] if converged else [],
         converged=converged and converged.run,
         confirming=confirming(workshop.as_it_is),
+        prescribed=prescribed or (),
         convergence=convergence or (),
         both_starts=_both_starts(results, failures),
         failures=failures,
@@ -122,13 +127,16 @@ Name = tuple[str, ...]
 Runs = Mapping[Name, Run]
 _CONVERGED: Final = ("converged", CONVERGED[0])
 _CONVERGENCE: Final = ("convergence", "reference")
+_PRESCRIBED: Final = ("prescribed", PRESCRIBED[0])
 
 
 def _solutions() -> dict[Name, Job[Any]]:
-    """Trajectories of one case, and the convergence of the reference there."""
+    """Trajectories of one case, the convergence of the reference there, and what prescribing its crank's speed changes."""
     solutions: dict[Name, Job[Any]] = {_CONVERGED: _solution("converged", *CONVERGED)}
     solutions |= {("default", name): _solution("default", name, None) for name in MAIN}
-    return solutions | {_CONVERGENCE: Job("convergence", _convergence, _scene(), "study", ("reference",), _CODE)}
+    solutions[_CONVERGENCE] = Job("convergence", _convergence, _scene(), "study", ("reference",), _CODE)
+    both = (*_scene(), load_case(PRESCRIBED_CASE).mechanism)
+    return solutions | {_PRESCRIBED: Job("prescribed speed", prescribed_speed, both, "study", (CONVERGED[0], PRESCRIBED[0]), _CODE)}
 
 
 def _solution(what: str, name: str, settings: Mapping[str, str] | None) -> Job[StudiedTrajectory]:
@@ -148,7 +156,14 @@ def _trajectory(
     if settings is not None:
         used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
         return _once(chosen, mechanism, duration, output_step, used)
-    made = simulate(chosen, mechanism, standard_start(mechanism), duration, output_step)
+    return _estimated(chosen, mechanism, duration, output_step)
+
+
+def _estimated(
+    chosen: AnyEngine, mechanism: Mechanism, duration: float, output_step: float, settings: Mapping[str, str] | None = None
+) -> StudiedTrajectory:
+    """To the engine's default accuracy, or with some settings given, and with the engine's own estimate."""
+    made = simulate(chosen, mechanism, standard_start(mechanism), duration, output_step, settings)
     known = {"error_estimate": made.error_estimate, "remark": made.remark}
     return _studied(chosen, mechanism, made.settings, made.trajectory, made.setup_seconds, **known)
 
@@ -171,6 +186,18 @@ def _studied(
         **known,
     )
     return StudiedTrajectory(run, dict(trajectory.columns))
+
+
+def prescribed_speed(driven: Mechanism, duration: float, output_step: float, prescribed: Mechanism) -> list[StudiedRun]:
+    """The converged solution at a prescribed crank speed, against that of the driven crank; then the runs of `PRESCRIBED`, against it.
+
+    Raises:
+        EngineFailure: a run broke down.
+    """
+    before, after = (_trajectory(each, duration, output_step, *CONVERGED) for each in (driven, prescribed))
+    name, choices = PRESCRIBED
+    others = [_estimated(engine(name), prescribed, duration, output_step, texts) for texts in choices]
+    return [after.against(before.columns), *(other.against(after.columns) for other in others)]
 
 
 def _convergence(mechanism: Mechanism, duration: float, output_step: float) -> list[StudiedRun]:

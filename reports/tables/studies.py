@@ -14,6 +14,9 @@ from quickreturn.reports.words import cost, settings_words, short_name
 #: Columns of the errors, with their headings.
 _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error") for name in ESTIMATED)
 
+#: What the converged solution at a prescribed speed is held against.
+DRIVEN: Final = "itself, the crank driven"
+
 
 def accuracy(runs: Sequence[StudiedRun]) -> Table:
     """Error of each engine at its default accuracy, and what it costs."""
@@ -41,6 +44,16 @@ def confirmation(converged: StudiedRun | None, confirming: Sequence[StudiedRun])
         assert converged is not None
         words = {"settings": settings_words(converged.settings), "with_settings": settings_words(run.settings)}
         found.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.errors)
+    return found
+
+
+def prescribed(runs: Sequence[StudiedRun]) -> Table:
+    """What prescribing the crank's speed changes, and the engine that takes no other crank: its model's error and its integration's."""
+    against = Column("against", "held against"), *_ERRORS, Column("error_estimate", "own estimate", "%", ".2g")
+    found = Table("prescribed_speed", ("engine", "settings", *against))
+    for run in runs:
+        exact = run is runs[0]
+        found.add(run, settings=settings_words(run.settings), against=DRIVEN if exact else f"{runs[0].engine}, the same speed", **run.errors)
     return found
 
 

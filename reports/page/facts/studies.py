@@ -41,6 +41,7 @@ def accuracy(content: Content) -> dict[str, Any] | None:
             "plot": _convergence(studies.convergence),
             "accuracy": tables.accuracy(studies.accuracy),
             "of_record": content.of_record.get("confirmation"),
+            "prescribed": tables.prescribed(studies.prescribed),
             "confirmation": tables.confirmation(studies.converged, studies.confirming),
             "convergence": tables.convergence(studies.convergence),
             "both_starts": both_starts(studies.both_starts),
