@@ -53,7 +53,9 @@ def prescribed(runs: Sequence[StudiedRun]) -> Table:
     found = Table("prescribed_speed", ("engine", "settings", *against))
     for run in runs:
         exact = run is runs[0]
-        found.add(run, settings=settings_words(run.settings), against=DRIVEN if exact else f"{runs[0].engine}, the same speed", **run.errors)
+        found.add(
+            run, settings=settings_words(run.settings), against=DRIVEN if exact else f"{runs[0].engine}, the same speed", **run.errors
+        )
     return found
 
 

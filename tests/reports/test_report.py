@@ -65,7 +65,10 @@ def studies() -> Studies:
         accuracy=[studied(name, {"step": 1e-4}) for name in ("thesis", "reference")],
         converged=studied("reference", {"modes": 9}),
         confirming=[studied("exudyn", {"elements": 32})],
-        prescribed=[studied("reference", {"modes": 9}, 300.0), *(studied("moving-boundaries", {"modes": 2}, part) for part in (90.0, 20.0))],
+        prescribed=[
+            studied("reference", {"modes": 9}, 300.0),
+            *(studied("moving-boundaries", {"modes": 2}, part) for part in (90.0, 20.0)),
+        ],
         convergence=[studied("reference", {"modes": n, "tolerance": 1e-9}, 100.0 / n, is_reference=n == 8) for n in (2, 4, 8)],
         both_starts=[both_starts()],
         failures=(),

@@ -1,4 +1,4 @@
-"""Run 24 by equations derived by hand (`reference`) and by the computer (`derived`), with the same shapes: every signal over two seconds."""
+"""Run 24 over two seconds by equations derived by hand (`reference`) and by the computer (`derived`), with the same shapes."""
 
 import numpy as np
 import pytest
