@@ -4,23 +4,26 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from quickreturn.cases.benchmark.findings import Point, completed
+from quickreturn.cases.benchmark.truth import Confirmation, Converged
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.studies import StudiedRun
+from quickreturn.cases.studies import Prescribed, StudiedRun
 from quickreturn.engines.accurate import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
-from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
+from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import cost, settings_words, short_name
 
 #: Columns of the errors, with their headings.
 _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error") for name in ESTIMATED)
 
-#: What the converged solution at a prescribed speed is held against.
-DRIVEN: Final = "itself, the crank driven"
+#: What the converged solution at a prescribed speed is held against, and an engine at that speed.
+DRIVEN: Final = "driven crank"
+SAME_SPEED: Final = "same speed"
 
 
 def accuracy(runs: Sequence[StudiedRun]) -> Table:
     """Error of each engine at its default accuracy, and what it costs."""
-    columns: Columns = (
+    columns: ColumnList = (
         "engine",
         Column("solve_seconds", "solve", "s", ".2f"),
         Column("setup_seconds", unit="s", in_page=False),
@@ -36,31 +39,29 @@ def accuracy(runs: Sequence[StudiedRun]) -> Table:
     return found
 
 
-def confirmation(converged: StudiedRun | None, confirming: Sequence[StudiedRun]) -> Table:
+def confirmation(converged: Converged | None, confirming: Sequence[Confirmation]) -> Table:
     """Difference of the solutions that stand for the truth."""
     errors = [replace(column, group="difference") for column in _ERRORS]
     found = Table("confirmation", (Column("engine", "converged"), "settings", "confirmed_by", Column("with_settings", "settings"), *errors))
     for run in confirming if converged else ():
         assert converged is not None
         words = {"settings": settings_words(converged.settings), "with_settings": settings_words(run.settings)}
-        found.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.errors)
+        found.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.differences)
     return found
 
 
-def prescribed(runs: Sequence[StudiedRun]) -> Table:
-    """What prescribing the crank's speed changes, and the engine that takes no other crank: its model's error and its integration's."""
-    against = Column("against", "held against"), *_ERRORS, Column("error_estimate", "own estimate", "%", ".2g")
-    found = Table("prescribed_speed", ("engine", "settings", *against))
-    for run in runs:
-        exact = run is runs[0]
-        found.add(
-            run, settings=settings_words(run.settings), against=DRIVEN if exact else f"{runs[0].engine}, the same speed", **run.errors
-        )
-    return found
+def prescribed(found: Prescribed, converged: Converged) -> Table:
+    """What a prescribed crank speed changes, and the models that need one: their errors and those of their integration."""
+    errors = (*_ERRORS, Column("error_estimate", "own estimate", "%", ".2g"))
+    table = Table("prescribed_speed", ("engine", "settings", Column("against", "held against"), *errors))
+    table.add(engine=converged.engine, settings=settings_words(converged.settings), against=DRIVEN, **found.changed)
+    for run in found.runs:
+        table.add(run, settings=settings_words(run.settings), against=SAME_SPEED, **run.errors)
+    return table
 
 
-def convergence(runs: Sequence[StudiedRun]) -> Table:
-    """Modes by tolerance."""
+def convergence(points: Sequence[Point]) -> Table:
+    """Modes by tolerance; errors are those against the last."""
     columns = (
         Column("modes", form="d"),
         Column("tolerance", unit="1", form=".2g"),
@@ -71,8 +72,9 @@ def convergence(runs: Sequence[StudiedRun]) -> Table:
         Column("is_reference", in_page=False),
     )
     found = Table("convergence", columns)
-    for run in runs:
-        found.add(run, **run.settings, **run.errors)
+    for point, measured in completed(points):
+        calls = measured.statistics.get("right_hand_side_calls")
+        found.add(measured, **point.settings, **measured.errors, right_hand_side_calls=calls, is_reference=point is points[-1])
     return found
 
 

@@ -1,4 +1,4 @@
-"""Run 24 over two seconds by equations derived by hand (`reference`) and by the computer (`derived`), with the same shapes."""
+"""Run 24 by equations derived by hand (`reference`) and by the computer (`derived`), same shapes: every signal over two seconds."""
 
 import numpy as np
 import pytest
