@@ -144,8 +144,8 @@ def _jobs() -> list[Job[Any]]:
 
 def _against(truth: Trajectory | None, outcomes: Iterable[Outcome[tuple[StudiedRun, Columns]]]) -> list[StudiedRun]:
     """The runs that there are, with their errors; none without a truth."""
-    found = [outcome.value for outcome in outcomes if outcome.value is not None] if truth else []
-    return [replace(run, errors=errors_of(columns, truth)) for run, columns in found]
+    found = [outcome.value for outcome in outcomes if outcome.value is not None]
+    return [replace(run, errors=errors_of(columns, truth)) for run, columns in found] if truth else []
 
 
 def _truth(case: Case) -> Job[Trajectory]:
