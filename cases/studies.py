@@ -16,12 +16,11 @@ from quickreturn.cases.measures.steady_state import on_common_grid, relative_cha
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.engines.accurate import simulate
+from quickreturn.cases.solving import Answer, TrajectoryRequest
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import as_texts
-from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns, Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 
@@ -29,7 +28,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 ACCURACY_CASE: Final = "thesis-24"
 #: The same machine with the crank at its mean speed, and an engine that takes no other crank, with settings that make its models.
 PRESCRIBED_CASE: Final = "hard-prescribed-speed"
-PRESCRIBED: Final = ("moving-boundaries", ({}, {"foreshortening": "true"}))
+PRESCRIBED: Final[tuple[str, tuple[dict[str, str], ...]]] = ("moving-boundaries", ({}, {"foreshortening": "true"}))
 #: Modes and tolerances of the convergence table of the reference; the last of each is the solution it is measured against.
 MODES: Final = (1, 2, 3, 4, 5, 6, 7, 9, 11)
 TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
@@ -107,18 +106,18 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
 
 def run_studies(workshop: Workshop) -> Studies:
     """All studies, from the store where they are there. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
-    case, jobs = load_case(ACCURACY_CASE), _jobs()
-    outcomes = workshop.outcomes(jobs, "studies")
+    case, (defaults, models) = load_case(ACCURACY_CASE), _asked()
+    outcomes = workshop.outcomes(_jobs(), "studies")
     true, convergence, at_speed, *runs = outcomes
     failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in outcomes if not outcome.completed]
+    accuracy = _studied(defaults, runs[: len(defaults)], true.value, failures)
+    of_models = _studied(models, runs[len(defaults) :], at_speed.value, failures)
     results = carry_out(_requests(), workshop, "another start")
     return Studies(
-        accuracy=_against(true.value, runs[: len(MAIN)]),
+        accuracy=accuracy,
         converged=converged(case, true.value) if true.value else None,
         confirming=confirming(workshop.as_it_is),
-        prescribed=Prescribed(errors_of(at_speed.value, true.value), _against(at_speed.value, runs[len(MAIN) :]))
-        if true.value and at_speed.value
-        else None,
+        prescribed=Prescribed(errors_of(at_speed.value, true.value), of_models) if true.value and at_speed.value else None,
         convergence=convergence.value or (),
         both_starts=_both_starts(results, failures),
         failures=failures,
@@ -133,19 +132,11 @@ Runs = Mapping[Name, Run]
 
 
 def _jobs() -> list[Job[Any]]:
-    """The truth of the case, the convergence of the reference there, the truth at a prescribed speed, each engine, and `PRESCRIBED`."""
-    case, at_speed = load_case(ACCURACY_CASE), load_case(PRESCRIBED_CASE)
-    runs = [Job(f"default {name}", _run, (case, name), "study", (name,), CODE, _scene(case)) for name in MAIN]
-    name, choices = PRESCRIBED
-    runs += [Job(f"default {name}", _run, (at_speed, name, each), "study", (name,), CODE, (*_scene(at_speed), each)) for each in choices]
+    """The truth of the case, the convergence of the reference there, the truth at the prescribed speed, and the runs that are asked for."""
+    case, (defaults, models) = load_case(ACCURACY_CASE), _asked()
+    runs = [request.job(f"default {request.engine}") for request in (*defaults, *models)]
     convergence = Job("convergence", _convergence, (case,), "study", ("reference",), CODE, _scene(case))
-    return [_truth(case), convergence, _truth(at_speed), *runs]
-
-
-def _against(truth: Trajectory | None, outcomes: Iterable[Outcome[tuple[StudiedRun, Columns]]]) -> list[StudiedRun]:
-    """The runs that there are, with their errors; none without a truth."""
-    found = [outcome.value for outcome in outcomes if outcome.value is not None]
-    return [replace(run, errors=errors_of(columns, truth)) for run, columns in found] if truth else []
+    return [_truth(case), convergence, _truth(load_case(PRESCRIBED_CASE)), *runs]
 
 
 def _truth(case: Case) -> Job[Trajectory]:
@@ -156,20 +147,40 @@ def _scene(case: Case) -> tuple[Mechanism, float, float]:
     return case.mechanism, case.duration, case.output_step
 
 
-def _run(case: Case, name: str, settings: Mapping[str, str] | None = None) -> tuple[StudiedRun, Columns]:
-    """An engine at its default accuracy, or with some settings given, and its motion."""
-    chosen = engine(name)
-    made = simulate(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, settings)
-    run = StudiedRun(
-        engine=name,
-        settings=made.settings.as_dict(),
-        degrees_of_freedom=made.description.degrees_of_freedom,
-        solve_seconds=made.solve_seconds,
-        setup_seconds=made.setup_seconds,
-        error_estimate=made.error_estimate,
-        remark=made.remark,
-    )
-    return run, dict(made.trajectory.columns)
+def _asked() -> tuple[list[TrajectoryRequest], list[TrajectoryRequest]]:
+    """Each engine at its default accuracy, and the models of `PRESCRIBED`."""
+    case, at_speed = load_case(ACCURACY_CASE), load_case(PRESCRIBED_CASE)
+    name, choices = PRESCRIBED
+    return [_at_default(case, each) for each in MAIN], [replace(_at_default(at_speed, name), settings=settings) for settings in choices]
+
+
+def _at_default(case: Case, name: str) -> TrajectoryRequest:
+    return TrajectoryRequest(scene=case.mechanism, duration=case.duration, output_step=case.output_step, engine=name)
+
+
+def _studied(
+    asked: Iterable[TrajectoryRequest], outcomes: Iterable[Outcome[Answer]], true: Trajectory | None, failures: list[str]
+) -> list[StudiedRun]:
+    """The runs that there are, with their errors; why there is none goes to `failures`."""
+    found = []
+    for request, outcome in zip(asked, outcomes, strict=True):
+        made = outcome.value and outcome.value.result(request, engine(str(request.engine)))
+        if isinstance(made, EngineFailure):
+            failures.append(f"study {outcome.job.name}: {made}")
+        elif made and true:
+            found.append(
+                StudiedRun(
+                    engine=str(request.engine),
+                    settings=made.settings.as_dict(),
+                    degrees_of_freedom=made.description.degrees_of_freedom,
+                    solve_seconds=made.solve_seconds,
+                    setup_seconds=made.setup_seconds,
+                    error_estimate=made.error_estimate,
+                    remark=made.remark,
+                    errors=errors_of(made.trajectory.columns, true),
+                )
+            )
+    return found
 
 
 def _convergence(case: Case) -> list[Point]:

@@ -53,11 +53,6 @@ class Benchmark:
     # engine -> why it was left out: it died, was stopped at a limit or cannot be used here
     failures: dict[str, str] = field(default_factory=dict)
 
-    @property
-    def confirmed(self) -> bool:
-        """Whether another solution confirms the one that errors are measured against."""
-        return self.confirmation.confirms
-
 
 def benchmark(
     case: Case,

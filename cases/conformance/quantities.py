@@ -20,8 +20,6 @@ from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, change
 
 #: Of the effect a quantity must have: less is none.
 _NONE: Final = 0.02
-#: A mistake explains what an engine does with a quantity if it leaves no more than this part of the difference.
-_EXPLAINED: Final = 0.45
 #: What a coarse model may make of a quantity's effect, and how far its own may be from it.
 _HALF_TO_DOUBLE: Final = (0.5, 2.0)
 _APART: Final = 0.9
@@ -177,6 +175,6 @@ def _mistake(
         if share is not None and among is None:
             words = f"{change.name} acts {share:.3g} times as strongly as it should"
             tried.append(Hypothesis(words, "", share * due, fitted=True))
-        if explained := explain(shown, due, tried, most=_EXPLAINED if among is None else _EXPLAINED / 3.0):
+        if explained := explain(shown, due, tried, coarse=among is None):
             return explained.words
     return ""
