@@ -92,23 +92,22 @@ class Model:
             if np.max(np.abs(step), initial=0.0) < 1e-14:
                 break
         sizes = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
-        of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
-        for loop, left, size in zip(of_rows, gap, sizes, strict=True):
-            if not abs(left) <= CLOSED * size:
-                raise DescriptionError(
-                    f"loop {loop.name!r} of {self.system.name!r} cannot close at the start: {abs(left):.3g} {loop.unit} remain; change the"
-                    " start, the lengths, or the guess of the coordinates that the loop gives"
-                )
+        told = "cannot close at the start: {left:.3g} {unit} remain; change the start, the lengths, or the guess of what it gives"
+        self._refuse_rows(gap, CLOSED * sizes, told)
         if turn:
             v[turn] = np.linalg.lstsq(G[:, turn], -G @ np.append(v, 1.0), rcond=None)[0]
         rates = np.append(v, 1.0)
-        for loop, opening in zip(of_rows, np.abs(G @ rates), strict=True):
-            if opening > OPENS * np.max(np.abs(G) @ np.abs(rates)):
-                raise DescriptionError(
-                    f"loop {loop.name!r} of {self.system.name!r} opens at the start by {opening:.3g} {loop.unit} a second; leave out the"
-                    " rates of the coordinates that it gives"
-                )
+        fastest = np.max(np.abs(G) @ np.abs(rates), initial=0.0)
+        told = "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives"
+        self._refuse_rows(G @ rates, np.full(len(gap), OPENS * fastest), told)
         return self.state(q, v)
+
+    def _refuse_rows(self, rows: Array, allowed: Array, told: str) -> None:
+        """Refuse a row of the loops that is larger than allowed."""
+        of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
+        for loop, left, most in zip(of_rows, np.abs(rows), allowed, strict=True):
+            if not left <= most:
+                raise DescriptionError(f"loop {loop.name!r} of {self.system.name!r} {told.format(left=left, unit=loop.unit)}")
 
     def simulate(
         self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None
