@@ -25,6 +25,7 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.rigid import crank_pace, deflection_scale
 
 if TYPE_CHECKING:
     from quickreturn.derive import Model
@@ -33,8 +34,10 @@ Array = NDArray[np.float64]
 
 #: Straight-line code grows with the square of the points and with the shapes: eleven of them have 74,000 instructions.
 MOST_MODES: Final = 11
-#: Part of the follower's length that a deflection's error is relative to.
+#: Sizes of errors: of the slider's place over the follower's length, and of a joint's gap over the deflection.
 SMALL: Final = 0.01
+#: Relative error that scipy's integrator takes for rounding; what counts are the fixed sizes.
+ROUNDING: Final = 3e-14
 #: Part of the way to the follower's end beyond which a slider that cannot be followed any farther has left it.
 NEARLY: Final = 0.97
 
@@ -44,7 +47,7 @@ class DerivedSettings(Settings):
     """Settings of `derived`."""
 
     modes: int = setting(2, "modes of the beam supported at the slider", low=1, high=MOST_MODES)
-    tolerance: float = setting(1e-7, "local error of the integration, relative to each state", low=1e-11, high=1e-4)
+    tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=1e-11, high=1e-4)
 
 
 #: Modes, tolerance, and the error of the tip deflection that so many modes leave in run 24 over 2 s.
@@ -161,7 +164,7 @@ class DerivedSimulation(Simulation):
         times = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
         tolerance = self.settings.tolerance
         found = solve_ivp(
-            equations.rates, (times[0], times[-1]), self.state, "DOP853", times, args=(self.values,), rtol=tolerance,
+            equations.rates, (times[0], times[-1]), self.state, "DOP853", times, args=(self.values,), rtol=ROUNDING,
             atol=tolerance * self.sizes,
         )  # fmt: skip
         place = equations.system.tables[0].index
@@ -201,17 +204,17 @@ class DerivedSimulation(Simulation):
             raise EngineFailure(0.0, cause, "try a start with a smaller deflection") from open_loop
 
     def _sizes(self) -> Array:
-        """What errors are relative to where a state is small: a tenth of a radian, and one per cent of the follower's length.
+        """What errors are relative to: for amplitudes the scene's deflection, and what turns the follower's end by as much.
 
-        Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
+        Fixed, so that none vanishes. Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
         """
-        equations, beam = self.model(), self.mechanism.follower
-        amplitude = SMALL * beam.length * np.sqrt(beam.mass)
-        size = {"crank_angle": 0.1, "follower_angle": 0.1, "slider_position": SMALL * beam.length, "gap": 1e-2 * SMALL * beam.length}
-        sizes = np.array([size.get(each.name, amplitude) for each in equations.system.coordinates])
-        pace = np.sqrt(self.shapes.family.squares_at(np.array([self.state[2]]), 0)[0, 0])
-        free = equations.equations.free
-        return np.concatenate([sizes, pace * sizes[free], [np.inf, np.inf]])
+        equations, scene = self.model(), self.mechanism
+        beam, bends = scene.follower, deflection_scale(scene)
+        size = {"crank_angle": 0.1, "follower_angle": bends / beam.length, "slider_position": SMALL * beam.length, "gap": SMALL * bends}
+        sizes = np.array([size.get(each.name, bends * np.sqrt(beam.mass)) for each in equations.system.coordinates])
+        rates = np.sqrt(self.shapes.family.squares_at(np.array([self.state[2]]), 0)[0, 0]) * sizes
+        rates[0] = 0.1 * crank_pace(scene)
+        return np.concatenate([sizes, rates[equations.equations.free], [np.inf, np.inf]])
 
 
 _MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}
