@@ -1,6 +1,6 @@
 """Studies that the report shows beside the 24 runs: accuracy against a confirmed solution, convergence, and another start."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -10,14 +10,13 @@ from quickreturn.cases.benchmark.methods import Method
 from quickreturn.cases.benchmark.truth import CONFIRMING, TRUTH, Confirmation, Converged, confirmation_of, converged, errors_of, truth_of
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.steady_state import on_common_grid, relative_change
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.cases.solving import TrajectoryRequest
-from quickreturn.engines.accurate import Result
+from quickreturn.cases.solving import Answer, TrajectoryRequest
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine
@@ -27,6 +26,9 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 #: The case on which accuracy is shown.
 ACCURACY_CASE: Final = "thesis-24"
+#: The same machine with the crank at its mean speed, and an engine that takes no other crank, with settings that make its models.
+PRESCRIBED_CASE: Final = "hard-prescribed-speed"
+PRESCRIBED: Final[tuple[str, tuple[dict[str, str], ...]]] = ("moving-boundaries", ({}, {"foreshortening": "true"}))
 #: Modes and tolerances of the convergence table of the reference; the last of each is the solution it is measured against.
 MODES: Final = (1, 2, 3, 4, 5, 6, 7, 9, 11)
 TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
@@ -34,7 +36,7 @@ TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
 
 @dataclass(frozen=True, kw_only=True)
 class StudiedRun:
-    """A run from the standard start at an engine's default accuracy, what it took, and how far it is from the converged solution."""
+    """A run from the standard start to an engine's default accuracy, what it took, and how far it is from the converged solution."""
 
     engine: str
     settings: dict[str, Any]
@@ -44,6 +46,18 @@ class StudiedRun:
     error_estimate: float | None = None  # of the tip deflection, the engine's own
     remark: str = ""
     errors: dict[str, float | None] = field(default_factory=dict)  # of each column of `ESTIMATED`
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """What a prescribed crank speed changes, and the models that need one.
+
+    `changed`: of each column the difference of the converged solution from that of the driven crank, relative to the latter. `runs`: errors
+    are those against the converged solution at the same speed.
+    """
+
+    changed: dict[str, float | None]
+    runs: Sequence[StudiedRun]
 
 
 @dataclass(frozen=True)
@@ -66,6 +80,7 @@ class Studies:
     accuracy: Sequence[StudiedRun]  # of each engine at its default accuracy
     converged: Converged | None  # what that is measured against; None where it could not be computed
     confirming: Sequence[Confirmation]  # solutions of others that confirm it, where they are stored (see `confirming`)
+    prescribed: Prescribed | None  # None where a converged solution could not be computed
     convergence: Sequence[Point]  # of the engine `reference`, over modes and tolerances; errors are those against the last
     both_starts: Sequence[BothStarts]  # of each package that marches
     failures: Sequence[str]  # sentences on what could not be computed
@@ -91,18 +106,18 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
 
 def run_studies(workshop: Workshop) -> Studies:
     """All studies, from the store where they are there. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
-    case, jobs = load_case(ACCURACY_CASE), _jobs()
-    true, convergence, *runs = workshop.outcomes(jobs, "studies")
-    failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in (true, convergence, *runs) if not outcome.completed]
-    answers = {name: outcome.value for name, outcome in zip(MAIN, runs, strict=True) if outcome.value is not None}
-    found = {name: answer.result(_at_default(case, name), engine(name)) for name, answer in answers.items()}
-    failures += [f"study default {name}: {failure}" for name, failure in found.items() if isinstance(failure, EngineFailure)]
-    made = {name: result for name, result in found.items() if isinstance(result, Result)}
+    case, (defaults, models) = load_case(ACCURACY_CASE), _asked()
+    outcomes = workshop.outcomes(_jobs(), "studies")
+    true, convergence, at_speed, *runs = outcomes
+    failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in outcomes if not outcome.completed]
+    accuracy = _studied(defaults, runs[: len(defaults)], true.value, failures)
+    of_models = _studied(models, runs[len(defaults) :], at_speed.value, failures)
     results = carry_out(_requests(), workshop, "another start")
     return Studies(
-        accuracy=[_studied(name, result, true.value) for name, result in made.items()] if true.value else [],
+        accuracy=accuracy,
         converged=converged(case, true.value) if true.value else None,
         confirming=confirming(workshop.as_it_is),
+        prescribed=Prescribed(errors_of(at_speed.value, true.value), of_models) if true.value and at_speed.value else None,
         convergence=convergence.value or (),
         both_starts=_both_starts(results, failures),
         failures=failures,
@@ -117,10 +132,11 @@ Runs = Mapping[Name, Run]
 
 
 def _jobs() -> list[Job[Any]]:
-    """The truth of the case, the convergence of the reference there, and each engine at its default accuracy."""
-    case = load_case(ACCURACY_CASE)
-    runs = [_at_default(case, name).job(f"default {name}") for name in MAIN]
-    return [_truth(case), Job("convergence", _convergence, (case,), "study", ("reference",), CODE, _scene(case)), *runs]
+    """The truth of the case, the convergence of the reference there, the truth at the prescribed speed, and the runs that are asked for."""
+    case, (defaults, models) = load_case(ACCURACY_CASE), _asked()
+    runs = [request.job(f"default {request.engine}") for request in (*defaults, *models)]
+    convergence = Job("convergence", _convergence, (case,), "study", ("reference",), CODE, _scene(case))
+    return [_truth(case), convergence, _truth(load_case(PRESCRIBED_CASE)), *runs]
 
 
 def _truth(case: Case) -> Job[Trajectory]:
@@ -131,22 +147,40 @@ def _scene(case: Case) -> tuple[Mechanism, float, float]:
     return case.mechanism, case.duration, case.output_step
 
 
+def _asked() -> tuple[list[TrajectoryRequest], list[TrajectoryRequest]]:
+    """Each engine at its default accuracy, and the models of `PRESCRIBED`."""
+    case, at_speed = load_case(ACCURACY_CASE), load_case(PRESCRIBED_CASE)
+    name, choices = PRESCRIBED
+    return [_at_default(case, each) for each in MAIN], [replace(_at_default(at_speed, name), settings=settings) for settings in choices]
+
+
 def _at_default(case: Case, name: str) -> TrajectoryRequest:
-    """An engine at its default accuracy."""
     return TrajectoryRequest(scene=case.mechanism, duration=case.duration, output_step=case.output_step, engine=name)
 
 
-def _studied(name: str, made: Result, true: Trajectory) -> StudiedRun:
-    return StudiedRun(
-        engine=name,
-        settings=made.settings.as_dict(),
-        degrees_of_freedom=made.description.degrees_of_freedom,
-        solve_seconds=made.solve_seconds,
-        setup_seconds=made.setup_seconds,
-        error_estimate=made.error_estimate,
-        remark=made.remark,
-        errors=errors_of(made.trajectory.columns, true),
-    )
+def _studied(
+    asked: Iterable[TrajectoryRequest], outcomes: Iterable[Outcome[Answer]], true: Trajectory | None, failures: list[str]
+) -> list[StudiedRun]:
+    """The runs that there are, with their errors; why there is none goes to `failures`."""
+    found = []
+    for request, outcome in zip(asked, outcomes, strict=True):
+        made = outcome.value and outcome.value.result(request, engine(str(request.engine)))
+        if isinstance(made, EngineFailure):
+            failures.append(f"study {outcome.job.name}: {made}")
+        elif made and true:
+            found.append(
+                StudiedRun(
+                    engine=str(request.engine),
+                    settings=made.settings.as_dict(),
+                    degrees_of_freedom=made.description.degrees_of_freedom,
+                    solve_seconds=made.solve_seconds,
+                    setup_seconds=made.setup_seconds,
+                    error_estimate=made.error_estimate,
+                    remark=made.remark,
+                    errors=errors_of(made.trajectory.columns, true),
+                )
+            )
+    return found
 
 
 def _convergence(case: Case) -> list[Point]:

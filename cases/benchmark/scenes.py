@@ -16,8 +16,9 @@ from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.settings import SettingError
 from quickreturn.engines.start import standard_start
 
-#: Run 24, the run with the least strain, and two hard scenes: a soft follower, and a slider that gets to 96 % of the follower.
-SCENES: Final = ("thesis-24", "thesis-17", "hard-ei-x0.1", "hard-crank-6in")
+#: Run 24, the run with the least strain, two hard scenes: a soft follower, and a slider that gets to 96 % of the follower; and run 24 with
+#: the crank at a prescribed speed, for a method that takes no other.
+SCENES: Final = ("thesis-24", "thesis-17", "hard-ei-x0.1", "hard-crank-6in", "hard-prescribed-speed")
 
 ENGINES: Final = (*MAIN, *RIVALS)
 

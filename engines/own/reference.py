@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, NoSteadyState, SteadyState
-from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.ladder import Ladder, S
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
@@ -88,6 +88,15 @@ LADDER: Final = Ladder(
 )
 
 
+def fitted(ladder: Ladder[S], accuracy: float, scene: Scene) -> S:
+    """The coarsest rung for a scene; where fewer modes do than in run 24, their tolerance fits the accuracy."""
+    found = ladder.pick(accuracy, gain_of(scene))
+    if found == ladder.pick(accuracy):
+        return found
+    fit = 10.0 ** math.floor(math.log10(TOLERANCE_PER_ACCURACY * accuracy) + 1e-9)
+    return found.replaced(tolerance=min(found.as_dict()["tolerance"], fit))
+
+
 class ReferenceEngine(BeamEngine[ReferenceSettings]):
     """Modes of the beam supported where the slider is, projected on the free speeds; observables recovered from equilibrium."""
 
@@ -140,11 +149,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         usual = LADDER.pick(accuracy)
         if isinstance(mechanism, Mechanism) and blow(mechanism) > HIT:
             return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
-        found = LADDER.pick(accuracy, gain_of(mechanism))
-        if found.modes == usual.modes:
-            return found
-        fit = 10.0 ** math.floor(math.log10(TOLERANCE_PER_ACCURACY * accuracy) + 1e-9)
-        return found.replaced(tolerance=min(found.tolerance, fit))
+        return fitted(LADDER, accuracy, mechanism)
 
     def comparisons(self, settings: ReferenceSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.

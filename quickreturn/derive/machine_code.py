@@ -46,8 +46,8 @@ _LINES: Final = {getattr(ca, f"OP_{name.upper()}"): line for name, line in (_TEM
 #: Largest difference between machine code and interpreter, relative to an output, to a thousandth of the largest, or to a thousandth in SI:
 #: fused operations round otherwise, and where all forces vanish only that is left.
 AGREEMENT: Final = 1e-9
-#: Instructions from which on compiling well takes longer than a simulation with code that is compiled quickly and three times slower.
-LARGE: Final = 20_000
+#: Effort of the compiler, 0 to 3. With none 30,000 instructions compile in half the time and run three to fifteen times as long.
+EFFORT: Final = 2
 
 
 class MachineCode:
@@ -64,7 +64,7 @@ class MachineCode:
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
         host = {"cpu": llvm.get_host_cpu_name(), "features": llvm.get_host_cpu_features().flatten()}
-        machine = llvm.Target.from_default_triple().create_target_machine(**host, opt=3 if self.interpreter.n_instructions() < LARGE else 0)
+        machine = llvm.Target.from_default_triple().create_target_machine(**host, opt=EFFORT)
         self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(_assembly(self.interpreter)), machine)
         self._engine.finalize_object()
         self._call = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(self._engine.get_function_address("equations"))

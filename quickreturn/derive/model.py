@@ -1,6 +1,6 @@
 """Numbers from derived equations: start, simulation, named outputs."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 import casadi as ca
@@ -18,6 +18,8 @@ from quickreturn.derive.units import DescriptionError, in_si
 Array = NDArray[np.float64]
 #: Names of parameters, or of coordinates and rates, to values.
 Values = Mapping[str, float]
+#: Time and state to the state's rate.
+Rates = Callable[[float, Array], Array]
 
 #: A loop counts as closed when its gap, over the size of the numbers in it, is below this after Newton's method.
 CLOSED: Final = 1e-8
@@ -54,7 +56,7 @@ class Model:
 
     def values(self, changed: Values | None) -> Array:
         """Values of all parameters in SI, some of them changed in their units."""
-        self._refuse_unknown(changed or {}, "parameter", self.parameters)
+        self.refuse_unknown(changed or {}, "parameter", self.parameters)
         values = self.parameters | dict(changed or {})
         return np.array([values[name] * in_si(unit)[0] for name, (_, _, unit) in self.system.parameters.items()])
 
@@ -66,12 +68,21 @@ class Model:
         Raises:
             DescriptionError: an unknown name, or a loop that does not close.
         """
-        each, p = self.system.coordinates, self.values(parameters)
-        self._refuse_unknown(values, "coordinate or rate", [name for c in each for name in (c.name, c.rate_name)])
+        each = self.system.coordinates
+        self.refuse_unknown(values, "coordinate or rate", [name for c in each for name in (c.name, c.rate_name)])
         q = np.array([values[c.name] * in_si(c.unit)[0] if c.name in values else c.guess for c in each])
         v = np.array([values.get(c.rate_name, 0.0) * in_si(c.unit)[0] for c in each])
         given = [k for loop in self.system.loops for k in loop.gives]
-        seek = [k for k in given if each[k].name not in values]
+        seek, turn = ([k for k in given if each[k][which] not in values] for which in (0, 1))
+        return self.closed(q, v, self.values(parameters), seek, turn)
+
+    def closed(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> Array:
+        """State at time 0 of coordinates q and rates v, in SI; those of the indices `seek` and `turn` are changed so that the loops close.
+
+        Raises:
+            DescriptionError: a loop does not close.
+        """
+        q, v = q.copy(), v.copy()
         for _ in range(50):
             gap, G, _ = self.loops(q, p)
             step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
@@ -81,23 +92,22 @@ class Model:
             if np.max(np.abs(step), initial=0.0) < 1e-14:
                 break
         sizes = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
-        of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
-        for loop, left, size in zip(of_rows, gap, sizes, strict=True):
-            if not abs(left) <= CLOSED * size:
-                raise DescriptionError(
-                    f"loop {loop.name!r} of {self.system.name!r} cannot close at the start: {abs(left):.3g} {loop.unit} remain; change the"
-                    " start, the lengths, or the guess of the coordinates that the loop gives"
-                )
-        if turn := [k for k in given if each[k].rate_name not in values]:
+        told = "cannot close at the start: {left:.3g} {unit} remain; change the start, the lengths, or the guess of what it gives"
+        self._refuse_rows(gap, CLOSED * sizes, told)
+        if turn:
             v[turn] = np.linalg.lstsq(G[:, turn], -G @ np.append(v, 1.0), rcond=None)[0]
         rates = np.append(v, 1.0)
-        for loop, opening in zip(of_rows, np.abs(G @ rates), strict=True):
-            if opening > OPENS * np.max(np.abs(G) @ np.abs(rates)):
-                raise DescriptionError(
-                    f"loop {loop.name!r} of {self.system.name!r} opens at the start by {opening:.3g} {loop.unit} a second; leave out the"
-                    " rates of the coordinates that it gives"
-                )
+        fastest = np.max(np.abs(G) @ np.abs(rates), initial=0.0)
+        told = "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives"
+        self._refuse_rows(G @ rates, np.full(len(gap), OPENS * fastest), told)
         return self.state(q, v)
+
+    def _refuse_rows(self, rows: Array, allowed: Array, told: str) -> None:
+        """Refuse a row of the loops that is larger than allowed."""
+        of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
+        for loop, left, most in zip(of_rows, np.abs(rows), allowed, strict=True):
+            if not left <= most:
+                raise DescriptionError(f"loop {loop.name!r} of {self.system.name!r} {told.format(left=left, unit=loop.unit)}")
 
     def simulate(
         self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None
@@ -117,14 +127,19 @@ class Model:
         """
         y, p = self.start(start, parameters), self.values(parameters)
         self.check(y, p)
-        times, limits = np.linspace(0.0, duration, round(duration / step) + 1), {"rtol": tolerance, "atol": tolerance * self.error_sizes()}
-        found = solve_ivp(self.rates, (0.0, duration), y, method, times, args=(p,), **limits)
+        times = np.linspace(0.0, duration, round(duration / step) + 1)
+        states = self.integrate(lambda t, y: self.rates(t, y, p), y, times, tolerance, self.error_sizes(), method)
+        return self.observe(times, states, p)
+
+    def integrate(self, rates: Rates, y: Array, times: Array, tolerance: float, sizes: Array, method: str = "DOP853") -> Array:
+        """States at times, shape (times, len(y)); errors are relative to the states and to `sizes`. See `simulate`."""
+        found = solve_ivp(rates, (0.0, times[-1]), y, method, times, rtol=tolerance, atol=tolerance * sizes)
         if not found.success:
             at = found.t[-1] if len(found.t) else 0.0
-            ends = [c.name for c in (self.system.coordinates[t.index] for t in self.system.tables)]
-            cause = f" ({', '.join(ends)} may have left its table)" if ends else ""
+            ends = ", ".join(self.system.coordinates[table.index].name for table in self.system.tables)
+            cause = f" ({ends} may have left its table)" if ends else ""
             raise DescriptionError(f"the integration of {self.system.name!r} gets stuck after {at:g} s{cause}: {found.message}")
-        return self.observe(found.t, found.y.T, p)
+        return np.asarray(found.y.T)
 
     def check(self, y: Array, p: Array) -> None:
         """Refuse a state in which an acceleration is not determined, or an output not a number; compare code and interpreter."""
@@ -163,7 +178,8 @@ class Model:
         gap, G, M = (np.array(each) for each in self._matrices(self.input(0.0, self.state(q, 0.0 * q), p)))
         return gap.ravel(), G, M
 
-    def _refuse_unknown(self, names: Values, what: str, known: Iterable[str]) -> None:
+    def refuse_unknown(self, names: Iterable[str], what: str, known: Iterable[str]) -> None:
+        """Refuse a name that is not known, with those that are."""
         there = list(known)
         for name in names:
             if name not in there:

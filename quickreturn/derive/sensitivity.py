@@ -6,7 +6,6 @@ import casadi as ca
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from quickreturn.derive.machine_code import MachineCode
 from quickreturn.derive.model import Model, Values
@@ -36,6 +35,7 @@ def sensitivities(
         raise DescriptionError(
             f"sensitivities of {system.name!r} need the form 'projection', and no tables: nothing tells what those depend on"
         )
+    model.refuse_unknown(to, "parameter", model.parameters)
     p, y = model.values(parameters), model.start(start, parameters)
     chosen, size = [list(model.parameters).index(name) for name in to], len(y)
     # y' = f(y, p) and S = dy/dp: S' = df/dy S + df/dp, a derivative along (S, dp)
@@ -56,13 +56,13 @@ def sensitivities(
     def rate(time: float, Y: NDArray[np.float64]) -> NDArray[np.float64]:
         return code(np.concatenate([[time], Y[:size], p, Y[size:]]))
 
-    times, sizes = np.linspace(0.0, duration, round(duration / step) + 1), np.append(model.error_sizes(), np.full(begin.size, np.inf))
-    Y = np.concatenate([y, begin.T.ravel()])
-    found = solve_ivp(rate, (0.0, duration), Y, "DOP853", times, rtol=tolerance, atol=tolerance * sizes)
-    every = np.vstack([found.t, found.y[:size], np.tile(p[:, None], len(found.t)), found.y[size:]])
+    sizes = np.append(model.error_sizes(), np.full(begin.size, np.inf))
+    times = np.linspace(0.0, duration, round(duration / step) + 1)
+    states = model.integrate(rate, np.concatenate([y, begin.T.ravel()]), times, tolerance, sizes)
+    every = np.vstack([times, states.T[:size], np.tile(p[:, None], len(times)), states.T[size:]])
     values = np.array(ca.Function("changes", [inputs], [ca.densify(shown)])(every)).T
     units = {f"{output} by {name}": per(unit, system.parameters[name][2]) for name in to for output, (_, unit) in e.outputs.items()}
     frame = pd.DataFrame(values, columns=list(units)) / [in_si(unit)[0] for unit in units.values()]
-    frame.insert(0, "time", found.t)
+    frame.insert(0, "time", times)
     frame.attrs["units"] = {"time": "s"} | units
     return frame

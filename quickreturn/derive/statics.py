@@ -35,8 +35,7 @@ class Statics:
 
     def __init__(self, model: Model, hold: Sequence[str] = (), parameters: Values | None = None) -> None:
         e, system, names = model.equations, model.system, [c.name for c in model.system.coordinates]
-        if unknown := set(hold) - set(names):
-            raise DescriptionError(f"{sorted(unknown)[0]!r} is no coordinate of {system.name!r}; there are {', '.join(names)}")
+        model.refuse_unknown(hold, "coordinate", names)
         self._model, self._parameters, self._names, n = model, parameters, names, len(names)
         self._held = [names.index(name) for name in hold]
         self._moving = [k for k in range(n) if k not in self._held]

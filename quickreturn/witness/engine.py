@@ -17,7 +17,7 @@ from quickreturn.engines import refusals
 from quickreturn.engines.base import SPRING, USUAL, Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, installed
 from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
-from quickreturn.engines.own.reference import COMPARED, RATIO, SMOOTH
+from quickreturn.engines.own.reference import ALIKE, COMPARED, RATIO, SLOWEST, SMOOTH, fitted
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
@@ -25,20 +25,21 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.rigid import crank_pace, deflection_scale
 
 if TYPE_CHECKING:
     from quickreturn.derive import Model
 
 Array = NDArray[np.float64]
 
-#: Straight-line code grows with the square of the points and with the shapes; nine of them take some 5 s to derive and compile.
-MOST_MODES: Final = 9
-#: Part of the follower's length that a deflection's error is relative to.
+#: Straight-line code grows with the square of the points and with the shapes: eleven of them have 74,000 instructions.
+MOST_MODES: Final = 11
+#: Sizes of errors: of the slider's place over the follower's length, and of a joint's gap over the deflection.
 SMALL: Final = 0.01
+#: Relative error that scipy's integrator takes for rounding; what counts are the fixed sizes.
+ROUNDING: Final = 3e-14
 #: Part of the way to the follower's end beyond which a slider that cannot be followed any farther has left it.
 NEARLY: Final = 0.97
-#: A loop counts as closed with this part of the follower's length left.
-CLOSED: Final = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,11 +47,11 @@ class DerivedSettings(Settings):
     """Settings of `derived`."""
 
     modes: int = setting(2, "modes of the beam supported at the slider", low=1, high=MOST_MODES)
-    tolerance: float = setting(1e-7, "local error of the integration, relative to each state", low=1e-11, high=1e-4)
+    tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=1e-11, high=1e-4)
 
 
 #: Modes, tolerance, and the error of the tip deflection that so many modes leave in run 24 over 2 s.
-_RUNGS: Final = ((1, 1e-6, 2.7e-2), (2, 1e-6, 1.5e-3), (4, 1e-7, 8e-4), (5, 1e-7, 4.9e-4))
+_RUNGS: Final = ((1, 1e-6, 2.7e-2), (2, 1e-6, 1.5e-3), (4, 1e-7, 8e-4), (5, 1e-7, 4.9e-4), (7, 1e-8, 8.2e-5))
 LADDER: Final = Ladder(
     tuple((DerivedSettings(modes=modes, tolerance=tolerance), claim) for modes, tolerance, claim in _RUNGS), "modes", "tolerance"
 )
@@ -93,18 +94,18 @@ class DerivedEngine(Engine[DerivedSettings]):
         return description(mechanism, beam, ELIMINATED_SLIDER if rigid else compliant, settings.modes + (not rigid))
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> DerivedSettings:
-        """The ladder's rung."""
-        return LADDER.pick(accuracy)
+        """The ladder's rung; fewer modes where the follower is stiffer than run 24's."""
+        return fitted(LADDER, accuracy, mechanism)
 
     def comparisons(self, settings: DerivedSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """A run with more modes and one with still more, as many as `reference` compares."""
+        """A run with more modes and, where that does not do, one with still more, as many as `reference` compares."""
         more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         if more > MOST_MODES:
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
         finer, further = LADDER.sized(settings, more), None
         if more + 2 <= MOST_MODES:
-            further = Comparison(finer, LADDER.sized(finer, more + 2), RATIO if settings.modes < SMOOTH else 0.5)
-        return (Comparison(settings, finer, ratio, further),)
+            further = Comparison(finer, LADDER.sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST)
+        return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
 
     def finer(self, settings: DerivedSettings, excess: tuple[float, ...], output_step: float) -> DerivedSettings | None:
         """The next rung."""
@@ -163,7 +164,7 @@ class DerivedSimulation(Simulation):
         times = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
         tolerance = self.settings.tolerance
         found = solve_ivp(
-            equations.rates, (times[0], times[-1]), self.state, "DOP853", times, args=(self.values,), rtol=tolerance,
+            equations.rates, (times[0], times[-1]), self.state, "DOP853", times, args=(self.values,), rtol=ROUNDING,
             atol=tolerance * self.sizes,
         )  # fmt: skip
         place = equations.system.tables[0].index
@@ -183,6 +184,8 @@ class DerivedSimulation(Simulation):
 
     def _begin(self, start: Start) -> Array:
         """The state closest to a start, its loop closed without a gap."""
+        from quickreturn.derive import DescriptionError
+
         equations, mechanism, n = self.model(), self.mechanism, self.settings.modes
         names = [each.name for each in equations.system.coordinates]
         q, v = np.zeros(len(names)), np.zeros(len(names))
@@ -194,29 +197,24 @@ class DerivedSimulation(Simulation):
             q[3 : 3 + n] = np.linalg.lstsq(psi, bent.tangent(x) - bent.follower_angle, rcond=None)[0]
             rate = bent.tangent_rate(x) - bent.follower_rate - psi_s @ q[3 : 3 + n] * bent.slider_speed
             v[3 : 3 + n] = np.linalg.lstsq(psi, rate, rcond=None)[0]
-        for _ in range(20):
-            gap, G, _ = equations.loops(q, self.values)
-            step = np.linalg.lstsq(G[:, 1:3], -gap, rcond=None)[0]
-            q[1:3] += step
-            if not np.max(np.abs(step)) > 1e-14:
-                break
-        if not np.max(np.abs(equations.loops(q, self.values)[0])) < CLOSED * mechanism.follower.length:
-            raise EngineFailure(0.0, "the loop cannot be closed in the given start", "try a start with a smaller deflection")
-        v[1:3] = np.linalg.lstsq(G[:, 1:3], -G @ np.append(v, 1.0), rcond=None)[0]
-        return equations.state(q, v)
+        try:
+            return equations.closed(q, v, self.values, [1, 2], [1, 2])
+        except DescriptionError as open_loop:
+            cause = "the loop cannot be closed in the given start"
+            raise EngineFailure(0.0, cause, "try a start with a smaller deflection") from open_loop
 
     def _sizes(self) -> Array:
-        """What errors are relative to where a state is small: a tenth of a radian, and one per cent of the follower's length.
+        """What errors are relative to: for amplitudes the scene's deflection, and what turns the follower's end by as much.
 
-        Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
+        Fixed, so that none vanishes. Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
         """
-        equations, beam = self.model(), self.mechanism.follower
-        amplitude = SMALL * beam.length * np.sqrt(beam.mass)
-        size = {"crank_angle": 0.1, "follower_angle": 0.1, "slider_position": SMALL * beam.length, "gap": 1e-2 * SMALL * beam.length}
-        sizes = np.array([size.get(each.name, amplitude) for each in equations.system.coordinates])
-        pace = np.sqrt(self.shapes.family.squares_at(np.array([self.state[2]]), 0)[0, 0])
-        free = equations.equations.free
-        return np.concatenate([sizes, pace * sizes[free], [np.inf, np.inf]])
+        equations, scene = self.model(), self.mechanism
+        beam, bends = scene.follower, deflection_scale(scene)
+        size = {"crank_angle": 0.1, "follower_angle": bends / beam.length, "slider_position": SMALL * beam.length, "gap": SMALL * bends}
+        sizes = np.array([size.get(each.name, bends * np.sqrt(beam.mass)) for each in equations.system.coordinates])
+        rates = np.sqrt(self.shapes.family.squares_at(np.array([self.state[2]]), 0)[0, 0]) * sizes
+        rates[0] = 0.1 * crank_pace(scene)
+        return np.concatenate([sizes, rates[equations.equations.free], [np.inf, np.inf]])
 
 
 _MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}

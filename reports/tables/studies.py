@@ -7,7 +7,7 @@ from typing import Any, Final
 from quickreturn.cases.benchmark.findings import Point, completed
 from quickreturn.cases.benchmark.truth import Confirmation, Converged
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.studies import StudiedRun
+from quickreturn.cases.studies import Prescribed, StudiedRun
 from quickreturn.engines.accurate import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
 from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
@@ -15,6 +15,10 @@ from quickreturn.reports.words import cost, settings_words, short_name
 
 #: Columns of the errors, with their headings.
 _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error") for name in ESTIMATED)
+
+#: What the converged solution at a prescribed speed is held against, and an engine at that speed.
+DRIVEN: Final = "driven crank"
+SAME_SPEED: Final = "same speed"
 
 
 def accuracy(runs: Sequence[StudiedRun]) -> Table:
@@ -44,6 +48,16 @@ def confirmation(converged: Converged | None, confirming: Sequence[Confirmation]
         words = {"settings": settings_words(converged.settings), "with_settings": settings_words(run.settings)}
         found.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.differences)
     return found
+
+
+def prescribed(found: Prescribed, converged: Converged) -> Table:
+    """What a prescribed crank speed changes, and the models that need one: their errors and those of their integration."""
+    errors = (*_ERRORS, Column("error_estimate", "own estimate", "%", ".2g"))
+    table = Table("prescribed_speed", ("engine", "settings", Column("against", "held against"), *errors))
+    table.add(engine=converged.engine, settings=settings_words(converged.settings), against=DRIVEN, **found.changed)
+    for run in found.runs:
+        table.add(run, settings=settings_words(run.settings), against=SAME_SPEED, **run.errors)
+    return table
 
 
 def convergence(points: Sequence[Point]) -> Table:

@@ -2,9 +2,13 @@
 
 from dataclasses import replace
 
+import pytest
+
 from quickreturn.cases.benchmark.methods import Method
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.studies import convergence
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.studies import convergence, run_studies
 from quickreturn.engines.accurate import ESTIMATED
 from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
 
@@ -17,3 +21,16 @@ def test_errors_fall_towards_the_finest_settings() -> None:
         errors = [point.error(channel) or 0.0 for point in found]
         assert errors[-1] == 0.0
         assert errors[1] > errors[3] > 0.0  # the tighter tolerance
+
+
+@pytest.mark.verify
+def test_a_prescribed_speed_and_a_linear_beam_each_have_their_own_error() -> None:
+    """Of a model the error against the exact one at the same speed, beside its estimate, which is of the integration alone."""
+    found = run_studies(Workshop(Store()))
+    assert found.failures == []
+    assert found.prescribed is not None
+    linear, foreshortened = found.prescribed.runs
+    changes = [found.prescribed.changed, linear.errors, foreshortened.errors]
+    assert [each["tip_deflection"] for each in changes] == pytest.approx([0.179, 0.0587, 0.0100], rel=5e-3)
+    for run in found.prescribed.runs:
+        assert 0.0 < run.error_estimate < 1e-4  # type: ignore[operator]

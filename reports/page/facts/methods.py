@@ -11,7 +11,7 @@ from quickreturn.cases.judging.conditioning import CHANGE, ILL
 from quickreturn.cases.judging.matrix import REQUESTED, Matrix
 from quickreturn.cases.judging.verdicts import LATER, MEANINGS, OWN_EQUATIONS
 from quickreturn.cases.library.hard import IMPOSSIBLE
-from quickreturn.engines.registry import MODEL
+from quickreturn.engines.registry import MODEL, engine
 from quickreturn.reports.page.answer import contest, is_own
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
@@ -50,7 +50,7 @@ def methods(content: Content) -> dict[str, Any] | None:
         "levels": [contest(first, level) for level in LEVELS],
         "missing": [name for name in SCENES if name not in {table.case for table in found}],
         "orders": {name: order for name, order in orders.items() if order is not None},
-        "stuck": _stuck(first),
+        "models": _models(found),
         "confirmed": CONFIRMED,
         "fastest": tables.fastest(found),
         "waits": tables.waiting(found),
@@ -74,13 +74,15 @@ def _waiting(table: Benchmark, level: float, method: str) -> Measured | None:
     return found[1] if found else None
 
 
-def _stuck(table: Benchmark) -> dict[str, float]:
-    """Methods whose error stays above a half over all their settings, with the least."""
-    errors: dict[str, list[float]] = {}
-    for point in table.points:
-        if (error := point.error()) is not None:
-            errors.setdefault(point.method, []).append(error)
-    return {name: min(found) for name, found in errors.items() if min(found) > 0.5}
+def _models(found: Sequence[Benchmark]) -> dict[str, dict[str, float]]:
+    """Methods that solve equations of their own -> scene -> the least error of their settings, which is that of the model."""
+    errors: dict[str, dict[str, float]] = {}
+    for table in found:
+        for point in table.points:
+            if engine(point.engine).estimates == "integration" and (error := point.error()) is not None:
+                known = errors.setdefault(point.method, {})
+                known[table.case] = min(error, known.get(table.case, error))
+    return errors
 
 
 def _at(measured: Measured, across: str) -> float | None:

@@ -43,6 +43,8 @@ def accuracy(content: Content) -> dict[str, Any] | None:
             "convergence": tables.convergence(studies.convergence),
             "both_starts": both_starts(studies.both_starts),
         }
+        if studies.prescribed and studies.converged:
+            facts["prescribed"] = tables.prescribed(studies.prescribed, studies.converged)
     return facts
 
 

@@ -154,6 +154,8 @@ def test_unknown_names_are_listed() -> None:
         model.simulate({"agle": 1.0}, 0.1, 0.1)
     with pytest.raises(DescriptionError, match=r"'lenght' is no parameter of 'crank'; there are length, mass, stiffness"):
         model.simulate({}, 0.1, 0.1, parameters={"lenght": 1.0})
+    with pytest.raises(DescriptionError, match=r"'lenght' is no parameter of 'crank'"):
+        sensitivities(model, ["lenght"], {}, 0.1, 0.1)
     with pytest.raises(DescriptionError, match=r"'x' is no coordinate of 'crank'"):
         natural_frequencies(model, {}, hold=["x"])
 
@@ -176,8 +178,10 @@ def test_a_system_too_large_for_latex_or_without_sensitivities() -> None:
 def test_a_motion_that_ends_says_when() -> None:
     system, p, angle = crank()
     system.energy("well", p.stiffness * p.length**2 * ca.sqrt(1 - angle))
-    with pytest.raises(DescriptionError, match=r"the integration of 'crank' gets stuck after 0\.[4-9]"):
-        Model(system).simulate({"angle_rate": 1.0}, 3.0, 0.01)
+    model, start = Model(system), {"angle_rate": 1.0}
+    for moved in (lambda: model.simulate(start, 3.0, 0.01), lambda: sensitivities(model, ["length"], start, 3.0, 0.01)):
+        with pytest.raises(DescriptionError, match=r"the integration of 'crank' gets stuck after 0\.[4-9]"):
+            moved()
 
 
 def test_units_are_those_given_and_rates_have_them() -> None:
