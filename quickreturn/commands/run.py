@@ -1,4 +1,4 @@
-"""`quickreturn run`: engines on cases in their steady state, measured, compared and held to what they claim."""
+"""`quickreturn run`: measures engines on cases in their steady state, and compares their differences with their claims."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -32,9 +32,9 @@ def command(
 ) -> int:
     """Bring engines to their steady state on each CASE, measure and compare them.
 
-    Two engines may differ by what both claim: their own error estimates and the uncertainty of what is measured. Exit code 1: some differ
-    by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is not
-    installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
+    Two engines may differ by the sum of their claims: their own error estimates and the uncertainty of the measures. Exit code 1: some
+    differ by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is
+    not installed, did not settle or did not reach the accuracy asked. The other engines go on. Each result is stored at once: an
     interrupted run continues.
     """
     from quickreturn.catalogue import prepared
@@ -55,13 +55,13 @@ def command(
         print_json(as_document(results, workshop.store.notices))
     else:
         for result in results:
-            if not all(each.status == REFUSED for each in result.runs.values()):  # else there is nothing to show
+            if not all(each.status == REFUSED for each in result.runs.values()):  # otherwise there is nothing to show
                 click.echo(in_lines(parts_of(result)))
     return exit_code(results, workshop, engines)
 
 
 def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Sequence[str]) -> int:
-    """Tell on standard error what did not come to a result; `engines` are those that were asked for by name."""
+    """The exit code; runs without a result are named on standard error. `engines`: those asked for by name."""
     from quickreturn.cases.runs.request import REFUSED
     from quickreturn.command_line import BAD_INPUT, CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
 
@@ -82,7 +82,7 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
 
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
-    """The JSON document of `run` and `compare`: recorded tables stand behind the engines."""
+    """The JSON document of `run` and `compare`: recorded tables follow the engines."""
     from quickreturn.cases.loads import loads_of_run
     from quickreturn.reports.tables.strength import document
 
@@ -123,6 +123,6 @@ def _resonance(mechanism: "Mechanism") -> dict[str, Any] | None:
 
 
 def _as_document(run: "Run") -> dict[str, Any]:
-    """All that is known of a run but its cycle."""
+    """Everything about a run except its cycle."""
     known = {name: value for name, value in vars(run).items() if name != "cycle"}
     return known | {"settling": run.settling and {**vars(run.settling), "sentence": run.settling.sentence()}}
