@@ -13,14 +13,14 @@ from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
 from quickreturn.solution import UnknownColumn, known_column
 
-#: Shown where no columns are asked for.
+#: Columns that are drawn if the caller names none.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
 
 WIDTH: Final = 8.0  # in
 PANEL: Final = 1.9  # in, height
 NOTEBOOK: Final = 110  # dots per inch
 
-#: Unit -> what is shown in its place, and by how much a value is divided for that.
+#: Unit -> the unit in a picture, and the divisor that converts a value to it.
 _SHOWN: Final = {"m": ("mm", 1e-3), "1": ("10⁻⁶", 1e-6)}
 
 
@@ -37,12 +37,12 @@ class Drawing(Figure):
 
 
 def drawing(height: float, width: float = WIDTH) -> Drawing:
-    """An empty one, sizes in inches."""
+    """An empty drawing, sizes in inches."""
     return Drawing(figsize=(width, height), layout="constrained", facecolor="white")
 
 
 def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
-    """Columns over time, one panel for each; without any `USUAL`, as far as they are there. UnknownColumn: no trajectory has it.
+    """Draw columns over time, a panel for each; without any, those of `USUAL` that exist. UnknownColumn: no trajectory has it.
 
     `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
     """
@@ -60,7 +60,7 @@ def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, 
 
 
 def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str]) -> Drawing:
-    """The last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
+    """Draw the last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
     figure = drawing(0.8 + PANEL * len(cycles), max(WIDTH, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
     for row, (case, runs) in zip(grid, cycles.items(), strict=True):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Modes:
-    """Natural frequencies, Hz, ascending, at a crank angle (rad), and what they were computed with."""
+    """Natural frequencies, Hz, ascending, at a crank angle (rad), with case, engine and settings."""
 
     case: str
     crank_angle: float
@@ -50,9 +50,9 @@ def modes(
         quiet: as of `simulate`.
 
     Raises:
-        CaseError, UnknownEngine, Refusal, SettingError: something cannot be.
-        EngineFailure: the engine failed, or what it returned are no natural frequencies.
-        ValueError: no numbers of degrees, or no count.
+        CaseError, UnknownEngine, Refusal, SettingError: an invalid argument, or a scene that the engine cannot model.
+        EngineFailure: the engine failed, or returned something other than natural frequencies.
+        ValueError: an invalid crank angle or count.
     """
     import numpy as np
     import pandas as pd
@@ -75,7 +75,7 @@ def modes(
 def frozen_crank(
     case: Case, engine: "str | AnyEngine", crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> list[Modes]:
-    """The same with crank angles in rad and settings as texts. Raises as `modes`."""
+    """As `modes`, with crank angles in rad and settings as texts."""
     from quickreturn.engines.frozen_crank import natural_frequencies
 
     chosen = found_engine(engine)

@@ -18,7 +18,7 @@ def command(cases: Sequence[str], tag: str | None, accuracy: float, assignments:
     """Say where CASE lies on the map of classes, and which methods were the fastest there to an error.
 
     The map was recorded: one turn of the crank from the standard start, by every engine, in scenes that cover the dimensionless groups.
-    Nothing is simulated. A warning names each quantity outside the map. With several cases the JSON document is a list.
+    Nothing is simulated. The output names each quantity that lies outside the map. With several cases the JSON document is a list.
     """
     from dataclasses import asdict
 

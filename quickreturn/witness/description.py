@@ -1,6 +1,6 @@
-"""The quick-return with a flexible follower, described for `quickreturn.derive`: parts, joint, drive, and what is read off.
+"""The quick-return with a flexible follower, described for `quickreturn.derive`: parts, joint, drive and outputs.
 
-Nothing of the equations derived by hand stands here. Shared with them is the table of the follower's shapes.
+It contains no equation derived by hand. It shares only the table of the follower's shapes with them.
 """
 
 from functools import cache
@@ -34,7 +34,7 @@ UNITS: Final = {
 
 
 def constants(scene: Mechanism) -> dict[str, float]:
-    """The scene's values by the names of `UNITS`; those of a joint that gives way are zero where it is rigid."""
+    """The scene's values by the names of `UNITS`; those of a compliant joint are zero if the joint is rigid."""
     crank, drive, base, follower, tip, slider = scene.crank, scene.crank.drive, scene.base, scene.follower, scene.tip_body, scene.slider
     torque, damping = (drive.torque, drive.damping) if isinstance(drive, TorqueDrive) else (0.0, 0.0)
     return dict.fromkeys(UNITS, 0.0) | {
@@ -59,8 +59,8 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     Args:
         tables: shapes of the follower, at Gauss points of cells that move with the slider.
         shapes: their number.
-        rigid: whether the slider stays on the centre line; else it leaves it by a gap, across which joint and friction act.
-        prescribed: whether the crank turns at a known speed; else a torque drives it.
+        rigid: whether the slider stays on the centre line; otherwise it has a gap from it, and joint and friction act across the gap.
+        prescribed: whether the crank turns at a known speed; otherwise a torque drives it.
     """
     system = System("quick-return")
     p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
@@ -102,7 +102,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     system.load("tool", end, tool)
     system.damper("crank bearing", q1, p.crank_damping)
     system.damper("pivot", q2, p.base_damping)
-    # friction as a damper, so that its work counts as lost: tanh(u)/u, where a rate of zero leaves 1
+    # friction as a damper, so that its work counts as dissipated: tanh(u)/u, which is 1 at a rate of zero
     u = ca.sqrt((system.rate(q2) / p.pivot_friction_rate) ** 2 + 1e-24)
     system.damper("friction of the pivot", q2, p.pivot_friction / p.pivot_friction_rate * ca.tanh(u) / u)
     torque = p.torque
@@ -129,7 +129,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     beside = 1 - gap * curvature
     moment = -p.slider_inertia * system.rate(system.rate(slope)) / beside
     along, tangent, arm = -moment * curvature, turned(slope, 1), foot - pivot
-    if rigid:  # what few shapes leave along the tangent counts for nothing: the moment about P alone
+    if rigid:  # the residual of few shapes along the tangent is ignored: only the moment about P counts
         across = (_cross(arm, held) - along * _cross(arm, tangent)) / ca.dot(arm, tangent)
     else:
         across = p.joint_stiffness * gap + p.joint_damping * system.rate(gap) + p.joint_force
@@ -139,7 +139,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     of_crank = p.crank_mass * (_acceleration(system, center) - system.gravity)
     of_slider = p.slider_mass * (_acceleration(system, crank_tip) - system.gravity) + on_follower
     on_crank = of_crank + of_slider
-    if prescribed:  # what the force on the follower asks for; the drive's own force differs by what few shapes leave of equilibrium
+    if prescribed:  # the torque that balances the force on the follower; the drive's own force differs by the residual of few shapes
         torque = p.crank_inertia * system.rate(system.rate(q1)) + _cross(center, of_crank) + _cross(crank_tip, of_slider)
 
     # of the points: place from P, velocity against the base's frame, acceleration
@@ -164,7 +164,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
 
 
 def _share_of_turn(crank_angle: ca.SX, p: Any) -> ca.SX:
-    """Share of the force on the tip that acts at a crank angle: it comes and goes by a polynomial of the fifth degree."""
+    """Part of the force on the tip that acts at a crank angle: it rises and falls as a polynomial of the fifth degree."""
     whole = 2.0 * pi
     turned_by = crank_angle - p.force_from
     turned_by -= whole * ca.floor(turned_by / whole)
@@ -180,7 +180,7 @@ def _curvatures(psi: ca.SX, lengths: list[ca.SX], points: int) -> ca.SX:
 
 @cache
 def _slopes(points: int) -> ca.DM:
-    """From values at Gauss points of (-1, 1) to slopes there."""
+    """The matrix from values at Gauss points of (-1, 1) to slopes there."""
     gauss, weights = legendre.leggauss(points)
     series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
     return ca.DM(legendre.legval(gauss, legendre.legder(series)).T)
@@ -195,7 +195,7 @@ def _acceleration(system: System, place: ca.SX) -> ca.SX:
 
 
 def columns_of(tables: Tables, shapes: int) -> dict[str, Any]:
-    """Where a row of the table holds the shapes' angles and what goes with them, each with its derivatives by s.
+    """Columns of the table for the shapes' angles and related quantities, each with its derivatives by s.
 
     Points are those of a cell and its end, cell by cell.
     """
