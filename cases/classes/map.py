@@ -15,7 +15,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
 #: What times are compared by -> the field of `Reach` with the time.
-TIMES: Final[Mapping[str, str]] = MappingProxyType({"solving alone": "solve_seconds", "all that one waits for": "waited_seconds"})
+TIMES: Final[Mapping[str, str]] = MappingProxyType({"solve time": "solve_seconds", "waiting time": "waited_seconds"})
 #: What a method can come to, as `Reach.status` has it.
 STATUSES: Final = (REACHED, NOT_REACHED, TOO_SLOW, FAILED, REFUSED)
 #: Group -> where a value lies on an axis whose unit is about a row or a column of the map. Tip and damping may be zero; a joint is as good

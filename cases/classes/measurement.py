@@ -1,4 +1,4 @@
-"""The time that each method needs to reach an error in a scene of the map: of solving alone, and of all that one waits for."""
+"""The time that each method needs to reach an error in a scene of the map: solve time and waiting time."""
 
 import time
 from dataclasses import dataclass, replace

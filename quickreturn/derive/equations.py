@@ -113,7 +113,7 @@ class Equations:
         return _symmetric(M), -Vx.T @ (m * Ax) - Vy.T @ (m * Ay), moment
 
     def _projected(self, feedback: float) -> tuple[ca.SX, ...]:
-        """The equations projected on the free speeds u: v = B u + c, q'' = B u' + c0, and B^T (M q'' - Q) = 0 contains no force of a loop."""
+        """The equations projected on the free speeds u: v = B u + c, q'' = B u' + c0, and B^T (M q'' - Q) = 0 has no force of a loop."""
         n, free, given = self.q.numel(), self.free, self._given
         inverse = ca.inv_minor(self.G[:, given]) if given else ca.SX(0, 0)
         B, c, c0, back = ca.SX(n, len(free)), ca.SX(n, 1), ca.SX(n, 1), ca.SX(n, 1)

@@ -1,4 +1,4 @@
-"""Runs without a full result, and which of them count as a failure of the report."""
+"""Runs without a full result, and the statuses that count as a failure of the report."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -6,7 +6,7 @@ from typing import Final
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import FAILED, INACCURATE, NOT_SETTLED, REFUSED, SETTLED, UNAVAILABLE, Run
 
-#: Status -> what it means to a reader.
+#: Status -> its meaning for a reader.
 MEANINGS: Final = {
     SETTLED: "reached its steady state, and by its own estimate the accuracy asked",
     INACCURATE: "reached its steady state, but its own estimate misses the accuracy asked; its numbers are used and marked",
@@ -17,7 +17,7 @@ MEANINGS: Final = {
 }
 
 
-#: Of an engine that did not complete. One that says what it cannot model has done what it should.
+#: Statuses of an engine that did not complete. An engine that refuses a scene which it cannot model has done its duty.
 INCOMPLETE: Final = (FAILED, NOT_SETTLED, UNAVAILABLE)
 
 

@@ -1,4 +1,4 @@
-"""Accuracy, convergence and cost."""
+"""Tables of accuracy, convergence and cost."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error")
 
 
 def accuracy(runs: Sequence[StudiedRun]) -> Table:
-    """Error of each engine at its default accuracy, and what it costs."""
+    """Error and cost of each engine at its default accuracy."""
     columns: Columns = (
         "engine",
         Column("solve_seconds", "solve", "s", ".2f"),
@@ -34,7 +34,7 @@ def accuracy(runs: Sequence[StudiedRun]) -> Table:
 
 
 def confirmation(converged: StudiedRun | None, confirming: Sequence[StudiedRun]) -> Table:
-    """Difference of the solutions that stand for the truth."""
+    """Differences of the confirming solutions from the converged one."""
     errors = [replace(column, group="difference") for column in _ERRORS]
     found = Table("confirmation", (Column("engine", "converged"), "settings", "confirmed_by", Column("with_settings", "settings"), *errors))
     for run in confirming if converged else ():
@@ -45,7 +45,7 @@ def confirmation(converged: StudiedRun | None, confirming: Sequence[StudiedRun])
 
 
 def convergence(runs: Sequence[StudiedRun]) -> Table:
-    """Modes by tolerance."""
+    """Error of the reference by number of modes and tolerance."""
     columns = (
         Column("modes", form="d"),
         Column("tolerance", unit="1", form=".2g"),

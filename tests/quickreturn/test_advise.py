@@ -11,7 +11,7 @@ from tests.quickreturn.conftest import Call
 
 #: Run 24 at a fifth of its speed.
 SLOW = {"crank.torque": "2 lbf*in", "crank.initial_speed": "3.32 rad/s"}
-ALONE, WAITED = "solving alone", "all that one waits for"
+ALONE, WAITED = "solve time", "waiting time"
 
 
 @pytest.fixture(autouse=True)
@@ -55,7 +55,7 @@ def test_what_lies_outside_the_map_is_called_an_extrapolation() -> None:
 def test_the_command_says_the_same_as_text_and_as_a_document(call: Call) -> None:
     answer = call("advise", "thesis-24", "--accuracy", "0.001")
     assert answer.code == 0
-    assert "fastest by solving alone: mujoco" in answer.output
+    assert "fastest by solve time: mujoco" in answer.output
     assert "not reached; 60 % are left" in answer.output
     document = json.loads(call("advise", "thesis-24", "--json").output)
     assert document["case"] == "thesis-24"
