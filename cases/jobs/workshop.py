@@ -1,7 +1,7 @@
-"""Where jobs are done: taken from the store where they are there, else computed by the executor and stored as they come.
+"""A store with an executor: results come from the store if they are there, otherwise the executor computes them and they are stored.
 
-Stored is what would come out again: a result, or an exception of the job's own. What the machine did to a job is not: a process that was
-killed, a limit of time or memory, a full disk, a library that is missing. It is tried again the next time.
+Outcomes that would repeat are stored: a result, or an exception of the job's own. Outcomes that depend on the machine are not: a killed
+process, a limit of time or memory, a full disk, a missing library. Such a job is tried again the next time.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record, Store
 
-#: Exceptions that are the machine's doing.
+#: Exceptions that are due to the machine.
 _OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
 
 
@@ -29,7 +29,7 @@ class Workshop:
     executor: Executor = field(default_factory=LocalProcesses)
 
     def outcomes(self, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
-        """How each of the jobs ended, in their order, computed in that order; of equal keys the first is.
+        """The outcome of each job, in their order; jobs with equal keys are computed once.
 
         Raises:
             KeyboardInterrupt: Ctrl-C; what was computed is stored.
@@ -47,7 +47,7 @@ class Workshop:
 
     @property
     def as_it_is(self) -> "Workshop":
-        """The same store where nothing is computed: outcomes of what is not stored are `missing`."""
+        """The same store without computation: outcomes of jobs that are not stored are `missing`."""
         return replace(self, executor=Nobody())
 
     @property
@@ -56,11 +56,11 @@ class Workshop:
         return not isinstance(self.executor, Nobody)
 
     def stored(self, job: Job[T]) -> Outcome[T] | None:
-        """How a job ended, if that is stored."""
+        """The outcome of a job, if it is stored."""
         return self._stored(job, key_of(job))
 
     def kept(self, outcome: Outcome[T], key: str | None = None) -> Outcome[T]:
-        """Store how a job ended, where it would end so again; the outcome as it will be read back."""
+        """Store the outcome of a job if it would repeat; return it as it will be read back."""
         key = key or key_of(outcome.job)
         if outcome.completed:
             try:
@@ -87,5 +87,5 @@ class Workshop:
 
 
 def _type_of(job: Job[Any]) -> Any:
-    """What the job's function says that it returns."""
+    """The annotated return type of the job's function."""
     return get_type_hints(job.function).get("return", Any)

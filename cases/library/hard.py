@@ -1,8 +1,7 @@
-"""Hard scenes, each run 24 of the thesis with a few values changed: what breaks engines, or makes them wrong without a word.
+"""Hard scenes, each run 24 of the thesis with a few changed values: engines fail in them, or are wrong without a warning.
 
 Violent motion (soft follower, fast crank), stiff equations (hard follower, light follower), the ends of the follower, light and
-heavy tips, long undamped motion, and the features that a scene may have beside the thesis'. A scene in `IMPOSSIBLE` cannot be:
-loading it must be answered by the sentence given there.
+heavy tips, long undamped motion, and optional features of a scene. A scene in `IMPOSSIBLE` must be refused with the sentence given there.
 """
 
 from collections.abc import Mapping
@@ -24,7 +23,7 @@ Values = Mapping[str, str | list[str] | None]
 class Variation:
     """A change of run 24."""
 
-    title: str  # one line for people: what differs from run 24
+    title: str  # one line: the difference from run 24
     scaled: Mapping[str, float] = field(default_factory=dict)  # dotted key -> factor on run 24's value
     given: Values = field(default_factory=dict)  # dotted key -> new value. A section's name with None leaves the section out.
 
@@ -106,12 +105,12 @@ IMPOSSIBLE: Final = MappingProxyType(
 
 
 def scene_title(name: str) -> str:
-    """What tells a hard scene from run 24, in one line."""
+    """The difference of a hard scene from run 24, in one line."""
     return f"Run {_ORIGINAL}, {SCENES[name].title}"
 
 
 def scene_document(name: str) -> Document:
-    """A hard scene as a case file would have it, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
+    """A hard scene as in a case file, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
     scene, original = SCENES[name], document_of(run_case(_ORIGINAL))
     scaled = {path: factor * original.at(path) for path, factor in scene.scaled.items()}
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
