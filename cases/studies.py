@@ -32,15 +32,15 @@ TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
 
 @dataclass(frozen=True, kw_only=True)
 class StudiedRun:
-    """A run from the standard start, what it took, and how far it is from the converged solution."""
+    """A run from the standard start, its cost, and its difference from the converged solution."""
 
     engine: str
     settings: dict[str, Any]
     degrees_of_freedom: int
     solve_seconds: float
     setup_seconds: float
-    right_hand_side_calls: float | None = None  # None where the engine counts none
-    error_estimate: float | None = None  # of the tip deflection, the engine's own, where it runs to an accuracy
+    right_hand_side_calls: float | None = None  # None if the engine does not count them
+    error_estimate: float | None = None  # the engine's own, of the tip deflection, if it runs to an accuracy
     remark: str = ""
     errors: dict[str, float] = field(default_factory=dict)  # of each column of `ESTIMATED`
     is_reference: bool = False  # whether the errors of others are against this one
@@ -77,7 +77,7 @@ class Studies:
     """Rows of all studies."""
 
     accuracy: Sequence[StudiedRun]  # of each engine at its default accuracy
-    converged: StudiedRun | None  # what that is measured against; None where it could not be computed
+    converged: StudiedRun | None  # the solution that defines these errors; None if it could not be computed
     confirming: Sequence[StudiedRun]  # solutions of others that confirm it, where they are stored (see `confirming`)
     convergence: Sequence[StudiedRun]  # of the engine `reference`, over modes and tolerances
     both_starts: Sequence[BothStarts]  # of each package that marches
@@ -85,12 +85,12 @@ class Studies:
 
 
 def work() -> Work:
-    """All that the studies need, to be computed with other runs; `run_studies` then finds it in the store."""
+    """Jobs of the studies, to compute with other runs; `run_studies` then finds them in the store."""
     return Work(_requests(), list(_solutions().values()))
 
 
 def confirming(workshop: Workshop) -> list[StudiedRun]:
-    """Solutions of others that confirm the converged one; they take half a minute. KeyboardInterrupt: Ctrl-C; what is there is stored."""
+    """Solutions of other engines that confirm the converged one; they take half a minute. KeyboardInterrupt: Ctrl-C."""
     jobs = [_solution("converged", *CONVERGED), *(_solution("confirming", *other) for other in CONFIRMING.items())]
     converged, *others = [outcome.value for outcome in workshop.outcomes(jobs, "confirmation")]
     return [each.against(converged.columns) for each in others if each] if converged else []
@@ -192,7 +192,7 @@ def convergence(
     return [each.against(found[-1].columns) for each in found]
 
 
-#: Packages that march from the standard start, too, on one run: that they get to the same cycle is seen, not assumed.
+#: Packages that also march from the standard start, on one run, to show that they reach the same cycle.
 PACKAGES: Final = ("exudyn", "mujoco")
 
 

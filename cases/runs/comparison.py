@@ -1,8 +1,9 @@
-"""Engines held against each other, case by case, with tolerances made of what they claim.
+"""Compares engines with each other, case by case, with tolerances from their claims.
 
-The tolerance of a measure is what both engines say of it: their own error estimates in the settled cycle (`cases.runs.estimates`) and
-the uncertainty of the measurement. So a coarse engine that says how coarse it is agrees, and one that claims too much departs. How good
-an engine is says its accuracy class. An engine whose estimate is not one of its whole error is not judged: its difference is a result.
+The tolerance of a measure is the sum of both engines' claims: their own error estimates in the settled cycle (`cases.runs.estimates`) and
+the uncertainty of the measurement. So a coarse engine with a right estimate agrees, and one that claims too small an error departs. The
+accuracy class says how good an engine is. An engine whose estimate does not cover its whole error is not judged: its difference is a
+result.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,7 +27,7 @@ from quickreturn.reference_model.rigid import crank_pace
 
 REFERENCE: Final = "reference"
 HALVES: Final = ("pre", "post")
-#: What is judged of each channel; the consensus of the channels' frequencies is judged besides.
+#: Quantities of each channel that are judged, besides the consensus of the channels' frequencies.
 QUANTITIES: Final = (*VIBRATION, *EXTREMES)
 CONSENSUS: Final = "consensus_frequency"
 #: Kinds of differences; "frequency" is the consensus of a half over its channels.
@@ -45,30 +46,30 @@ WORSE: Final = "worse"
 
 @dataclass(frozen=True)
 class Claim:
-    """A number, and how far off it may be: all in its own unit."""
+    """A number and its claimed error, all in its own unit."""
 
     value: float
     estimate: float  # the engine's estimate of its error
-    # of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the samples leave open, and what the
-    # channel may be off by because it has not settled
+    # of the measurement: one standard deviation of a frequency or amplitude; for an extreme the uncertainty from the spacing of samples and
+    # the channel's remaining distance from steady
     uncertainty: float
 
     @property
     def width(self) -> float:
-        """How far off it may be in all."""
+        """Its total claimed error."""
         return self.estimate + self.uncertainty
 
 
 @dataclass(frozen=True)
 class Difference:
-    """One number of two engines."""
+    """A number computed by two engines, and its relative difference."""
 
     case: str
     quantity: str  # a number of `cases.measures.Measure`, or "consensus_frequency"
     half: str  # "pre" or "post"
     channel: str | None  # trajectory column; None for the consensus
     value: float  # the engine's
-    other: float  # the one it is held against
+    other: float  # the other engine's
     relative: float  # (value - other) / |other|; for an extreme over the channel's largest magnitude in the other's cycle
 
     @property
@@ -79,17 +80,16 @@ class Difference:
 
 @dataclass(frozen=True)
 class Check:
-    """One number of two engines.
+    """A number computed by two engines, and whether they agree within their claims.
 
-    Attributes:
-        engine: the one.
-        other: the one it is held against.
+    Attributes: engine: the judged engine.
+        other: the engine that it is compared with.
         quantity: one of `QUANTITIES`, or `CONSENSUS`.
         half: "pre" or "post".
         channel: trajectory column; None for the consensus.
-        mine: what the engine claims.
-        its: what the other claims.
-        scale: what differences are shown relative to: the other's value, of an extreme the channel's largest magnitude in its cycle.
+        mine: the engine's claim.
+        its: the other's claim.
+        scale: scale of relative differences: the other's value; for an extreme the channel's largest magnitude in its cycle.
     """
 
     engine: str
@@ -103,17 +103,17 @@ class Check:
 
     @property
     def difference(self) -> float:
-        """Engine less other."""
+        """Engine minus other."""
         return self.mine.value - self.its.value
 
     @property
     def tolerance(self) -> float:
-        """How much they may differ by what both claim."""
+        """Largest difference within both claims."""
         return self.mine.width + self.its.width
 
     @property
     def passed(self) -> bool:
-        """Whether they differ by no more; not if a number is none."""
+        """Whether the difference is within the tolerance; False for NaN."""
         return abs(self.difference) <= self.tolerance
 
     def as_dict(self) -> dict[str, Any]:
@@ -126,7 +126,7 @@ class Check:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """All engines on one case, and what became of their claims; beside them recorded tables, of which `whole` alone speaks."""
+    """All engines on one case, and the verdict on their claims; also recorded tables, which only `whole` includes."""
 
     case: Case
     runs: Mapping[str, Run]
@@ -145,7 +145,7 @@ class CaseResult:
 
     @property
     def whole(self) -> "CaseResult":
-        """The same with recorded tables as engines behind the others."""
+        """The result with recorded tables as engines after the others."""
         return CaseResult(self.case, {**self.runs, **self.recorded}, (*self.checks, *self.table_checks))
 
     @property
@@ -167,17 +167,17 @@ class CaseResult:
 
     @property
     def failures(self) -> tuple[Run, ...]:
-        """Runs that failed, did not settle or did not reach the accuracy asked. A refusal is none: the engine says what it is."""
+        """Runs that failed, did not settle or did not reach the accuracy asked. A refusal does not count."""
         return tuple(run for run in self.runs.values() if run.status not in (SETTLED, TRANSIENT, ASSUMED, REFUSED))
 
     @property
     def missed(self) -> tuple[Check, ...]:
-        """Where engines differ by more than they claim."""
+        """Checks in which engines differ by more than they claim."""
         return tuple(check for check in self.checks if not check.passed)
 
     @property
     def departures(self) -> dict[tuple[str, str], list[Check]]:
-        """The same by pair of engines."""
+        """These checks by pair of engines."""
         found: dict[tuple[str, str], list[Check]] = {}
         for check in self.missed:
             found.setdefault((check.engine, check.other), []).append(check)
@@ -187,8 +187,7 @@ class CaseResult:
         """Least class that covers an engine's own estimates and its deviation from the reference ("0.3 %"), or "worse".
 
         Over consensus frequencies and extremes, these relative to the channel's largest magnitude; of a table over every column.
-        None where that is not known: there is no estimate, or the engine estimates its integration alone and
-        there is no reference to tell the rest.
+        None if it is not known: there is no estimate, or the estimate covers the integration alone and there is no reference for the rest.
         """
         run, reference = self.runs[name], self.runs.get(REFERENCE)
         known = reference is not None and reference.usable and name != REFERENCE
@@ -207,7 +206,7 @@ class CaseResult:
     def differences(
         self, name: str, kind: Kind, other: str = REFERENCE, half: str | None = None, channel: str | None = None
     ) -> list[Difference]:
-        """Those of a kind between two engines where both have the number, in both halves and all channels unless one is given."""
+        """Differences of a kind between two engines in numbers that both have, in both halves and all channels unless one is given."""
         run, opposite = self.runs.get(name), self.runs.get(other)
         if run is None or opposite is None or not (run.usable and opposite.usable):
             return []
@@ -237,13 +236,13 @@ def cross_validate(
         workshop: where.
         engines: names.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
-        settings: of an engine, by its name: setting -> value as text.
-        tables: case -> what was recorded of it.
-        beside: what else is computed with them and stored.
+        settings: engine -> setting -> value as text.
+        tables: case -> its recorded tables.
+        beside: other jobs that are computed with them and stored.
 
     Raises:
         CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
-        ValueError: two of the cases or of the engines have one name.
+        ValueError: two of the cases or of the engines have the same name.
         UnknownEngine: see there.
     """
     recorded = {case.name: {table.name: recorded_run(table, case) for table in (tables or {}).get(case.name, ())} for case in cases}
@@ -263,7 +262,7 @@ def hold_against_engines(
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, str]] | None = None,
 ) -> list[CaseResult]:
-    """Hold recorded tables against engines in the state that they show (`cases.runs.recorded`), and the engines against nothing else.
+    """Compare recorded tables with engines in the state that they show (`cases.runs.recorded`), but the engines not with each other.
 
     Arguments and errors are those of `cross_validate`.
 
@@ -294,7 +293,7 @@ def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[
 
 
 def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | None = None) -> CaseResult:
-    """Hold every engine against the reference, or where that cannot be judged against the first one that can, and tables against each.
+    """Compare every engine with the reference, or if that cannot be judged with the first one that can, and tables with each engine.
 
     The runs of engines are all in the steady state or all in the same turn. Where the engines are in the steady state and a recorded
     table is not, it has not settled.
@@ -309,16 +308,16 @@ def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | N
 
 
 def _unsettled(run: Run) -> Run:
-    told = f"begins in the standard start and has not settled after {run.cycles} turns; `quickreturn compare` holds it against that turn"
+    told = f"begins in the standard start and has not settled after {run.cycles} turns; `quickreturn compare` compares it in that turn"
     return replace(run, status=NOT_SETTLED, remark=f"{run.remark}; {told}" if run.remark else told)
 
 
 def not_judged(run: Run) -> str:
-    """Why a run cannot be held against others (a clause), "" if it can."""
+    """Why a run cannot be compared with others (a clause), "" if it can."""
     if not run.usable:
         return run.status
     if run.estimate_of == "integration":
-        return "its estimate is of the integration alone, not of its model"
+        return "its estimate covers the integration alone, not its model"
     if run.estimate_of == "unverified":
         return "its estimates are not verified"
     return f"no estimates: {run.unestimated}" if run.unestimated else ""
@@ -339,14 +338,14 @@ def _checks(run: Run, other: Run) -> list[Check]:
 
 
 def _table_checks(table: Run, other: Run) -> list[Check]:
-    """A recorded table held against an engine: what both resolve of the first mode, and the extremes of every column that both have."""
+    """Checks of a recorded table against an engine: first-mode numbers that both resolve, and extremes of columns that both have."""
     found = [check for check in _checks(table, other) if check.quantity not in EXTREMES]
     filtered = table.recording is not None and table.recording.filtered
     time, angle = other.cycle["time"], other.cycle["crank_angle"]
     for channel in dict.fromkeys(measure.channel for measure in table.measures if measure.channel in other.extreme_estimates):
         its_extremes, scale = extremes_by_half(time, angle, other.cycle[channel], filtered), other.peak(channel)
         known = (other.settling_errors or {}).get(channel)
-        unsettled = known if known is not None else (other.settling_error or 0.0) * scale  # of the whole where no more is known
+        unsettled = known if known is not None else (other.settling_error or 0.0) * scale  # of the whole if no more is known
         for half in HALVES:
             measure = table.measure(half, channel)
             for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
@@ -358,7 +357,7 @@ def _table_checks(table: Run, other: Run) -> list[Check]:
 
 
 def claim(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> Claim | None:
-    """What a run says of a number that is to be held against another run's; None where it has no number or no estimate of its error.
+    """A run's claim for a number in a comparison with another run; None if it has no number or no error estimate.
 
     The consensus is that of the channels that both runs resolve and have estimates of.
     """
@@ -380,7 +379,7 @@ def claim(run: Run, other: Run, quantity: str, half: str, channel: str | None) -
 
 
 def _own_sizes(run: Run, half: str) -> Iterator[float]:
-    """A run's own estimates in a half: of the consensus relative to it, of extremes to the peak."""
+    """A run's own relative estimates in a half: the consensus relative to itself, extremes relative to the peak."""
     for measure in run.measures:
         peak, estimates = run.peak(measure.channel), [measure.estimate(name) for name in EXTREMES]
         if measure.half == half and peak > 0.0:
@@ -391,7 +390,7 @@ def _own_sizes(run: Run, half: str) -> Iterator[float]:
 
 
 def values(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> tuple[float, float] | None:
-    """The same quantity of two runs, or None where one of them cannot resolve it.
+    """The same quantity of two runs, or None if one of them cannot resolve it.
 
     Args:
         run: one run.
