@@ -12,7 +12,7 @@ from PIL import Image
 
 from quickreturn.cases.case import Case
 from quickreturn.curves import drawing
-from quickreturn.drawing import Motion, Scenery, factor_for, legend, motion_of
+from quickreturn.drawing import Positions, Scenery, factor_for, legend, positions_of
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE
 
@@ -41,7 +41,7 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
         return animation_page(case, trajectories).encode()
     times = last_turn(next(iter(trajectories.values())))
     slowed = next((factor for factor in SLOWED if factor * (times[-1] - times[0]) >= TURN), SLOWED[-1])
-    motions = {name: motion_of(case.scene, trajectory, times[:-1]) for name, trajectory in trajectories.items()}
+    motions = {name: positions_of(case.scene, trajectory, times[:-1]) for name, trajectory in trajectories.items()}
     factor = magnify or factor_for(list(motions.values()), case.scene.follower.length)
     frames = _frames(case, motions, factor, slowed)
     file = io.BytesIO()
@@ -62,7 +62,7 @@ def last_turn(trajectory: Trajectory) -> NDArray[np.float64]:
     return np.linspace(begin, end, FRAMES + 1)
 
 
-def _frames(case: Case, motions: Mapping[str, Motion], factor: float, slowed: int) -> list[Image.Image]:
+def _frames(case: Case, motions: Mapping[str, Positions], factor: float, slowed: int) -> list[Image.Image]:
     figure = drawing(HEIGHT, WIDTH)
     axes = figure.subplots()
     scenery = Scenery(axes, case, motions, factor)

@@ -10,7 +10,7 @@ from quickreturn.cases.errors import as_written, nearest_or_all
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.runs.comparison import CaseResult, Check, cross_validate
+from quickreturn.cases.runs.comparison import CaseResult, Difference, cross_validate
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Shown
 from quickreturn.catalogue import AnyCase, loaded, prepared
@@ -52,7 +52,7 @@ class CrossValidation(Shown):
         return all(judged) if judged else None
 
     @property
-    def departures(self) -> dict[tuple[str, str, str], list[Check]]:
+    def departures(self) -> dict[tuple[str, str, str], list[Difference]]:
         """(case, engine, the engine or table that it departs from) -> the numbers that differ by more than both claim.
 
         Each has the measured quantity (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and

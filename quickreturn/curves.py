@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from quickreturn.cases.units import in_si
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
 from quickreturn.solution import UnknownColumn, known_column
@@ -21,10 +22,10 @@ PANEL: Final = 1.9  # in, height
 NOTEBOOK: Final = 110  # dots per inch
 
 #: Unit -> the unit in a picture, and the divisor that converts a value to it.
-_SHOWN: Final = {"m": ("mm", 1e-3), "1": ("10⁻⁶", 1e-6)}
+_SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
-Columns = Mapping[str, NDArray[np.float64]]
+Array = NDArray[np.float64]
 
 
 class Drawing(Figure):
@@ -41,7 +42,7 @@ def drawing(height: float, width: float = WIDTH) -> Drawing:
     return Drawing(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
+def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
     """Draw columns over time, a panel for each; without any, those of `USUAL` that exist. UnknownColumn: no trajectory has it.
 
     `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
@@ -59,7 +60,7 @@ def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, 
     return figure
 
 
-def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str]) -> Drawing:
+def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Sequence[str]) -> Drawing:
     """Draw the last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
     figure = drawing(0.8 + PANEL * len(cycles), max(WIDTH, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
@@ -73,7 +74,7 @@ def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str])
     return figure
 
 
-def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: str) -> None:
+def _panel(axes: Axes, trajectories: Mapping[str, Mapping[str, Array]], column: str, over: str) -> None:
     unit, scale = _SHOWN.get(COLUMNS[column].unit, (COLUMNS[column].unit, 1.0))
     for label, trajectory in trajectories.items():
         if column in trajectory:

@@ -33,7 +33,7 @@ MARGIN: Final = 0.07  # of the follower's length, around everything
 
 
 @dataclass(frozen=True)
-class Motion:
+class Positions:
     """Places of all parts at n instants, in the frame of O, m.
 
     Attributes:
@@ -56,7 +56,7 @@ class Motion:
         return pivot + np.stack([along * c - across * s, along * s + across * c], axis=-1)
 
 
-def motion_of(scene: Scene, trajectory: Trajectory, times: Array) -> Motion:
+def positions_of(scene: Scene, trajectory: Trajectory, times: Array) -> Positions:
     """The places from a trajectory, at some of its times (s, shape (n,)). UnknownColumn: it does not give the follower's shape."""
     if missing := [name for name in SHAPE if name not in trajectory.columns]:
         raise UnknownColumn(f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn')
@@ -71,20 +71,20 @@ def motion_of(scene: Scene, trajectory: Trajectory, times: Array) -> Motion:
     chord = rigid_motion(scene, crank_angle, 0.0).follower_angle if isinstance(scene, Mechanism) and crank_angle is not None else base
     turn = (base - chord)[:, None]
     bent = np.stack([np.cos(turn) * x - np.sin(turn) * W, np.sin(turn) * x + np.cos(turn) * W], axis=-1)
-    return Motion(times, crank_angle, bent, chord)
+    return Positions(times, crank_angle, bent, chord)
 
 
-def unbent(case: Case) -> Motion:
+def unbent(case: Case) -> Positions:
     """The mechanism with its crank at `CLEAR`, the follower straight."""
     scene, x = case.scene, np.linspace(0.0, case.scene.follower.length, POINTS)
     straight = np.stack([x, np.zeros_like(x)], axis=-1)[None]
     if not isinstance(scene, Mechanism):
-        return Motion(np.zeros(1), None, straight, np.zeros(1))
+        return Positions(np.zeros(1), None, straight, np.zeros(1))
     angle = np.array([CLEAR])
-    return Motion(np.zeros(1), angle, straight, rigid_motion(scene, angle, 0.0).follower_angle)
+    return Positions(np.zeros(1), angle, straight, rigid_motion(scene, angle, 0.0).follower_angle)
 
 
-def factor_for(motions: Sequence[Motion], length: float) -> float:
+def factor_for(motions: Sequence[Positions], length: float) -> float:
     """A round factor, at least 1, by which the largest deflection becomes at most `SHOWN` of the length; 1 where nothing bends."""
     largest = max(float(np.max(np.abs(motion.follower[..., 1]))) for motion in motions)
     if largest <= STRAIGHT * length:
@@ -96,7 +96,7 @@ def factor_for(motions: Sequence[Motion], length: float) -> float:
 class Scenery:
     """A drawing of one case on some axes; `show` moves its parts to an instant. Deflections are magnified by `factor`."""
 
-    def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Motion], factor: float) -> None:
+    def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Positions], factor: float) -> None:
         scene = case.scene
         self._crank_length = scene.crank.length if isinstance(scene, Mechanism) else 0.0
         self._pivot = np.array([scene.pivot_distance if isinstance(scene, Mechanism) else 0.0, 0.0])
@@ -175,7 +175,7 @@ def _beside(axes: Axes, name: str, up: float, x: float = 0.0, **look: Any) -> An
     return axes.annotate(name, (x, 0.0), (0.0, up), textcoords="offset points", ha="center", **look)
 
 
-def legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
+def legend(motions: Mapping[str, Positions], factor: float) -> list[Line2D]:
     """Samples of the engines' lines and of the quick return, and the factor of the deflection."""
     said = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
     samples = [Line2D([], [], label=label, **look(label)) for label in motions]

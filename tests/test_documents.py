@@ -30,7 +30,8 @@ import pytest
 
 import quickreturn
 from quickreturn.cases.benchmark import fastest_at
-from quickreturn.command_line import BAD_INPUT, COMMANDS, GOOD, main
+from quickreturn.command_line import COMMANDS, main
+from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.long_studies import benchmarks
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -135,7 +136,7 @@ def test_blocks_run(
         for line in block.text.splitlines():
             command = line.split("   #")[0].strip()
             if command and not command.startswith(("#", "make ", ". ")):
-                assert called(f"{command} --help" if block.about == "long" else command) == GOOD, command
+                assert called(f"{command} --help" if block.about == "long" else command) == ExitCode.GOOD, command
     else:
         for command, shown in exchanges(block.text):
             capfd.readouterr()
@@ -181,7 +182,7 @@ def code_of(shown: list[str]) -> int:
     """The exit code that the lines below a command tell of."""
     told = [int(line.removeprefix("# exit code ")) for line in shown if line.startswith("# exit code ")]
     refused = any(line.startswith("quickreturn: ") for line in shown)
-    return told[0] if told else BAD_INPUT if refused else GOOD
+    return told[0] if told else ExitCode.BAD_INPUT if refused else ExitCode.GOOD
 
 
 def appears(line: str, printed: str) -> bool:
@@ -275,7 +276,7 @@ def test_the_version_is_told_everywhere_alike(capfd: pytest.CaptureFixture[str])
     assert released[1] == version
     assert f"\nversion: {version}\ndate-released: {released[2]}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
     assert quickreturn.__version__ == version
-    assert called("quickreturn --version") == GOOD
+    assert called("quickreturn --version") == ExitCode.GOOD
     assert version in capfd.readouterr().out
 
 

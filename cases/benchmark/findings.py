@@ -1,7 +1,7 @@
 """Findings of a benchmark: the Pareto front, the fastest method for an accuracy, and the orders of errors."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -46,25 +46,6 @@ class Point:
     def error(self, column: str = "tip_deflection") -> float | None:
         """Error of a column, see `error_of`; None if the point did not complete."""
         return None if self.measured is None else error_of(self.measured.errors, column)
-
-
-@dataclass(frozen=True)
-class Converged:
-    """The solution that defines errors; `sizes`: RMS of each column of `engines.accurate.ESTIMATED`, SI."""
-
-    engine: str
-    settings: dict[str, Any]
-    sizes: dict[str, float]
-
-
-@dataclass(frozen=True)
-class Confirmation:
-    """A second solution of the scene: its difference in each column, relative to the first one, or the reason why there is none."""
-
-    engine: str
-    settings: dict[str, Any]
-    differences: dict[str, float | None] = field(default_factory=dict)
-    failure: str = ""
 
 
 def error_of(errors: Mapping[str, float | None], column: str = "tip_deflection") -> float | None:

@@ -12,9 +12,10 @@ from quickreturn.cases.conformance.bench import Motion, solution
 from quickreturn.cases.conformance.checks import Array
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import Finding
+from quickreturn.cases.variation import Variation, imagined, value_at
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive, changed
+from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive
 
 #: Relative change of a quantity to see its effect; small enough for a proportional effect. The inertias of base and tip are small beside
 #: the follower's.
@@ -39,7 +40,7 @@ _SCALED: Final = (
     "tip.inertia", "base.inertia", "spin_up.speed", "spin_up.time",
 )  # fmt: skip
 #: The weighted difference that a scene makes.
-Effect = Callable[[Scene], Array]
+Departure = Callable[[Scene], Array]
 
 
 def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[str, float] | None) -> Finding | None:
@@ -73,7 +74,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     return None
 
 
-def _others(scene: Scene, effect: Effect) -> Iterator[Hypothesis]:
+def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
     """Scenes with a mistake that has no free number."""
     others: dict[str, dict[str, Any]] = {
         "no tip body": {"tip": None},
@@ -82,11 +83,20 @@ def _others(scene: Scene, effect: Effect) -> Iterator[Hypothesis]:
         "base.inertia ignored": {"base.inertia": 0.0},
         **(_of_crank(scene.crank) if isinstance(scene, Mechanism) else {}),
     }
-    for path, value in _values(scene):
-        others |= {f"{path.replace('drive.', '')} {words} as large": {path: factor * value} for factor, words in _SIMPLE.items()}
-    for words, values in others.items():
-        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
-            yield Hypothesis(words, f"look where {words.split()[0]} enters", effect(changed(scene, values)))
+    tried = [Variation(words, values) for words, values in others.items()]
+    for path in _scaled(scene):
+        tried += [Variation(f"{_key(path)} {words} as large", scaled={path: factor}) for factor, words in _SIMPLE.items()]
+    for words, values in imagined(scene, tried, effect):
+        yield Hypothesis(words, _advice(words), values)
+
+
+def _key(path: str) -> str:
+    """A quantity's key in a case file by its place in the scene."""
+    return path.replace("drive.", "")
+
+
+def _advice(words: str) -> str:
+    return f"look where {words.split()[0]} enters"
 
 
 def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
@@ -111,22 +121,18 @@ def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
     return others
 
 
-def _values(scene: Scene) -> Iterator[tuple[str, float]]:
-    """Quantities that may be off by a factor, and their values."""
-    for path in _SCALED:
-        value: Any = scene
-        for part in path.split("."):
-            value = getattr(value, part, None)
-        if isinstance(value, float) and math.isfinite(value) and value != 0.0:
-            yield path, value
+def _scaled(scene: Scene) -> list[str]:
+    """Those of `_SCALED` that may be off by a factor in a scene: finite and not zero."""
+    values = {path: value_at(scene, path) for path in _SCALED}
+    return [path for path, value in values.items() if isinstance(value, float) and math.isfinite(value) and value != 0.0]
 
 
-def _factors(scene: Scene, shown: Array, effect: Effect, begin: float) -> Iterator[Hypothesis]:
+def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Iterator[Hypothesis]:
     """For each quantity the factor that explains most, found by secants from `begin`."""
-    for path, value in _values(scene):
+    for path in _scaled(scene):
 
-        def times(factor: float, path: str = path, value: float = value) -> Array:
-            return effect(changed(scene, {path: factor * value}))
+        def times(factor: float, path: str = path) -> Array:
+            return effect(Variation(path, scaled={path: factor}).of(scene))
 
         tried = begin * (_TRIED_OF_SMALL if path in ("base.inertia", "tip.inertia") else _TRIED)
         with contextlib.suppress(EngineFailure, ImpossibleMechanism):
@@ -142,5 +148,5 @@ def _factors(scene: Scene, shown: Array, effect: Effect, begin: float) -> Iterat
                 if rms(left) <= _FOUND * rms(shown):
                     break
                 slope = (there - before) / step
-            words = f"{path.replace('drive.', '')} {factor:.4g} times as large"
-            yield Hypothesis(words, f"look where {words.split()[0]} enters", there, fitted=True)
+            words = f"{_key(path)} {factor:.4g} times as large"
+            yield Hypothesis(words, _advice(words), there, fitted=True)

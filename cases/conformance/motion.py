@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import ROUNDING, TELLING, Bench, Motion, bent_start, columns_of, solution, truth
+from quickreturn.cases.conformance.bench import DECISIVE, ROUNDING, Bench, Motion, bent_start, columns_of, solution, truth
 from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, some
 from quickreturn.cases.conformance.models import acts_as_if
 from quickreturn.cases.conformance.rows import output_steps, pieces
@@ -95,7 +95,7 @@ def amiss(bench: Bench, *, steps: bool = True) -> Amiss:
     if len(found) < 2:
         return Amiss(late, depending, found, None)
     of_rows = {name for name in found if found[name].explained and len(found) == 2}
-    moves = {name: run[name] for name in columns_of(run, TELLING) if name not in late and name not in of_rows}
+    moves = {name: run[name] for name in columns_of(run, DECISIVE) if name not in late and name not in of_rows}
     return Amiss(late, depending, found, acts_as_if(bench.mild, moves, bench.tolerances(bench.mild)))
 
 

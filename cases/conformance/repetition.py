@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import TELLING, Bench, Motion, columns_of, found_engine, solution
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, found_engine, solution
 from quickreturn.cases.conformance.checks import LEFT_OUT, Array, Check, Fault, Unjudged, looked_at
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.jobs.display import answers
@@ -158,7 +158,7 @@ def _nothing_kept(bench: Bench, part: str, behind: Mapping[str, Array], fresh: M
     if not _differing(fresh, behind, {}) or not (name := _differing(fresh, behind, _errors(bench))):
         return
     scene = _scene(bench, part)
-    names = [column for column in TELLING if column in fresh and rms(fresh[column]) > 0.0]
+    names = [column for column in DECISIVE if column in fresh and rms(fresh[column]) > 0.0]
 
     def stacked(columns: Mapping[str, Array]) -> Array:
         return np.concatenate([columns[column] / rms(fresh[column]) for column in names])

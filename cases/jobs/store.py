@@ -25,6 +25,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.errors import ToldError
+
 #: Environment variable that names the folder.
 VARIABLE: Final = "QUICKRETURN_STORE"
 #: Folder under the current directory if the variable is not set.
@@ -35,7 +37,7 @@ _DOCUMENT: Final = "document"
 _ABANDONED: Final = 3600.0  # s: no write takes an hour, so an older temporary file belongs to a run that was killed
 
 
-class StoreError(Exception):
+class StoreError(ToldError):
     """The store's folder cannot be used; the text is one sentence."""
 
 

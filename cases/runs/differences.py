@@ -14,7 +14,7 @@ from quickreturn.cases.mistakes import diagnose
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.noise import white_noise
 from quickreturn.cases.runs.other_case import OtherCases, other_cases
-from quickreturn.cases.runs.recorded import GROWING, TELLING
+from quickreturn.cases.runs.recorded import GROWING, VIBRATING
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.engines.relative import relative_error, rms
 from quickreturn.reference_model.columns import COLUMNS
@@ -66,7 +66,7 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
             late[name], found[name], left[name] = lag, f"{name} is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", unlike
         elif finding.left is not None:
             found[name], left[name] = f"{finding.cause}; {finding.advice}", finding.left
-    vibrating = [name for name in grids if name in TELLING]
+    vibrating = [name for name in grids if name in VIBRATING]
     if len(vibrating) > 1 and late.keys() >= set(vibrating) and max(late.values()) - min(late.values()) <= 1:
         lag = late[vibrating[0]]
         off = f"{_degrees(abs(lag)):.3g} deg too {'large' if lag > 0 else 'small'}"

@@ -23,6 +23,7 @@ ENDINGS: Final = (".webp", ".html")
 )
 @options.accuracy
 @options.assignments
+@options.stored
 @options.output(f"Where it goes: {', '.join(ENDINGS)}.")
 def command(
     case: str,
@@ -38,7 +39,7 @@ def command(
     A .webp is a picture of the last turn, slowed down. A .html is a page that opens from disk, with controls to play, stop and slow down
     the motion, and to magnify the deflection.
     """
-    from quickreturn.commands.simulate import trajectories
+    from quickreturn.commands.trajectories import trajectories
     from quickreturn.reports.output import check_writable, write_file
 
     overrides, settings = options.read_assignments(assignments)

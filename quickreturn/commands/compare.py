@@ -42,7 +42,7 @@ def command(
     from quickreturn.cases.runs.comparison import hold_against_engines
     from quickreturn.cases.shown import in_lines
     from quickreturn.catalogue import prepared
-    from quickreturn.commands.run import as_document, exit_code
+    from quickreturn.commands.verdicts import as_document, exit_code
     from quickreturn.reports.output import check_writable, print_json
     from quickreturn.table_comparison import parts_of_tables, refuse_same_names, tables_in
 

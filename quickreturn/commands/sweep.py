@@ -7,7 +7,7 @@ from typing import Final
 import click
 
 from quickreturn.commands import options
-from quickreturn.commands.plot import ENDINGS as PICTURES
+from quickreturn.commands.options import PICTURES
 
 ENDINGS: Final = (".nc", ".csv", ".parquet")
 
@@ -64,8 +64,8 @@ def command(
     import numpy as np
 
     from quickreturn.cases.sweep.grid import ENGINE, axis
-    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from quickreturn.engines.settings import SettingError
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import check_writable, print_json, write_file
     from quickreturn.sweeping import USUAL, computed, dataset_of, summary
     from quickreturn.table_files import dataset_file
@@ -99,6 +99,6 @@ def command(
     else:
         click.echo("\n".join(summary(dataset)))
     if np.isfinite(found.values).any():
-        return GOOD
+        return ExitCode.GOOD
     options.tell(f"{loaded.name}: no point has a number: {found.sentences.flat[0]}")
-    return ENGINE_TROUBLE
+    return ExitCode.ENGINE_TROUBLE

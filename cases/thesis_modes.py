@@ -1,4 +1,4 @@
-"""Natural frequencies with the crank held, for the thesis' readings."""
+"""What the natural frequencies of the crank held still say about the thesis' readings."""
 
 import math
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 Array = NDArray[np.float64]
 
-#: Crank angles at which modes are computed, rad: farthest to nearest; the way back mirrors them.
+#: Crank angles at which modes are looked at, rad: farthest to nearest; the way back mirrors them.
 ANGLES: Final = np.linspace(math.pi, 0.0, 61)
 MODES: Final = 3
-#: Every so many of the angles, for the models with cubic elements.
+#: Of the angles one in so many, for the models with cubic elements.
 EVERY: Final = 6
 
 #: Signs of strains 1, 2, 3.
@@ -27,7 +27,7 @@ ELEMENTS: Final = (1, 2, 3)
 
 
 @dataclass(frozen=True)
-class Range:
+class Span:
     """Smallest and largest value over the crank angle."""
 
     low: float
@@ -39,11 +39,11 @@ class Range:
 
 
 @dataclass(frozen=True)
-class FrozenCrank:
-    """Frequencies and signs of a run."""
+class ThesisModes:
+    """What is known of a run."""
 
-    converged: tuple[Range, ...]  # ranges of the first three converged modes over the crank angle, Hz
-    cubic: tuple[Range, ...]  # ranges of the modes of the thesis' single cubic, Hz
+    converged: tuple[Span, ...]  # ranges of the first three converged modes over the crank angle, Hz
+    cubic: tuple[Span, ...]  # ranges of the modes of the thesis' single cubic, Hz
     # per converged mode the share of crank angles at which strains 1 and 3 have one sign and strain 2 the other
     alternating: tuple[float, ...]
     alike: tuple[float, ...]  # the same for all three of one sign
@@ -51,12 +51,12 @@ class FrozenCrank:
     elements: tuple[float, ...]
 
 
-def frozen_crank(mechanism: Mechanism) -> FrozenCrank:
-    """All of these for a mechanism."""
+def thesis_modes(mechanism: Mechanism) -> ThesisModes:
+    """All of it."""
     modes = [frozen_crank_modes(mechanism, float(angle), MODES) for angle in ANGLES]
     signs = np.sign([each.curvature(np.array(mechanism.follower.strain_gauges)) for each in modes])  # (angles, modes, gauges)
     first = np.array([each.frequencies[0] for each in modes[::EVERY]])
-    return FrozenCrank(
+    return ThesisModes(
         converged=_ranges(np.array([each.frequencies for each in modes])),
         cubic=_ranges(_cubic_frequencies(mechanism, 1, 2)),
         alternating=_share_with(signs, ALTERNATING),
@@ -65,9 +65,9 @@ def frozen_crank(mechanism: Mechanism) -> FrozenCrank:
     )
 
 
-def _ranges(frequencies: Array) -> tuple[Range, ...]:
-    """Range of each mode over the crank angle from frequencies of shape (angles, modes), Hz."""
-    return tuple(Range(float(column.min()), float(column.max())) for column in frequencies.T)
+def _ranges(frequencies: Array) -> tuple[Span, ...]:
+    """Span of each mode over the crank angle from frequencies of shape (angles, modes), Hz."""
+    return tuple(Span(float(column.min()), float(column.max())) for column in frequencies.T)
 
 
 def _cubic_frequencies(mechanism: Mechanism, elements: int, count: int) -> Array:
