@@ -34,14 +34,14 @@ TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
 
 @dataclass(frozen=True, kw_only=True)
 class StudiedRun:
-    """A run from the standard start at an engine's default accuracy, what it took, and how far it is from the converged solution."""
+    """A run from the standard start at an engine's default accuracy, its cost, and its difference from the converged solution."""
 
     engine: str
     settings: dict[str, Any]
     degrees_of_freedom: int
     solve_seconds: float
     setup_seconds: float
-    error_estimate: float | None = None  # of the tip deflection, the engine's own
+    error_estimate: float | None = None  # the engine's own, of the tip deflection
     remark: str = ""
     errors: dict[str, float | None] = field(default_factory=dict)  # of each column of `ESTIMATED`
 
@@ -65,7 +65,7 @@ class Studies:
 
     accuracy: Sequence[StudiedRun]  # of each engine at its default accuracy
     converged: Converged | None  # the solution that defines these errors; None if it could not be computed
-    confirming: Sequence[Confirmation]  # solutions of others that confirm it, where they are stored (see `confirming`)
+    confirming: Sequence[Confirmation]  # solutions of other engines that confirm it, if they are stored (see `confirming`)
     convergence: Sequence[Point]  # of the engine `reference`, over modes and tolerances; errors are those against the last
     both_starts: Sequence[BothStarts]  # of each package that marches
     failures: Sequence[str]  # sentences on what could not be computed
@@ -77,7 +77,7 @@ def work() -> Work:
 
 
 def confirming(workshop: Workshop) -> list[Confirmation]:
-    """Solutions of others that confirm the converged one; they take a minute. KeyboardInterrupt: Ctrl-C; what is there is stored."""
+    """Solutions of other engines that confirm the converged one; they take a minute. KeyboardInterrupt: Ctrl-C."""
     case = load_case(ACCURACY_CASE)
     (true,) = workshop.outcomes([_truth(case)], "confirmation")
     if true.value is None:
@@ -156,7 +156,7 @@ def convergence(method: Method, case: Case) -> list[Point]:
         EngineFailure: a run broke down.
     """
     attempts = [Attempt(method, settings) for settings in method.ladder]
-    attempts[0].warm_up(case)  # so that the times do not count what is compiled
+    attempts[0].warm_up(case)  # so that the times do not contain compilation
     found = list[Trajectory]()
     for attempt in attempts:
         attempt.repeat(case, 0)

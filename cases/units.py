@@ -80,7 +80,7 @@ VELOCITY: Final = Dimension("a velocity", (1, 0, -1, 0), "m/s", ("m/s", "in/s"))
 CONTACT_DAMPING: Final = Dimension("a contact damping", (-1, 0, 1, 0), "s/m", ("s/m", "s/in"))
 #: A pure number has no unit in a case file, but one of these in the heading of a table.
 PURE: Final = Dimension("a pure number", (0, 0, 0, 0), "1", ("percent", "microstrain", "um/m"))
-#: Its units, which pint does not take for units of a mechanical quantity.
+#: Units of a pure number, which pint does not treat as units of a mechanical quantity.
 PURE_UNITS: Final = MappingProxyType({"1": 1.0, "strain": 1.0, "percent": 0.01, "microstrain": 1e-6})
 ENERGY: Final = Dimension("an energy", (2, 1, -2, 0), "J", ("J", "lbf*in"))
 FORCE: Final = Dimension("a force", (1, 1, -2, 0), "N", ("N", "lbf"))

@@ -201,7 +201,7 @@ def _with_help(error: click.ClickException) -> str:
 
 
 def _told_of(error: Exception) -> int:
-    """Print what is wrong, a line for each mistake, and choose the exit code."""
+    """Print the error, a line for each mistake, and choose the exit code."""
     if not isinstance(error, ToldError):
         return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ExitCode.ENGINE_TROUBLE)
     for mistake in error.sentences:

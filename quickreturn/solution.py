@@ -51,8 +51,8 @@ class Solution(Shown):
         version: of the library behind it.
         result: trajectory, settings, error estimates and times as the engine gave them.
         request: what was asked.
-        store: where the loads are kept.
-        stored: whether it was computed before and comes from there, with the times that it took then.
+        store: the store of the loads.
+        stored: whether it comes from the store; its times are then those of its computation.
     """
 
     case: Case
@@ -65,7 +65,7 @@ class Solution(Shown):
 
     @classmethod
     def of(cls, case: Case, request: TrajectoryRequest, answer: Answer, store: Store | None, stored: bool) -> "Solution":
-        """What an answer makes known. EngineFailure: the run broke down."""
+        """The solution of an answer. EngineFailure: the run failed."""
         chosen = found_engine(request.engine)
         found = answer.result(request, chosen)
         if isinstance(found, EngineFailure):
@@ -173,7 +173,7 @@ class Solution(Shown):
             yield self._estimates()
         if (loads := self.loads).stress is not None:
             yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
-        then = "; when it was computed, for it comes from the store" if self.stored else ""
+        then = " (from the store; times of its computation)" if self.stored else ""
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items()) + then
         yield "settings", settings_words(self.settings)
         if result.further_run_skipped:
@@ -219,7 +219,7 @@ def simulate(
     store: bool = True,
     quiet: bool = False,
 ) -> Solution:
-    """Simulate a case from its standard start, in this process; what was simulated before comes from the store of results.
+    """Simulate a case from its standard start, in this process; an earlier result comes from the store.
 
     Args:
         case: a name, a path or a `Case`.
@@ -228,7 +228,7 @@ def simulate(
         settings: settings of the engine, by name; they are used as they are, and the error is still estimated.
         estimate: False: make one run without the runs for an error estimate; its error is then unknown.
         time_limit: wall time (s) within which to answer: runs for the error estimate that could take longer are not begun. None: no limit.
-        store: False: compute it anew, and keep nothing. Nothing is kept of an engine that is not given by its name.
+        store: False: compute it anew, and store nothing. Results of an engine that is not given by its name are not stored.
         quiet: whether messages on standard error are left out while code is compiled, which happens once on a machine.
 
     Raises:
@@ -256,7 +256,7 @@ def simulate(
 
 
 def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:
-    """What comes of a job in this process, and whether it was in the store. Raises as the job."""
+    """The value of a job in this process, and whether it was in the store. Raises as the job."""
     [outcome] = outcomes_of([job], "", ThisProcess(), store)
     if outcome.error is not None:
         raise outcome.error
@@ -265,7 +265,7 @@ def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:
 
 
 def opened_store(tell: Callable[[str], object] = warnings.warn) -> Store | None:
-    """The store of results; None where there can be none, which is told like what is damaged in it."""
+    """The store of results; None if it cannot be used, which a message says."""
     try:
         return Store(tell=tell)
     except StoreError as error:

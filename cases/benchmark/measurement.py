@@ -55,7 +55,7 @@ class Benchmark:
 
     @property
     def confirmed(self) -> bool:
-        """Whether another solution confirms the one that errors are measured against."""
+        """Whether a second solution confirms the one that defines errors."""
         return self.confirmation.confirms
 
 

@@ -122,7 +122,7 @@ def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
 
 
 def _scaled(scene: Scene) -> list[str]:
-    """Those of `_SCALED` that may be off by a factor in a scene: finite and not zero."""
+    """The quantities of `_SCALED` that may be off by a factor in a scene: finite and not zero."""
     values = {path: value_at(scene, path) for path in _SCALED}
     return [path for path, value in values.items() if isinstance(value, float) and math.isfinite(value) and value != 0.0]
 

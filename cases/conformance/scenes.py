@@ -55,7 +55,7 @@ class Change(Variation):
     duration: float = 0.4  # of the motion, s; three quarters of a turn unless another one shows more
 
     def mistakes(self) -> list[Variation]:
-        """What a scene would be with the mistakes of `alike`, and with the quantity half and twice as large."""
+        """The scene with each mistake of `alike`, and with the quantity half and twice as large."""
         found = [Variation(words, values) for words, values in self.alike.items()]
         if len(self.given) == 1:
             ((path, value),) = self.given.items()

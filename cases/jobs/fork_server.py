@@ -33,7 +33,7 @@ PRELOAD: Final = (
 )
 
 _LOCK: Final = threading.Lock()
-#: Number of the fork server as long as no process was asked of it.
+#: Process number of a fork server that has not started a process yet.
 _without_job: Final[list[int]] = []
 
 
@@ -47,7 +47,7 @@ def get_ready(preload: Sequence[str]) -> None:
 
 
 def not_needed() -> None:
-    """End the fork server if it was started for a job that has not come: it would go on with its imports."""
+    """End a fork server without a job: it would otherwise go on with its imports."""
     with _LOCK:
         for number in (_without_job.pop() for _ in list(_without_job)):
             if number == _number():
@@ -56,7 +56,7 @@ def not_needed() -> None:
 
 
 def _number() -> Any:
-    """Of the fork server's process; None: there is none."""
+    """Process number of the fork server; None: there is none."""
     return vars(forkserver._forkserver)["_forkserver_pid"]
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 #: Failure of a job that is not stored if nothing is computed.
 MISSING: Final = "is not stored"
-#: Exceptions that are the machine's doing.
+#: Exceptions that are due to the machine.
 _OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
 
 T = TypeVar("T")
@@ -35,7 +35,7 @@ def default_limits() -> Limits:
 
 
 def would_come_again(outcome: "Outcome[Any]") -> bool:
-    """Whether a job would end so again: with a result, or with an exception of its own."""
+    """Whether the outcome of a job would repeat: a result, or an exception of its own."""
     return outcome.completed or (isinstance(outcome.error, Exception) and not isinstance(outcome.error, _OF_THE_MACHINE))
 
 
@@ -55,7 +55,7 @@ class Job(Generic[T]):
     # after the other. A crash or hang loses only its own job and the process.
     brief: bool = False
     points: int = 1  # its share of the whole, for the display of progress
-    lasts: Callable[["Outcome[Any]"], bool] | None = would_come_again  # whether an ending is stored; None: none is, nor looked for
+    lasts: Callable[["Outcome[Any]"], bool] | None = would_come_again  # whether an outcome is stored; None: the store is not used
 
 
 @dataclass(frozen=True)

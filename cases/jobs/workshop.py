@@ -1,7 +1,7 @@
 """A store with an executor: results come from the store if they are there, otherwise the executor computes them and they are stored.
 
-Stored is what would come out again (`Job.lasts`): a result, or an exception of the job's own. What the machine did to a job is not: a
-process that was killed, a limit of time or memory, a full disk, a library that is missing. It is tried again the next time.
+Outcomes that would repeat are stored (`Job.lasts`): a result, or an exception of the job's own. Outcomes that depend on the machine are
+not: a killed process, a limit of time or memory, a full disk, a missing library. Such a job is tried again the next time.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from quickreturn.cases.jobs.store import Record, Store
 
 
 def _processes() -> Executor:
-    """Those of this machine; importing them takes a moment that a notebook need not wait."""
+    """Processes of this machine, imported on first use, so that a notebook need not wait."""
     from quickreturn.cases.jobs.processes import LocalProcesses
 
     return LocalProcesses()
@@ -91,7 +91,7 @@ class Workshop:
 
 
 def outcomes_of(jobs: Sequence[Job[T]], title: str, executor: Executor, store: Store | None) -> list[Outcome[T]]:
-    """As `Workshop.outcomes`; without a store everything is computed, and nothing is kept."""
+    """As `Workshop.outcomes`; without a store everything is computed, and nothing is stored."""
     return answers(executor, jobs, title) if store is None else Workshop(store, executor).outcomes(jobs, title)
 
 

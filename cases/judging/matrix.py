@@ -22,7 +22,7 @@ from quickreturn.engines.trajectory import Columns
 REQUESTED: Final = 0.01
 #: The engine that the converged solution comes from, and the error asked of it.
 CONVERGED: Final = ("reference", 1e-3)
-#: The error asked of the converged solution of `MODEL`'s own equations, against which it is held.
+#: The error asked of the converged solution of `MODEL`'s own equations, with which `MODEL` is compared.
 MODEL_CONVERGED: Final = 1e-4
 #: Columns of a trial that are kept.
 _KEPT: Final = ("time", "tip_deflection", "strain_energy")
@@ -45,7 +45,7 @@ class Judged:
     # whether the claim (error, time, what is said of the part beyond the stretch) holds against the converged solution, whose own
     # claimed error is allowed for; None where nothing is claimed or the scene has no converged solution
     holds: bool | None = None
-    model_error: float | None = None  # of an engine that is held against its own equations: the distance of these to the converged solution
+    model_error: float | None = None  # for an engine that is compared with its own equations: their distance to the converged solution
 
     @property
     def kind(self) -> str:

@@ -48,7 +48,7 @@ WORSE: Final = "worse"
 
 @dataclass(frozen=True)
 class Claim:
-    """A number, and how far off it may be: all in its own unit, nan where not known."""
+    """A number and its claimed error, all in its own unit, nan if unknown."""
 
     value: float
     estimate: float  # the engine's estimate of its error
@@ -343,7 +343,7 @@ def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
 def _difference(
     case: Case, run: Run, other: Run, quantity: str, half: str, channel: str | None, claimed: bool = False
 ) -> Difference | None:
-    """A number of two runs; arguments as of `pair_of`. None also where there is no scale."""
+    """A number of two runs; arguments as for `pair_of`. None also if there is no scale."""
     pair = pair_of(run, other, quantity, half, channel, claimed)
     if pair is None:
         return None
@@ -354,7 +354,7 @@ def _difference(
 def pair_of(
     run: Run, other: Run, quantity: str, half: str, channel: str | None = None, claimed: bool = False
 ) -> tuple[Claim, Claim] | None:
-    """The same number of two runs, or None where one of them cannot resolve it.
+    """The same number of two runs, or None if one of them cannot resolve it.
 
     Args:
         run: one run.
@@ -362,7 +362,7 @@ def pair_of(
         quantity: `CONSENSUS` or a number of `cases.measures.Measure`.
         half: "pre" or "post".
         channel: a trajectory column; None for the consensus, which is over the channels that both resolve.
-        claimed: whether numbers without an estimate of their error are left out, and their channels out of the consensus.
+        claimed: whether numbers without an error estimate are left out, also from the consensus.
     """
     if channel is None:
         shared = [name for name in CHANNELS if pair_of(run, other, VIBRATION[0], half, name, claimed)]
@@ -375,7 +375,7 @@ def pair_of(
 
 
 def claim(run: Run, quantity: str, half: str, channel: str) -> Claim | None:
-    """What a run says of a number of a channel; None where it cannot resolve it."""
+    """A run's claim for a number of a channel; None if it cannot resolve it."""
     measure = run.measure(half, channel)
     value = None if measure is None else measure.number(quantity)
     if measure is None or value is None:

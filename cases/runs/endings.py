@@ -1,4 +1,4 @@
-"""How a run ends: the one list of its statuses."""
+"""The statuses of a run."""
 
 from enum import StrEnum
 
@@ -9,8 +9,8 @@ class Ending(StrEnum):
     """Status of a run.
 
     Attributes:
-        sentence: what it means, to be read behind the name of the engine.
-        exit_code: of `run`, where nothing else ends otherwise.
+        sentence: its meaning, to follow the name of the engine.
+        exit_code: exit code of `run` if nothing else decides it.
         usable: whether the numbers of the run are used.
     """
 
@@ -20,7 +20,7 @@ class Ending(StrEnum):
 
     @property
     def incomplete(self) -> bool:
-        """Whether the engine did not complete. One that says what it cannot model has done what it should."""
+        """Whether the engine did not complete. A refusal does not count: the engine says what it cannot model."""
         return self.exit_code == ExitCode.ENGINE_TROUBLE and not self.usable
 
     def __new__(cls, word: str, sentence: str, exit_code: ExitCode, usable: bool) -> "Ending":

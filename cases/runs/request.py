@@ -155,7 +155,7 @@ class Run:
 
     @property
     def ending(self) -> Ending:
-        """How it ended."""
+        """The status of the run."""
         return Ending(self.status)
 
     def measure(self, half: str, channel: str) -> EstimatedMeasure | None:

@@ -39,7 +39,7 @@ UNSTABLE: Final = "unstable: {}"  # fold, period doubling or torus
 LEFT: Final = "slider left"
 OPEN: Final = "loop cannot close"
 NOT_CONVERGED: Final = "not converged"
-#: Status of a run -> status of its point, where that is another.
+#: Status of a run -> status of its point, if that is a different word.
 _ENDINGS: Final = {Ending.INACCURATE: NOT_CONVERGED, Ending.NOT_SETTLED: NOT_CONVERGED, Ending.UNAVAILABLE: Ending.FAILED}
 
 

@@ -69,7 +69,7 @@ def angles(option: str, text: str) -> list[float]:
 
 LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
 
-#: In a context's `meta`: whether to be quiet, where results are kept, and whether none are.
+#: Keys of a context's `meta`: whether to be quiet, the folder of results, and whether none are stored.
 QUIET: Final = "quickreturn.quiet"
 STORE: Final = "quickreturn.store"
 NO_STORE: Final = "--no-store"
@@ -280,7 +280,7 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
 
 
 def answered(jobs: "Sequence[Job[T]]", title: str, meanwhile: Sequence[str] = ()) -> "tuple[list[Outcome[T]], Store | None]":
-    """How each of the jobs ended, as `limited` and `stored` say, and the store, if there is one; what comes from there is told.
+    """The outcomes of jobs under the options of `limited` and `stored`, and the store, if there is one; a message names stored results.
 
     `meanwhile`: modules that this process imports while others get ready to compute.
     """
@@ -348,7 +348,7 @@ def _off(context: click.Context, option: click.Parameter, given: bool) -> None:
 
 
 stored: Final[Callable[[Any], Any]] = click.option(
-    NO_STORE, is_flag=True, expose_value=False, callback=_off, help="Compute anew what was computed before, and keep nothing."
+    NO_STORE, is_flag=True, expose_value=False, callback=_off, help="Compute everything anew, and store nothing."
 )
 
 

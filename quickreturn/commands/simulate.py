@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
-#: Modules that serve to tell what a worker found.
+#: Modules that print a worker's result.
 _TELLING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
 
 #: Further keys of a simulation's JSON document; these values if a failure leaves none.

@@ -21,7 +21,7 @@ from quickreturn.reference_model.motion.layout import ShapeRow, Tables
 
 Array = NDArray[np.float64]
 
-#: Of a system with its follower to place, angle from n1 (rad) and curvature (1/m), at the slider, of the line that it rides on.
+#: A function of a system with its follower that gives place, angle from n1 (rad) and curvature (1/m) of the slider's line at the slider.
 Line = Callable[[System, "Follower"], tuple[ca.SX, ca.SX, ca.SX]]
 #: Units of the constants; all are SI, so that a scene's values need no conversion.
 UNITS: Final = {
@@ -58,7 +58,7 @@ def constants(scene: Mechanism) -> dict[str, float]:
 
 
 class Follower(NamedTuple):
-    """The described follower: its places, where it ends, and what it stores; at the slider its place, tangent's angle and curvature."""
+    """The described follower: its places, its end and its outputs; at the slider its place, tangent's angle and curvature."""
 
     beam: Beam
     end: ca.SX
@@ -75,9 +75,9 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     Args:
         tables: shapes of the follower, at Gauss points of cells that move with the slider.
         shapes: their number.
-        rigid: whether the slider stays on its line; else it leaves it by a gap, across which joint and friction act.
+        rigid: whether the slider stays on its line; otherwise it has a gap from it, and joint and friction act across the gap.
         prescribed: whether the crank turns at a known speed; otherwise a torque drives it.
-        line: on which the slider rides; else the follower itself.
+        line: the line on which the slider rides; None: the follower itself.
     """
     system = System("quick-return")
     p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
@@ -139,7 +139,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
 
 
 def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes: int) -> Follower:
-    """Follower, tip body and base at an angle q2, with the slider at s, and what is read off them; else as for `quick_return`."""
+    """Follower, tip body and base at an angle q2, with the slider at s, and their outputs; otherwise as for `quick_return`."""
     eta = system.amplitudes("eta", shapes, "kg**0.5*m")
     pivot = vector(p.pivot_distance, 0)
 

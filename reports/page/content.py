@@ -33,7 +33,7 @@ class Content:
         studies: results of the studies; None if their cases are not all among the results.
         benchmarks: those of the scenes on which methods are compared, as far as they exist.
         compiling: times to compile engines, if they were measured.
-        thesis_modes: on the thesis' example run; None where that is not among the results.
+        thesis_modes: frequencies of the thesis' example run; None if that run is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
         finding: the recorded study of the causes of the thesis' finding.

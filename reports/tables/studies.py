@@ -47,7 +47,7 @@ def confirmation(converged: Converged | None, confirming: Sequence[Confirmation]
 
 
 def convergence(points: Sequence[Point]) -> Table:
-    """Modes by tolerance; errors are those against the last."""
+    """Error of the reference by number of modes and tolerance, against the last row."""
     columns = (
         Column("modes", form="d"),
         Column("tolerance", unit="1", form=".2g"),

@@ -20,7 +20,7 @@ Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed", "model"]
 
 CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("quickreturn.reports") / "templates" / "captions.toml").read_text("utf-8"))
-#: Units of the page that are not those of the CSV file -> its unit.
+#: Unit of the page -> unit of the CSV file, if it differs.
 _SI: Final = {
     "%": "1", "% of range": "1", "10⁻⁶": "1", "mm": "m", "ms": "s", "µs": "s", "kN/m": "N/m", "MPa": "Pa", "°": "rad", "rpm": "rad/s",
 }  # fmt: skip
