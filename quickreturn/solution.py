@@ -173,7 +173,7 @@ class Solution(Shown):
             yield self._estimates()
         if (loads := self.loads).stress is not None:
             yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
-        then = " (from the store; times of its computation)" if self.stored else ""
+        then = " (comes from the store; times of its computation)" if self.stored else ""
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items()) + then
         yield "settings", settings_words(self.settings)
         if result.further_run_skipped:
