@@ -11,8 +11,10 @@ from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 
-#: The largest part of a difference that a mistake may leave unexplained.
+#: The largest part of a difference that a mistake may leave unexplained: where the engine's own error is small or given as noise, and
+#: where it is in the difference as well and nobody knows its size.
 EXPLAINED: Final = 0.15
+COARSELY: Final = 0.4
 #: Least ratio of the unexplained part with any other mistake to that with the best, for the best to be named.
 _CLEARLY: Final = 2.0
 #: Part of a difference, and part of the noise, below which the remainder does not tell mistakes apart. The noise is a bound; errors reach a
@@ -47,7 +49,7 @@ class Explanation:
 
 
 def explain(
-    found: Array, expected: Array, hypotheses: Iterable[Hypothesis], noise: float = 0.0, most: float = EXPLAINED
+    found: Array, expected: Array, hypotheses: Iterable[Hypothesis], noise: float = 0.0, coarse: bool = False
 ) -> Explanation | None:
     """The mistake that explains a difference, or several that are alike; None if there is none, or if others explain it as well.
 
@@ -56,12 +58,12 @@ def explain(
         expected: the right values.
         hypotheses: possible mistakes; if several predict the same, the first is named.
         noise: RMS error of `found` without any mistake.
-        most: the largest part of the difference that a mistake may leave.
+        coarse: whether `found` may be off by more than that.
     """
     off = rms(found - expected)
     if off == 0.0:
         return None
-    allowed = max(most * off, min(noise, 0.5 * off))
+    allowed = max((COARSELY if coarse else EXPLAINED) * off, min(noise, 0.5 * off))
     left = [(rms(found - each.values), each) for each in hypotheses]
     for fitted in (False, True):
         tried = [(rest, each) for rest, each in left if each.fitted is fitted and np.isfinite(rest)]

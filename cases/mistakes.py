@@ -35,8 +35,8 @@ _UNITS: Final[dict[str, dict[str, str]]] = {
     "N m": {"newton millimetres": "N*mm", "inch pounds": "lbf*in"},
     "J": {"millijoules": "mJ", "inch pounds": "lbf*in"},
 }
-#: For a coarse engine: the parts of the difference, and of the column, that a mistake may leave at most.
-_EXPLAINED_COARSELY: Final = (0.4, 0.6)
+#: The largest part of its column that a mistake of a coarse engine may leave.
+_LEFT_OF_COLUMN: Final = 0.6
 #: Relative error allowed in the mild scene for a model without an error estimate: one cubic is 43 % off in a strain there.
 HOPELESS: Final = 1.2
 
@@ -83,9 +83,8 @@ def diagnose(
     claims = tolerance is not None and not within
     tried = [mistake for mistake in (*_mistakes(name, expected, beside, mechanism), *more) if mistake.gross or claims]
     if not claims:
-        share, most = _EXPLAINED_COARSELY
-        seen = [each for each in tried if rms(found - each.values) <= most * rms(each.values)]
-        coarsely = explain(found, expected, seen, most=share) if off > 0.2 * size else None
+        seen = [each for each in tried if rms(found - each.values) <= _LEFT_OF_COLUMN * rms(each.values)]
+        coarsely = explain(found, expected, seen, coarse=True) if off > 0.2 * size else None
         if coarsely is not None:
             return Finding(f"{name} {coarsely.words}", coarsely.advice, coarsely.left)
         if within or off < HOPELESS * size or not (COLUMNS[name].required or name == name.rstrip(_DIGITS)):

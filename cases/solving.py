@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.records import can_be_stored
@@ -19,7 +18,7 @@ from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.natural_frequencies import natural_frequencies
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.scene import simulate_scene
-from quickreturn.engines.trajectory import trajectory_type
+from quickreturn.engines.trajectory import Columns, trajectory_type
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 #: Code on which the answers depend besides the engines; loads also depend on their own folder.
@@ -56,7 +55,7 @@ class Answer:
     """The answer to a request: a trajectory with its assessment, or a failure with the trajectory up to then, if there is one."""
 
     version: str  # of the engine
-    columns: dict[str, NDArray[np.float64]] | None = None  # of the trajectory
+    columns: Columns | None = None  # of the trajectory
     solve_seconds: float = 0.0
     statistics: dict[str, float] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
@@ -104,7 +103,7 @@ def _kept(engine: str | AnyEngine) -> dict[str, Any]:
     return {"engines": (engine,), "lasts": _lasts} if isinstance(engine, str) else {"lasts": None}
 
 
-def _loads(scene: Scene, columns: Mapping[str, NDArray[np.float64]], estimates: Mapping[str, float | None]) -> Loads:
+def _loads(scene: Scene, columns: Columns, estimates: Mapping[str, float | None]) -> Loads:
     """Loads with relative error estimates of the columns; a moment without one gets that of the worst strain."""
     strains = [error for gauge in _GAUGES if (error := estimates.get(gauge)) is not None]
 
@@ -129,10 +128,10 @@ def frequencies_job(
 ) -> Job[Frequencies]:
     """The job for at most `count` frequencies at each crank angle (rad)."""
     arguments = mechanism, engine, tuple(crank_angles), count, dict(settings)
-    return Job(name, frozen_crank, arguments, "natural frequencies", code=CODE, **_kept(engine))
+    return Job(name, modes_at, arguments, "natural frequencies", code=CODE, **_kept(engine))
 
 
-def frozen_crank(
+def modes_at(
     mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> Frequencies:
     """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.natural_frequencies`."""

@@ -16,12 +16,12 @@ from quickreturn.cases.measures.steady_state import on_common_grid, relative_cha
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.engines.accurate import simulate
+from quickreturn.cases.solving import TrajectoryRequest
+from quickreturn.engines.accurate import Result
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import as_texts
-from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns, Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 
@@ -94,10 +94,13 @@ def run_studies(workshop: Workshop) -> Studies:
     case, jobs = load_case(ACCURACY_CASE), _jobs()
     true, convergence, *runs = workshop.outcomes(jobs, "studies")
     failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in (true, convergence, *runs) if not outcome.completed]
-    found = [outcome.value for outcome in runs if outcome.value is not None]
+    answers = {name: outcome.value for name, outcome in zip(MAIN, runs, strict=True) if outcome.value is not None}
+    found = {name: answer.result(_at_default(case, name), engine(name)) for name, answer in answers.items()}
+    failures += [f"study default {name}: {failure}" for name, failure in found.items() if isinstance(failure, EngineFailure)]
+    made = {name: result for name, result in found.items() if isinstance(result, Result)}
     results = carry_out(_requests(), workshop, "another start")
     return Studies(
-        accuracy=[replace(run, errors=errors_of(columns, true.value)) for run, columns in found] if true.value else [],
+        accuracy=[_studied(name, result, true.value) for name, result in made.items()] if true.value else [],
         converged=converged(case, true.value) if true.value else None,
         confirming=confirming(workshop.as_it_is),
         convergence=convergence.value or (),
@@ -116,7 +119,7 @@ Runs = Mapping[Name, Run]
 def _jobs() -> list[Job[Any]]:
     """The truth of the case, the convergence of the reference there, and each engine at its default accuracy."""
     case = load_case(ACCURACY_CASE)
-    runs = [Job(f"default {name}", _run, (case, name), "study", (name,), CODE, _scene(case)) for name in MAIN]
+    runs = [_at_default(case, name).job(f"default {name}") for name in MAIN]
     return [_truth(case), Job("convergence", _convergence, (case,), "study", ("reference",), CODE, _scene(case)), *runs]
 
 
@@ -128,11 +131,13 @@ def _scene(case: Case) -> tuple[Mechanism, float, float]:
     return case.mechanism, case.duration, case.output_step
 
 
-def _run(case: Case, name: str) -> tuple[StudiedRun, Columns]:
-    """An engine at its default accuracy, and its motion."""
-    chosen = engine(name)
-    made = simulate(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step)
-    run = StudiedRun(
+def _at_default(case: Case, name: str) -> TrajectoryRequest:
+    """An engine at its default accuracy."""
+    return TrajectoryRequest(scene=case.mechanism, duration=case.duration, output_step=case.output_step, engine=name)
+
+
+def _studied(name: str, made: Result, true: Trajectory) -> StudiedRun:
+    return StudiedRun(
         engine=name,
         settings=made.settings.as_dict(),
         degrees_of_freedom=made.description.degrees_of_freedom,
@@ -140,8 +145,8 @@ def _run(case: Case, name: str) -> tuple[StudiedRun, Columns]:
         setup_seconds=made.setup_seconds,
         error_estimate=made.error_estimate,
         remark=made.remark,
+        errors=errors_of(made.trajectory.columns, true),
     )
-    return run, dict(made.trajectory.columns)
 
 
 def _convergence(case: Case) -> list[Point]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from quickreturn.accuracy import checked
+from quickreturn.cases.columns import known_column
 from quickreturn.cases.errors import as_written, nearest_or_all
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
@@ -18,13 +19,13 @@ from quickreturn.engines.registry import MAIN
 from quickreturn.engines.settings import SettingError, as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.solution import framed, known_column
+from quickreturn.solution import framed
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from quickreturn.catalogue import AnyEngineOrTable
-    from quickreturn.curves import Drawing
+    from quickreturn.reports.drawing.style import Drawing
 
 #: Fields of a measure, in the order of the table.
 _NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
@@ -119,7 +120,7 @@ class CrossValidation(Shown):
         Raises:
             UnknownColumn: there is none of this name.
         """
-        from quickreturn.curves import stacked
+        from quickreturn.reports.drawing.curves import stacked
 
         chosen = [known_column(name, COLUMNS) for name in columns] or ["tip_acceleration"]
         cycles = {result.case.name: {name: run.cycle for name, run in result.runs.items() if run.cycle} for result in self.results}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
-from quickreturn.cases.errors import as_written, nearest_or_all
+from quickreturn.cases.columns import known_column
 from quickreturn.cases.jobs.display import compilation_told
 from quickreturn.cases.jobs.here import ThisProcess
 from quickreturn.cases.jobs.job import Job, T
@@ -26,7 +26,6 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS
-from quickreturn.reference_model.errors import ToldError
 from quickreturn.reference_model.machine import machine_code
 
 if TYPE_CHECKING:
@@ -34,11 +33,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from quickreturn.cases.loads import Loads
-    from quickreturn.curves import Drawing
-
-
-class UnknownColumn(ToldError, LookupError):
-    """No such column; the text is one sentence with the nearest known one."""
+    from quickreturn.reports.drawing.style import Drawing
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -130,7 +125,7 @@ class Solution(Shown):
         Raises:
             UnknownColumn: there is none of this name.
         """
-        from quickreturn.curves import curves
+        from quickreturn.reports.drawing.curves import curves
 
         return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}")
 
@@ -145,7 +140,7 @@ class Solution(Shown):
             OutputError: another ending, or it cannot be written.
             UnknownColumn: the engine does not give the follower's shape. CaseError: a page needs a crank.
         """
-        from quickreturn.animation import moving
+        from quickreturn.reports.drawing.animation import moving
         from quickreturn.reports.output import check_writable, write_file
 
         place = Path(path)
@@ -284,15 +279,6 @@ def framed(trajectory: Trajectory, **about: str) -> "pd.DataFrame":
     table = trajectory.table()
     table.attrs.update(units={name: COLUMNS[name].unit for name in table.columns}, **about)
     return table
-
-
-def known_column(name: str, columns: Mapping[str, Any]) -> str:
-    """The name. UnknownColumn: it is not one of these columns."""
-    if not isinstance(name, str):
-        raise UnknownColumn(f'{as_written(name)}: no name of a column; give one after the other, such as "tip_deflection"')
-    if name not in columns:
-        raise UnknownColumn(f"{as_written(name)}: no such column; {nearest_or_all(name, tuple(columns))}")
-    return name
 
 
 def as_csv(trajectory: Trajectory) -> bytes:

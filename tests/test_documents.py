@@ -30,6 +30,7 @@ import pytest
 
 import quickreturn
 from quickreturn.cases.benchmark import fastest_at
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.command_line import COMMANDS, main
 from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.long_studies import benchmarks
@@ -192,6 +193,16 @@ def appears(line: str, printed: str) -> bool:
 
 
 # What stands there
+
+
+def test_the_list_of_endings_is_theirs() -> None:
+    rows = re.findall(r"^\| ([a-z ]+) \| ([^|]+) \| (\d) \|$", DOCUMENTS["docs/report.md"], re.MULTILINE)
+    assert rows == [(ending.value, ending.sentence, str(ending.exit_code.value)) for ending in Ending]
+
+
+def test_the_list_of_exit_codes_is_theirs() -> None:
+    _, _, chapter = DOCUMENTS["docs/report.md"].partition("## Exit codes")
+    assert re.findall(r"^\| (\d+) \|", chapter, re.MULTILINE) == [str(code.value) for code in ExitCode]
 
 
 def test_every_command_is_shown() -> None:

@@ -53,11 +53,6 @@ class Benchmark:
     # engine -> why it was left out: it died, was stopped at a limit or cannot be used on this machine
     failures: dict[str, str] = field(default_factory=dict)
 
-    @property
-    def confirmed(self) -> bool:
-        """Whether a second solution confirms the one that defines errors."""
-        return self.confirmation.confirms
-
 
 def benchmark(
     case: Case,

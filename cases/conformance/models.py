@@ -30,8 +30,6 @@ _SMALL: Final = 0.1
 _ROUNDS: Final = 4
 _PROMISING: Final = 0.9
 _FOUND: Final = 0.02
-#: A quantity explains a difference if it leaves no more than this part of it.
-_EXPLAINED: Final = 0.25
 #: Common mistakes by a factor.
 _SIMPLE: Final = {0.5: "half", 2.0: "twice"}
 _SCALED: Final = (
@@ -69,7 +67,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     tried = list(_others(scene, effect))
     for begin in _BEGIN[:1] if small else _BEGIN:
         tried += _factors(scene, shown, effect, begin)
-        if found := explain(shown, 0.0 * shown, tried, noise=1.0, most=_EXPLAINED):
+        if found := explain(shown, 0.0 * shown, tried, noise=1.0):
             return Finding(f"the motion is that with {found.words}", found.advice, found.left)
     return None
 

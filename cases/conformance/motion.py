@@ -32,9 +32,8 @@ _IGNORED: Final[Mapping[str, Mapping[str, Any]]] = {
     "the start's deflection rate is ignored: the follower begins bent and is not bending": {"deflection_rate": None},
     "the start's deflection is ignored: the follower begins straight": {"deflection": None},
 }
-#: Part of the bend that a start may miss, and the largest part of a difference that an explanation may leave.
+#: Part of the bend that a start may miss.
 _IGNORABLE: Final = 0.05
-_LEFT_OF_START: Final = 0.4
 #: A finer rung that leaves no more than this part of a difference shows that it comes from the resolution.
 FALLS: Final = 0.7
 #: Largest number of wrong columns that are reported one by one, unless they are off by this many times their size.
@@ -297,7 +296,7 @@ def _ignored(run: Mapping[str, Array], motion: Motion, start: Start) -> str:
     others = (
         Hypothesis(cause, "", bend(solution(replace(motion, start=replace(start, **left_out))))) for cause, left_out in _IGNORED.items()
     )
-    found = explain(bend(run), bend(known), others, most=_LEFT_OF_START)
+    found = explain(bend(run), bend(known), others, coarse=True)
     return "" if found is None else found.words
 
 

@@ -20,8 +20,6 @@ from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, change
 
 #: Part of the effect below which a quantity counts as without effect.
 _NONE: Final = 0.02
-#: A mistake explains the effect of a quantity if it leaves no more than this part of the difference.
-_EXPLAINED: Final = 0.45
 #: Range of a quantity's effect in a coarse model, and the tolerance of its own effect.
 _HALF_TO_DOUBLE: Final = (0.5, 2.0)
 _APART: Final = 0.9
@@ -177,6 +175,6 @@ def _mistake(
         if share is not None and among is None:
             words = f"{change.name} acts {share:.3g} times as strongly as it should"
             tried.append(Hypothesis(words, "", share * due, fitted=True))
-        if explained := explain(shown, due, tried, most=_EXPLAINED if among is None else _EXPLAINED / 3.0):
+        if explained := explain(shown, due, tried, coarse=among is None):
             return explained.words
     return ""

@@ -36,8 +36,6 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
 }
 _FIRST: Final = "the mild scene"
 _KEEP: Final = "keep nothing between runs: no class attribute, module variable, random number or clock"
-#: A part kept from an earlier scene explains a difference if it leaves no more than this part of it: the engine may be coarse.
-_EXPLAINED: Final = 0.4
 
 #: Results of each scene in a process: columns, or why there are none.
 Found = Mapping[str, Mapping[str, Array]]
@@ -166,6 +164,6 @@ def _nothing_kept(bench: Bench, part: str, behind: Mapping[str, Array], fresh: M
     right, kept = (solution(Motion(each, _DURATION)) for each in (scene, bench.scene))
     expected, there = stacked(fresh), stacked(behind)
     stale = Hypothesis(f"the {part} of an earlier scene is kept", "", expected + stacked(kept) - stacked(right))
-    explained = explain(there, expected, [stale], most=_EXPLAINED)
+    explained = explain(there, expected, [stale], coarse=True)
     cause = f"behind other scenes {name} comes out another way than in a new process"
     raise Fault(f"{explained.words}: {cause}" if explained else cause, _KEEP)

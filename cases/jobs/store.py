@@ -60,7 +60,7 @@ class Store:
         StoreError: the folder cannot be created or written to.
     """
 
-    def __init__(self, folder: Path | None = None, tell: Callable[[str], None] | None = None) -> None:
+    def __init__(self, folder: Path | None = None, tell: Callable[[str], object] | None = None) -> None:
         self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER)
         self.notices: list[str] = []  # sentences on damaged entries and on results that could not be written, so far
         self.written = self.lost = 0  # numbers of results that were written, and that could not be

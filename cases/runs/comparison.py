@@ -192,12 +192,9 @@ class CaseResult:
             return None
         sizes = [size for half in HALVES for size in _own_sizes(run, half)]
         if known and reference is not None:
-            sizes += [abs(found.relative) for found in self.differences(name, "frequency")]
-            if run.recording:
-                held = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
-                sizes += [abs(check.difference) / check.scale for check in held]
-            else:
-                sizes += [abs(found.relative) for found in self.differences(name, "extreme")]
+            held = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
+            extremes = held if run.recording else self.differences(name, "extreme")
+            sizes += [abs(found.relative) for found in (*self.differences(name, "frequency"), *extremes)]
         return next((f"{100.0 * width:g} %" for width in CLASSES if max(sizes) <= width), WORSE) if sizes else None
 
     def differences(

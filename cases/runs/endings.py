@@ -1,50 +1,62 @@
 """The statuses of a run."""
 
+from collections.abc import Mapping
 from enum import StrEnum
+from types import MappingProxyType
+from typing import Final
 
 from quickreturn.reference_model.errors import ExitCode
 
 
 class Ending(StrEnum):
-    """Status of a run.
+    """Status of a run."""
 
-    Attributes:
-        sentence: its meaning, to follow the name of the engine.
-        exit_code: exit code of `run` if nothing else decides it.
-        usable: whether the numbers of the run are used.
-    """
+    SETTLED = "settled"
+    INACCURATE = "inaccurate"
+    NOT_SETTLED = "not settled"
+    FAILED = "failed"
+    REFUSED = "refused"
+    UNAVAILABLE = "unavailable"
+    TRANSIENT = "transient"
+    ASSUMED = "taken as settled"
 
-    sentence: str
-    exit_code: ExitCode
-    usable: bool
+    @property
+    def sentence(self) -> str:
+        """Its meaning, to follow the name of the engine."""
+        return _MEANINGS[self][0]
+
+    @property
+    def exit_code(self) -> ExitCode:
+        """Exit code of `run` if nothing else decides it."""
+        return _MEANINGS[self][1]
+
+    @property
+    def usable(self) -> bool:
+        """Whether the numbers of the run are used."""
+        return self.exit_code == ExitCode.GOOD or self == Ending.INACCURATE
 
     @property
     def incomplete(self) -> bool:
         """Whether the engine did not complete. A refusal does not count: the engine says what it cannot model."""
         return self.exit_code == ExitCode.ENGINE_TROUBLE and not self.usable
 
-    def __new__(cls, word: str, sentence: str, exit_code: ExitCode, usable: bool) -> "Ending":
-        """A member, whose value is the word."""
-        member = str.__new__(cls, word)
-        member._value_ = word
-        member.sentence, member.exit_code, member.usable = sentence, exit_code, usable
-        return member
 
-    SETTLED = "settled", "reached its steady state, and by its own estimate the accuracy asked", ExitCode.GOOD, True
-    INACCURATE = (
-        "inaccurate",
-        "reached its steady state, but its own estimate misses the accuracy asked; its numbers are used and marked",
-        ExitCode.ENGINE_TROUBLE,
-        True,
-    )
-    NOT_SETTLED = (
-        "not settled",
-        "did not repeat from cycle to cycle within the number of cycles allowed; its numbers are not used",
-        ExitCode.ENGINE_TROUBLE,
-        False,
-    )
-    FAILED = "failed", "broke down, crashed or was stopped at a limit; its numbers are not used", ExitCode.ENGINE_TROUBLE, False
-    REFUSED = "refused", "says that it cannot model this scene", ExitCode.BAD_INPUT, False
-    UNAVAILABLE = "unavailable", "cannot be used on this machine", ExitCode.ENGINE_TROUBLE, False
-    TRANSIENT = "transient", "was measured in a turn on the way from the standard start, as asked", ExitCode.GOOD, True
-    ASSUMED = "taken as settled", "is a recorded table that does not show whether it repeats", ExitCode.GOOD, True
+#: Status -> meaning and exit code.
+_MEANINGS: Final[Mapping[Ending, tuple[str, ExitCode]]] = MappingProxyType(
+    {
+        Ending.SETTLED: ("reached its steady state, and by its own estimate the accuracy asked", ExitCode.GOOD),
+        Ending.INACCURATE: (
+            "reached its steady state, but its own estimate misses the accuracy asked; its numbers are used and marked",
+            ExitCode.ENGINE_TROUBLE,
+        ),
+        Ending.NOT_SETTLED: (
+            "did not repeat from cycle to cycle within the number of cycles allowed; its numbers are not used",
+            ExitCode.ENGINE_TROUBLE,
+        ),
+        Ending.FAILED: ("broke down, crashed or was stopped at a limit; its numbers are not used", ExitCode.ENGINE_TROUBLE),
+        Ending.REFUSED: ("says that it cannot model this scene", ExitCode.BAD_INPUT),
+        Ending.UNAVAILABLE: ("cannot be used on this machine", ExitCode.ENGINE_TROUBLE),
+        Ending.TRANSIENT: ("was measured in a turn on the way from the standard start, as asked", ExitCode.GOOD),
+        Ending.ASSUMED: ("is a recorded table that does not show whether it repeats", ExitCode.GOOD),
+    }
+)

@@ -222,7 +222,7 @@ class _Point:
                 orbit=orbit,
             )
         )
-        self.status, self.sentence = _ending(run.remark, _ENDINGS.get(run.status, run.status)), run.remark
+        self.status, self.sentence = _ending(run.remark, _ENDINGS.get(run.ending, run.status)), run.remark
         if found is not None and not found.stable and run.status == Ending.NOT_SETTLED:
             self.status = UNSTABLE.format(instability(np.array(found.multipliers)))
         if run.usable:

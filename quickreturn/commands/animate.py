@@ -49,7 +49,7 @@ def command(
     check_writable(Path(output), "", *ENDINGS)
     found = {name: trajectory for (_, name), trajectory in trajectories([loaded], engines, settings, accuracy).items()}
     options.begin(f"drawing {output}")
-    from quickreturn.animation import moving
+    from quickreturn.reports.drawing.animation import moving
 
     write_file(Path(output), moving(loaded, found, Path(output).suffix.lower(), magnify))
     click.echo(output)

@@ -67,8 +67,8 @@ def command(
         for result in results:
             click.echo(in_lines(parts_of_tables(result, tables_in(result))))
     if output:
+        from quickreturn.reports.drawing.recorded import drawn
         from quickreturn.reports.output import write_file
-        from quickreturn.reports.plots.recorded import drawn
 
         write_file(Path(output), drawn(results, Path(output).suffix.lower()))
     return exit_code(results, workshop, engines)

@@ -292,11 +292,11 @@ def answered(jobs: "Sequence[Job[T]]", title: str, meanwhile: Sequence[str] = ()
     from quickreturn.solution import opened_store
 
     meta = click.get_current_context().meta
-    store = None if meta.get(NO_STORE) else opened_store(tell)
-    meta[STORE] = store
-    executor = LocalProcesses(limits=limits(), preload=questions.COMPUTING, quiet=quiet(), meanwhile=meanwhile)
     # another's engine: its version and code, which the key contains, would load its library here
     jobs = [job if OWN.issuperset(job.engines) else replace(job, lasts=None) for job in jobs]
+    store = None if meta.get(NO_STORE) or not any(job.lasts for job in jobs) else opened_store(tell)
+    meta[STORE] = store
+    executor = LocalProcesses(limits=limits(), preload=questions.COMPUTING, quiet=quiet(), meanwhile=meanwhile)
     outcomes = outcomes_of(jobs, title, executor, store)
     if store is not None and (known := [outcome.job.name for outcome in outcomes if outcome.stored]):
         begin(f"{', '.join(known)}: computed before and kept in {store.folder}; {NO_STORE} computes anew")

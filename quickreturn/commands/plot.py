@@ -36,8 +36,8 @@ def command(
     """
     from quickreturn.cases.recorded import is_table
     from quickreturn.commands.trajectories import trajectories
+    from quickreturn.reports.drawing.style import picture
     from quickreturn.reports.output import check_writable, write_file
-    from quickreturn.reports.plots.style import picture
 
     overrides, settings = options.read_assignments(assignments)
     files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
@@ -51,12 +51,12 @@ def command(
     check_writable(Path(output), "", *options.PICTURES)
     options.begin(f"drawing {output}")
     if not engines and not files:
-        from quickreturn.drawing import mechanisms
+        from quickreturn.reports.drawing.mechanism import mechanisms
 
         figure = mechanisms(loaded)
     else:
         from quickreturn.cases.recorded import read_table
-        from quickreturn.curves import curves
+        from quickreturn.reports.drawing.curves import curves
 
         shown: dict[str, Mapping[str, Any]] = {Path(file).stem: read_table(file).columns for file in files}
         solved = trajectories(loaded, engines, settings, accuracy)

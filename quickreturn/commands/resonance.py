@@ -49,8 +49,8 @@ def command(
     from quickreturn.cases.resonance_curve import SPEED, USUAL, job, range_of
     from quickreturn.questions import value_of
     from quickreturn.reference_model.errors import ExitCode
+    from quickreturn.reports.drawing.style import picture
     from quickreturn.reports.output import check_writable, print_json, write_file
-    from quickreturn.reports.plots.style import picture
     from quickreturn.resonance_curves import Resonance, speed_of
 
     loaded = options.load(case, options.read_overrides(assignments))

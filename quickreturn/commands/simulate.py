@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from quickreturn.cases.case import Case
     from quickreturn.commands.trajectories import Attempt
     from quickreturn.engines.base import EngineFailure
+    from quickreturn.engines.trajectory import Trajectory
     from quickreturn.questions import EngineDied
     from quickreturn.solution import Solution
 
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
-#: Modules that print a worker's result.
-_TELLING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
+#: Modules that are preloaded to show what a worker found.
+_SHOWING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
 
 #: Further keys of a simulation's JSON document; these values if a failure leaves none.
 _NOTHING: Final[dict[str, Any]] = {
@@ -104,7 +105,7 @@ def command(
             check_writable(Path(file), case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
-    for attempt in attempts(loaded, engines, settings, accuracy, not no_estimate, _TELLING):
+    for attempt in attempts(loaded, engines, settings, accuracy, not no_estimate, _SHOWING):
         case, name = attempt.case, attempt.engine
         try:
             known, found = _written(attempt, places[case.name, name])
@@ -158,6 +159,7 @@ def _written(attempt: "Attempt", path: str | None) -> "tuple[dict[str, Any], Fou
     from quickreturn.solution import as_csv
 
     found: Found
+    trajectory: Trajectory | None
     try:
         known: dict[str, Any] = {"version": attempt.answer().version, "stored": attempt.outcome.stored}
         found = attempt.solution()

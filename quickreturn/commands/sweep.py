@@ -79,7 +79,7 @@ def command(
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
     if plot is not None:
-        from quickreturn.reports.plots.study import LINES, drawable
+        from quickreturn.reports.drawing.study import LINES, drawable
 
         check_writable(Path(plot), "" if loaded.source == "library" else case, *PICTURES)
         if not drawable(varied):
@@ -90,8 +90,8 @@ def command(
     dataset = dataset_of(found)
     write_file(Path(output), dataset_file(dataset, Path(output).suffix.lower()))
     if plot is not None:
-        from quickreturn.reports.plots.study import draw
-        from quickreturn.reports.plots.style import picture
+        from quickreturn.reports.drawing.study import draw
+        from quickreturn.reports.drawing.style import picture
 
         write_file(Path(plot), picture(draw(found), Path(plot).suffix.lower()))
     if as_json:

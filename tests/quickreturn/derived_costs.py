@@ -53,8 +53,8 @@ def fastest(calls: Sequence[Callable[[], Any]]) -> list[float]:
 
 def main() -> None:
     """Print lines, times to derive and compile, times of an evaluation, and the largest difference of a term."""
-    (by_hand,), (kit,), (described,) = (list(package.__path__) for package in (motion, derive, witness))
-    print("lines of code: by hand", lines_of_code(sorted(Path(by_hand).glob("*.py"))))
+    (written,), (kit,), (described,) = (list(package.__path__) for package in (motion, derive, witness))
+    print("lines of code: by hand", lines_of_code(sorted(Path(written).glob("*.py"))))
     print("description", lines_of_code([Path(described) / "description.py"]), "kit", lines_of_code(sorted(Path(kit).glob("*.py"))))
     for modes in (1, 2, 5, 9):
         scene = run_24()

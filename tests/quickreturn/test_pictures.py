@@ -10,14 +10,14 @@ import pytest
 from PIL import Image
 
 import quickreturn as qr
-from quickreturn.animation import FRAMES, last_turn, moving
 from quickreturn.cases.case_file import load_case
-from quickreturn.drawing import POINTS, SHOWN, factor_for, positions_of, unbent
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reports.drawing.animation import FRAMES, last_turn, moving
+from quickreturn.reports.drawing.mechanism import POINTS, SHOWN, factor_for, positions_of, unbent
 from quickreturn.reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE

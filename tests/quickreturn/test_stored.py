@@ -13,7 +13,6 @@ from quickreturn.cases.jobs.workshop import outcomes_of
 from quickreturn.cases.solving import TrajectoryRequest
 from quickreturn.engines.registry import engine
 from tests.engines.fake_engine import FakeEngine
-from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
 
@@ -22,12 +21,9 @@ QUICK = ("small.toml", "--engine", "thesis", "--duration", "0.02")
 
 
 @pytest.fixture(autouse=True)
-def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    install(tmp_path / "packages", "fakes", {"stored_fake": FAKE_ENGINE}, {"fake": "stored_fake:FakeEngine"})
-    monkeypatch.syspath_prepend(tmp_path / "packages")
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.toml").write_text(SCENE)
-    return tmp_path
+def small(call: Call) -> None:
+    """A case in the folder where the program is called, with the fake engine installed."""
+    Path("small.toml").write_text(SCENE)
 
 
 def results() -> list[Path]:
@@ -89,7 +85,7 @@ def test_a_folder_that_cannot_be_used_is_told_and_keeps_nothing_from_working(mon
         assert not qr.simulate("small.toml", "fake").stored
 
 
-def test_natural_frequencies_come_again(call: Call) -> None:
+def test_natural_frequencies_come_again() -> None:
     first, second = (qr.modes("small.toml", "fake", [0.0, 90.0], count=2) for _ in range(2))
     assert first.equals(second)
     assert first.attrs == second.attrs

@@ -1,4 +1,4 @@
-"""Scenes and states of the oracles handed to the explicit model, and what both say about them under common names."""
+"""Scenes and states handed to the thesis' model, and what it and the computer's derivation say about them under common names."""
 
 import cmath
 from collections.abc import Callable, Mapping

@@ -12,8 +12,8 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import LEFT, UNSTABLE, Asked
 from quickreturn.cases.sweep.study import Study
-from quickreturn.reports.document_pictures import CURVE, MAPS
-from quickreturn.reports.plots.study import ENDINGS, draw, drawable
+from quickreturn.reports.drawing.document_pictures import CURVE, MAPS
+from quickreturn.reports.drawing.study import ENDINGS, draw, drawable
 from tests.reports.test_looks import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")

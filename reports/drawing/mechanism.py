@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case import Case
-from quickreturn.curves import WIDTH, Drawing, drawing
+from quickreturn.cases.columns import UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import rigid_motion
-from quickreturn.reports.plots.style import FONT_SIZE, GREY, QUICK, SMALL, look
+from quickreturn.reports.drawing.curves import WIDE
+from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Drawing, look, new_figure
 from quickreturn.reports.words import angle_text
-from quickreturn.solution import UnknownColumn
 
 Array = NDArray[np.float64]
 
@@ -188,7 +188,7 @@ def legend(motions: Mapping[str, Positions], factor: float) -> list[Line2D]:
 def mechanisms(cases: Sequence[Case]) -> Drawing:
     """Draw cases with straight followers, one below the other."""
     motions = [unbent(case) for case in cases]
-    figure = drawing(0.3 + 3.2 * len(cases), WIDTH)
+    figure = new_figure(0.3 + 3.2 * len(cases), WIDE)
     for axes, case, motion in zip(figure.subplots(len(cases), 1, squeeze=False)[:, 0], cases, motions, strict=True):
         said = "" if motion.crank_angle is None else f"crank at {angle_text(math.degrees(float(motion.crank_angle[0])))}"
         Scenery(axes, case, {"reference": motion}, 1.0).show(0, said)

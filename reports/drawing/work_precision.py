@@ -9,8 +9,8 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from quickreturn.cases.benchmark import Benchmark, pareto_front
 from quickreturn.cases.benchmark.findings import Point, completed, error_of
+from quickreturn.reports.drawing.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
 from quickreturn.reports.looks import looks
-from quickreturn.reports.plots.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
 from quickreturn.reports.words import number
 
 #: Column -> heading of its panel.

@@ -1,45 +1,27 @@
 """Columns of trajectories as curves, engines over each other."""
 
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from quickreturn.cases.columns import UnknownColumn, known_column
 from quickreturn.cases.units import in_si
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
-from quickreturn.solution import UnknownColumn, known_column
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Drawing, look, new_figure, tidy
 
 #: Columns that are drawn if the caller names none.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
 
-WIDTH: Final = 8.0  # in
+WIDE: Final = 8.0  # in, of several panels
 PANEL: Final = 1.9  # in, height
-NOTEBOOK: Final = 110  # dots per inch
-
 #: Unit -> the unit in a picture, and the divisor that converts a value to it.
 _SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
 Array = NDArray[np.float64]
-
-
-class Drawing(Figure):
-    """A figure that a notebook shows by itself; `savefig` writes it to a file."""
-
-    def _repr_png_(self) -> bytes:
-        file = io.BytesIO()
-        self.savefig(file, format="png", dpi=NOTEBOOK)
-        return file.getvalue()
-
-
-def drawing(height: float, width: float = WIDTH) -> Drawing:
-    """An empty drawing, sizes in inches."""
-    return Drawing(figsize=(width, height), layout="constrained", facecolor="white")
 
 
 def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
@@ -51,7 +33,7 @@ def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[st
     chosen = [known_column(name, there) for name in columns] or [name for name in USUAL if name in there]
     if not chosen:
         raise UnknownColumn(f"none of the usual columns is there; name some of {', '.join(name for name in there if name != 'time')}")
-    figure = drawing(0.8 + PANEL * len(chosen))
+    figure = new_figure(0.8 + PANEL * len(chosen), WIDE)
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, chosen, strict=True):
         _panel(axes, trajectories, name, "time")
@@ -62,7 +44,7 @@ def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[st
 
 def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Sequence[str]) -> Drawing:
     """Draw the last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
-    figure = drawing(0.8 + PANEL * len(cycles), max(WIDTH, 4.0 * len(columns)))
+    figure = new_figure(0.8 + PANEL * len(cycles), max(WIDE, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
     for row, (case, runs) in zip(grid, cycles.items(), strict=True):
         for axes, name in zip(row, columns, strict=True):
@@ -89,7 +71,7 @@ def _panel(axes: Axes, trajectories: Mapping[str, Mapping[str, Array]], column: 
     tidy(axes, f"{column.replace('_', ' ')} [{unit.replace('^2', '²')}]")
 
 
-def _finish(figure: Figure, first: Axes, title: str) -> None:
+def _finish(figure: Drawing, first: Axes, title: str) -> None:
     if title:
         figure.suptitle(title, fontsize=FONT_SIZE + 1.0)
     handles, labels = first.get_legend_handles_labels()

@@ -23,7 +23,7 @@ from quickreturn.cases.sweep.measures import MEASURES
 from quickreturn.cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, UNSTABLE
 from quickreturn.cases.sweep.study import Study
 from quickreturn.cases.units import unit_size
-from quickreturn.reports.plots.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
+from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
 
 #: Largest number of values of a second key that are drawn as lines; with more values a map is drawn.
 LINES: Final = 6

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from quickreturn.cases.case import Case
-from quickreturn.curves import drawing
-from quickreturn.drawing import Positions, Scenery, factor_for, legend, positions_of
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE
+from quickreturn.reports.drawing.mechanism import Positions, Scenery, factor_for, legend, positions_of
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, new_figure
 
 FRAMES: Final = 72
 WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
@@ -63,7 +62,7 @@ def last_turn(trajectory: Trajectory) -> NDArray[np.float64]:
 
 
 def _frames(case: Case, motions: Mapping[str, Positions], factor: float, slowed: int) -> list[Image.Image]:
-    figure = drawing(HEIGHT, WIDTH)
+    figure = new_figure(HEIGHT, WIDTH)
     axes = figure.subplots()
     scenery = Scenery(axes, case, motions, factor)
     speed = "" if slowed == 1 else f"; shown {slowed} times slower"

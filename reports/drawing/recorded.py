@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.recorded import GROWING, VIBRATING
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.plots.cycle import direction, fraction, stacked_panels
-from quickreturn.reports.plots.style import all_looks, legend_above, new_figure, note, picture
+from quickreturn.reports.drawing.cycle import direction, fraction, stacked_panels
+from quickreturn.reports.drawing.style import all_looks, legend_above, new_figure, note, picture
 
 #: Columns of a table that are drawn.
 MOST_PANELS: Final = 8
